@@ -22,7 +22,7 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, StepInput, Stepper, equilibrium
-from tractive_sam.contact.steady import start_of
+from tractive_sam.contact.steady import dimensionless_start
 from tractive_sam.solvers import steepness
 
 
@@ -45,7 +45,10 @@ def line_scene(seed: int, slip: str, start: str) -> ts.Scene:
 def steepness_of(contact: ts.State) -> float:
     """Return the steepness of a solution."""
     model = Model(contact.scene, grid=contact.grid)
-    problem, start = model.problem(model.undeformed_gap / model.units.gap), start_of(model, contact)
+    problem, start = (
+        model.problem(model.undeformed_gap / model.units.gap),
+        dimensionless_start(model, contact),
+    )
     problem = problem.with_pressure(start.pressure, contact.gap / model.units.gap)
     slip = problem.rigid + problem.response(start.traction)
     return steepness(problem, start.pressure, problem.normal.gap, start.traction, slip)

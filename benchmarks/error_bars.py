@@ -23,8 +23,8 @@ from scipy.stats import qmc
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, fitted
-from tractive_sam.run.accuracy.levels import Levels, with_tolerances
+from tractive_sam.contact import Model, solve_on_fitted_mesh
+from tractive_sam.run.accuracy.levels import Levels, set_tolerances
 from tractive_sam.subsurface import stress_maxima
 
 LOAD, STEEL = 1000.0, 208e3
@@ -93,7 +93,7 @@ def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
     finer = level + FINER
     while math.prod(levels.grid(finer).elements) > MOST and finer > level + 2:
         finer -= 1
-    _, fine = fitted(Model(with_tolerances(scene), None, levels.grid(finer)))
+    _, fine = solve_on_fitted_mesh(Model(set_tolerances(scene), None, levels.grid(finer)))
     force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
     arm = math.sqrt(contact.half_width_x * contact.half_width_y)
     scales = {"Qx": force, "Qy": force, "Mz": force * arm}

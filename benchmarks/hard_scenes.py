@@ -28,7 +28,7 @@ from timing import show, write
 
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.results.status import Status
-from tractive_sam.run import measured_gap
+from tractive_sam.run import read_measured_gap
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Solver, Uzawa
 from tractive_sam.solvers.ladder import METHODS as NAMED
@@ -289,7 +289,7 @@ def campaign(family: str, seeds: range, methods: list[str]) -> Iterator[dict]:
     for seed in seeds:
         scene, parameters = FAMILIES[family](seed)
         for name in methods:
-            model = Model(scene, measured_gap(scene))
+            model = Model(scene, read_measured_gap(scene))
             solved = METHODS[name](scene, model)
             if solved is None:
                 continue

@@ -13,7 +13,7 @@ Page: docs/theory/heat.md
 from timing import seconds, show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.heat import heat_of, surface_heat
+from tractive_sam.contact.heat import surface_heat, temperatures_of
 from tractive_sam.scene import Scene
 
 ELEMENTS = (31, 61, 121, 241)
@@ -46,7 +46,7 @@ def row(elements: int, speed: float) -> dict:
     found["kernels"] = seconds(kernels) / solve
     for name, scene in (("alike", hot), ("unlike", unlike)):
         model = Model(scene)
-        found[name] = seconds(lambda model=model: heat_of(model, contact)) / solve
+        found[name] = seconds(lambda model=model: temperatures_of(model, contact)) / solve
     answering = equilibrium(Model(warm))
     found["slips"] = 1.0 - answering.stick_fraction
     found["hottest"] = answering.heat.temperature_max

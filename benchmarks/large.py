@@ -46,7 +46,7 @@ def measure_mesh(n: int) -> dict:
         "CPU s": cpu,
         "us an element": 1e6 * again / n**2,
         "GiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
-        "GiB estimated": memory.of_contact(Model(scene)) / 2**30,
+        "GiB estimated": memory.contact_bytes(Model(scene)) / 2**30,
         "Qx/muP": contact.Qx / (scene.friction.mu[0] * contact.P),
     }
 

@@ -38,8 +38,8 @@ from tractive_sam.reference import (
     line_shear_stress,
 )
 from tractive_sam.results import State
-from tractive_sam.results.edges import beyond, both_ends
-from tractive_sam.run import measured_gap
+from tractive_sam.results.edges import distance_to_edge, distances_to_edges
+from tractive_sam.run import read_measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume
 from tractive_sam.subsurface.loaded import LoadedBodies
 from tractive_sam.subsurface.mirror import SIGNS
@@ -62,7 +62,7 @@ def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
     else:
         grid = {"grid.half_length": [half_length] * 2, "grid.elements": [elements] * 2}
     scene = scene.replace(**grid)
-    return equilibrium(Model(scene, measured_gap(scene)))
+    return equilibrium(Model(scene, read_measured_gap(scene)))
 
 
 def surfaces(contact: State, body: str) -> dict[str, float]:
@@ -158,7 +158,7 @@ def of_traction(contact: State, mu: float) -> dict[str, float]:
     """The largest traction of a line that sticks at its leading edge, by each estimate."""
     p, q = contact.pressure[:, 0], np.abs(contact.traction[0, :, 0])
     lacks = np.where(contact.sticking[:, 0], np.maximum(mu * p - q, 0.0), 0.0)
-    before = beyond(lacks[::-1, None])[::-1, 0]
+    before = distance_to_edge(lacks[::-1, None])[::-1, 0]
     first = np.flatnonzero(np.isfinite(before))[0]
     end = first - before[first]  # in elements
     touching = np.flatnonzero(p > 0.0)
@@ -269,7 +269,7 @@ def elements_of_pressure() -> list[dict]:
             sides = np.full(x.size, side)
             plain = _line_contact(constant, x, sides)
             found = {"constant": plain, "bilinear": _line_contact(hats, x, sides)}
-            ahead, behind = both_ends(plain[:, None])
+            ahead, behind = distances_to_edges(plain[:, None])
             touching = np.flatnonzero(plain > 0.0)
             ends = (
                 x[touching[0]] - side * behind[touching[0], 0],

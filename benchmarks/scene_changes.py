@@ -19,7 +19,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 import tractive_sam as ts
-from tractive_sam.results.stored_fields import kept_fields
+from tractive_sam.results.stored_fields import storable_fields
 
 BODIES = {"A": "B", "B": "A"}
 
@@ -71,7 +71,7 @@ class Outcome:
             if name in ("slip_x", "slip_y"):
                 values[name][~slid] = np.nan
             dims[name] = (*blocks, "x", "y")
-            units[name] = kept_fields(scene)[name].unit
+            units[name] = storable_fields(scene)[name].unit
         if "heat_into_A" in values:
             power = [values[f"traction_{k}"] * values[f"slip_{k}"] for k in "xy"]
             values["heat_into_B"] = -scene.creepage.speed * sum(power) - values["heat_into_A"]

@@ -23,7 +23,7 @@ from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.kernels.rectangle import integrals
-from tractive_sam.rolling.passage import passage_at, unworn
+from tractive_sam.rolling.passage import first_passage, passage_at
 from tractive_sam.rolling.response import wear_response
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Problem
@@ -349,7 +349,7 @@ def wear():
             [*mesh, "friction.mu=0.3", "wear.intensity=2e-6", "creepage.longitudinal=-0.02"]
         )
         model = Model(scene)
-        first = unworn(model)
+        first = first_passage(model)
         y, hertz = model.grid.y, scene.hertz
 
         def rate(profile, model=model, first=first):

@@ -30,7 +30,7 @@ from timing import RESULTS, show, write
 from tractive_sam.contact import Model
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
-from tractive_sam.rolling.passage import Passage, next_passage, passage_at, unworn
+from tractive_sam.rolling.passage import Passage, first_passage, next_passage, passage_at
 from tractive_sam.rolling.response import wear_response
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
@@ -131,7 +131,7 @@ def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
     """Roll the discs in jumps; the records are those of the saved revolutions."""
     began = process_time()
     model = Model(discs(SAVED[-1], f"wear.tolerance={tolerance}"))
-    first = next_passage(model, unworn(model))
+    first = next_passage(model, first_passage(model))
     course = Course(model, first, 1 + first.solves)
     records, jump = [], 1
     while course.passage.revolution < SAVED[-1] and course.solves < MOST_SOLVES:

@@ -26,15 +26,12 @@ def _renamed(file: Path) -> Iterator[tuple[str, str]]:
     tree = ast.parse(text)
     for node in ast.walk(tree):
         if isinstance(node, ast.ClassDef):
-            for line in node.body:
-                match line:
-                    case ast.Assign(
-                        targets=[ast.Name(id=old)],
-                        value=ast.Call(
-                            func=ast.Name(id="RenamedAttribute"), args=[ast.Constant(value=new)]
-                        ),
-                    ):
-                        yield f"{node.name}.{old}", f"{node.name}.{new}"
+            for call in node.decorator_list:
+                match call:
+                    case ast.Call(func=ast.Name(id="renamed_attributes"), keywords=keywords):
+                        for old in keywords:
+                            name = ast.literal_eval(old.value)
+                            yield f"{node.name}.{old.arg}", f"{node.name}.{name}"
         elif isinstance(node, ast.Dict) and file.stem == "__init__":
             prefix = ".".join(("ts", *file.relative_to(PACKAGE).parts[:-1]))
             for old, new in ast.literal_eval(node).items():

@@ -5,11 +5,11 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TypeVar
 
 
-def _warn(former: str, name: str) -> None:
-    text = f"{former} is called {name} now; the former name will be removed"
+def _warn(old: str, name: str) -> None:
+    text = f"{old} is called {name} now; the former name will be removed"
     warnings.warn(text, DeprecationWarning, stacklevel=4)
 
 
@@ -37,7 +37,7 @@ def with_renamed(
     return find
 
 
-def accept_former_methods(cls: type, renamed: Mapping[str, str]) -> None:
+def accept_renamed_methods(cls: type, renamed: Mapping[str, str]) -> None:
     """Let a class define methods under their former names, with a warning.
 
     Parameters
@@ -47,28 +47,39 @@ def accept_former_methods(cls: type, renamed: Mapping[str, str]) -> None:
     renamed : mapping of str to str
         Present names by former names.
     """
-    for former, name in renamed.items():
-        if former in vars(cls) and not isinstance(vars(cls)[former], RenamedAttribute):
-            _warn(f"{cls.__name__}.{former}", name)
-            setattr(cls, name, vars(cls)[former])
+    for old, name in renamed.items():
+        if old in vars(cls) and not isinstance(vars(cls)[old], _RenamedAttribute):
+            _warn(f"{cls.__name__}.{old}", name)
+            setattr(cls, name, vars(cls)[old])
 
 
-class RenamedAttribute:
-    """A former name of an attribute or a method, as an attribute of its class.
+Class = TypeVar("Class", bound=type)
+
+
+def renamed_attributes(**renamed: str) -> Callable[[Class], Class]:
+    """Return a decorator that gives a class its attributes and methods under former names as well.
 
     Parameters
     ----------
-    name : str
-        The present name.
+    **renamed : str
+        Present names by former names.
     """
 
-    def __init__(self, name: str) -> None:
-        self.name = name
+    def add(cls: Class) -> Class:
+        for old, name in renamed.items():
+            setattr(cls, old, _RenamedAttribute(f"{cls.__name__}.{old}", name))
+        return cls
 
-    def __set_name__(self, owner: type, former: str) -> None:
-        self.former = f"{owner.__name__}.{former}"
+    return add
+
+
+class _RenamedAttribute:
+    """An attribute or a method under its former name."""
+
+    def __init__(self, old: str, name: str) -> None:
+        self._old, self._name = old, name
 
     def __get__(self, instance: Any, owner: type) -> Any:
         """Warn, and return the attribute under its present name."""
-        _warn(self.former, self.name)
-        return getattr(owner if instance is None else instance, self.name)
+        _warn(self._old, self._name)
+        return getattr(owner if instance is None else instance, self._name)

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, fitted
+from tractive_sam.contact import Model, solve_on_fitted_mesh
 from tractive_sam.run.accuracy.error_bars import (
-    LargestStress,
-    OfBody,
+    BodyColumn,
     Sample,
+    StressMaximum,
     error_bars,
     relative_error_bars,
 )
@@ -21,7 +21,7 @@ from tractive_sam.subsurface import stress_maxima
 
 pytestmark = pytest.mark.slow  # meshes far finer than requested
 
-INSIDE, SURFACE = (LargestStress("von_mises_max", "A", surface) for surface in (False, True))
+INSIDE, SURFACE = (StressMaximum("von_mises_max", "A", surface) for surface in (False, True))
 
 NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")
 
@@ -111,7 +111,7 @@ def test_the_points_of_a_path_count_in_the_bar_of_the_stressed_volume():
     scene = ts.Scene.builtin("twin-discs").replace(wear=None, subsurface=None, grid=grid)
     contact = ts.solve(scene.replace(fatigue=material | {"volume": {}}))
     one = Sample.of(contact, {}, ts.fatigue(contact))
-    bar = relative_error_bars(one, one, one)[OfBody("stressed_volume", "A")]
+    bar = relative_error_bars(one, one, one)[BodyColumn("stressed_volume", "A")]
     # Rounding of two integrals, over the difference of both.
     error = ts.Laws.of(contact.scene).fatigue.path_error
     assert bar == pytest.approx((1.0 + error) ** (31.0 / 3.0) - 1.0, rel=1e-6)
@@ -132,7 +132,7 @@ def test_bars_hold_against_a_much_finer_mesh(name):
     contact = ts.solve(scene)
     levels = Levels(scene, None)
     finer = levels.grid(levels.of(contact.grid) + 3)  # 2.8 times finer in every direction
-    _, fine = fitted(Model(scene, None, finer))
+    _, fine = solve_on_fitted_mesh(Model(scene, None, finer))
     for quantity in ("Qx", "Qy", "Mz", "approach", "p_max"):
         error = abs(getattr(contact, quantity) - getattr(fine, quantity))
         assert error <= contact.error_bars[quantity], quantity

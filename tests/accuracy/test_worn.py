@@ -92,7 +92,7 @@ def test_new_bodies_are_not_solved_again(tmp_path, monkeypatch):
         **{"accuracy.tolerance": 1e-5, "accuracy.elements": 1000, "subsurface": None}
     )
     before = ts.roll(scene, path)
-    monkeypatch.setattr("tractive_sam.run.accurately.refined", None)
+    monkeypatch.setattr("tractive_sam.run.refined_runs.refine_unworn", None)
     after = ts.roll(scene, path, resume=True)
     assert before.status == after.status == "inaccurate"
     assert after.to_dict() | {"message": ""} == before.to_dict() | {"message": ""}

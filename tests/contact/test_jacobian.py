@@ -148,11 +148,11 @@ FORCED = {
 LESS = {"static": 0.3, "kinetic": 0.18, "half_speed": 100.0}
 EXPONENTIAL, RATIONAL = ({"law": law, **LESS} for law in ("exponential", "rational"))
 STRONG = {"mu": (0.3, 0.25), "strength": 150.0}  # over the larger one: no derivative where equal
-WARM = {"mu": 0.3, "temperature": [[0.0, 1.0], [400.0, 0.5]]}
+HEAT_FIELDS = {"mu": 0.3, "temperature": [[0.0, 1.0], [400.0, 0.5]]}
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
 ALL = {**RATIONAL, "memory": 2e-3, "layer": 1e-5, "strength": 150.0, "angle": 30.0}
 ALL |= {"static": (0.3, 0.2), "kinetic": (0.18, 0.12)}
-EVERY = {**ALL, "temperature": WARM["temperature"]}
+EVERY = {**ALL, "temperature": HEAT_FIELDS["temperature"]}
 IRON = {"conductivity": 50.0, "density": 7850.0, "heat_capacity": 450.0}
 HOT = {
     **FAST,
@@ -167,8 +167,8 @@ CASES |= {
     "strength": {**FAST, "friction": STRONG},
     "strength under a force": {**FORCED, "friction": STRONG},
     "layer": {**FAST, "friction": {"mu": 0.3, "layer": 1e-5}},
-    "temperature": {**FAST, "heat": {"bulk": 20.0}, "friction": WARM},
-    "temperature under a force": {**FORCED, "heat": {"bulk": 20.0}, "friction": WARM},
+    "temperature": {**FAST, "heat": {"bulk": 20.0}, "friction": HEAT_FIELDS},
+    "temperature under a force": {**FORCED, "heat": {"bulk": 20.0}, "friction": HEAT_FIELDS},
     "all": {**FAST, "friction": ALL},
     "all, dissimilar, upwind": {**FAST, "friction": ALL, "body.B.shear": 2e5, **UPWIND},
     "all under a force": {**FORCED, "friction": ALL},

@@ -9,8 +9,8 @@ import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.contact.roughness import Roughness
 from tractive_sam.results import Grid
+from tractive_sam.run.argument_checks import read_measured_gap, read_profiles
 from tractive_sam.run.gap_notes import gap_notes
-from tractive_sam.run.given import measured_gap, travelling
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None, wear=None)
 USUAL = Model(DISCS).grid
@@ -19,7 +19,7 @@ PRESSED = DISCS.replace(creepage=None)
 
 
 def model_of(scene):
-    return Model(scene, measured_gap(scene), profiles=travelling(scene))
+    return Model(scene, read_measured_gap(scene), profiles=read_profiles(scene))
 
 
 def rough(scene=DISCS, **gap):

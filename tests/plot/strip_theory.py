@@ -9,7 +9,7 @@ from tractive_sam.mechanics.point_contact import HertzContact
 from tractive_sam.results.column_table import columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
-from tractive_sam.results.record import Record, fields
+from tractive_sam.results.record import Record, restart_fields
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Friction, Scene
@@ -104,7 +104,7 @@ def history(stored=(0, 10, 100), requested=None):
             traction=traction(hertz=worn),
             slip=slip(),
         )
-        kept = fields(replace(now, wear=np.tile(profile, (len(X), 1))))
+        kept = restart_fields(replace(now, wear=np.tile(profile, (len(X), 1))))
         values = {name: profile if one.dims == ("y",) else 0.0 for name, one in names.items()}
         values |= {
             "revolution": revolution,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.results.edges import covered, extent
+from tractive_sam.results.edges import contact_extent, covered_elements
 
 BALL = {"young": 2e5, "poisson": 0.3, "radius_x": 20.0}
 PLATE = BALL | {"radius_x": math.inf, "radius_y": math.inf}
@@ -56,23 +56,25 @@ def test_an_edge_does_not_jump_as_an_element_comes_into_contact():
     wide = np.array([0.0, 1.0, 1.0, 1e-9, 0.0])[:, None]
     narrow = np.array([0.0, 1.0, 1.0, 0.0, 0.0])[:, None]
     # The square root of the pressure's quotient is what is left: 1e-9, and rounding.
-    assert extent(wide) == pytest.approx(extent(narrow), abs=1e-8)
-    assert covered(wide) == pytest.approx(covered(narrow), abs=1e-8)
+    assert contact_extent(wide) == pytest.approx(contact_extent(narrow), abs=1e-8)
+    assert covered_elements(wide) == pytest.approx(covered_elements(narrow), abs=1e-8)
 
 
 def test_shapes_that_are_known():
-    assert extent(np.zeros((5, 5))) == covered(np.zeros((5, 5))) == 0.0
+    assert contact_extent(np.zeros((5, 5))) == covered_elements(np.zeros((5, 5))) == 0.0
     flat = np.zeros((12, 12))
     flat[3:9, 2:8] = 1.0  # constant to its rim: all edges at the same place of their elements
-    side = extent(flat)
-    assert side == extent(flat.T)
+    side = contact_extent(flat)
+    assert side == contact_extent(flat.T)
     # A square, of which four corners are cut off.
     corner = 0.5 * (0.5 * (side - 5.0)) ** 2
-    assert covered(flat) == pytest.approx(side**2 - 4 * corner, rel=1e-12)
+    assert covered_elements(flat) == pytest.approx(side**2 - 4 * corner, rel=1e-12)
     two = np.zeros((12, 12))
     two[1:3, 1:3] = two[3:5, 3:5] = 1.0  # that touch at a corner
-    assert covered(two) == pytest.approx(2 * covered(two * (np.arange(12) < 3)), rel=0.1)
-    assert covered(two) == pytest.approx(covered(two[::-1]), rel=1e-12)
+    assert covered_elements(two) == pytest.approx(
+        2 * covered_elements(two * (np.arange(12) < 3)), rel=0.1
+    )
+    assert covered_elements(two) == pytest.approx(covered_elements(two[::-1]), rel=1e-12)
 
 
 @pytest.mark.parametrize("n", [31, 47])

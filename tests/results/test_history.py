@@ -10,8 +10,8 @@ import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
 from tractive_sam.results import caveats
 from tractive_sam.results.column_table import COLUMNS, columns
-from tractive_sam.results.record import fields
-from tractive_sam.results.stored_fields import FIELDS, STRESS, WARM
+from tractive_sam.results.record import restart_fields
+from tractive_sam.results.stored_fields import FIELDS, HEAT_FIELDS, STRESS
 from tractive_sam.schema import PlausibilityWarning
 
 REVOLUTIONS = 2
@@ -184,7 +184,7 @@ class TestState:
         assert again.cost.applications < 0.5 * history["operator_applications"][0]
 
     def test_gap_is_closed_in_contact(self, contact):
-        kept = fields(contact)
+        kept = restart_fields(contact)
         assert kept.keys() == FIELDS.keys()
         assert (kept["gap"][kept["pressure"] > 0] <= contact.approach * 1e-6).all()  # touching
 
@@ -237,7 +237,9 @@ def test_forces_of_a_line_contact_are_per_length():
     assert area["p_max"] == line["p_max"]
 
 
-@pytest.mark.parametrize("one", [*COLUMNS, *FIELDS.values(), *WARM.values()], ids=lambda q: q.name)
+@pytest.mark.parametrize(
+    "one", [*COLUMNS, *FIELDS.values(), *HEAT_FIELDS.values()], ids=lambda q: q.name
+)
 def test_quantities_can_be_sent_to_another_process(one):
     assert pickle.loads(pickle.dumps(one)) == one
 

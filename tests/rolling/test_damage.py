@@ -21,21 +21,21 @@ def material(rate, utilisation=None):
     if utilisation is None:
         utilisation = 1.2 * np.exp(-((DEPTH - 0.1) ** 2) / 0.02)
     rows = np.tile(utilisation, (len(rate), 1))
-    zeta = damage._below_the_unworn_surface(DEPTH, 0.05)
+    zeta = damage._material_depths(DEPTH, 0.05)
     now = BodyFatigue("A", np.arange(len(rate)) * 1.0, DEPTH, rows, rows, rows, None, math.nan)
     now = now.with_damage(zeta, np.zeros((len(rate), zeta.size)), np.zeros(len(rate)))
     used = rows[None]
-    return damage.Followed(now, used, used, np.asarray(rate, float), 1.0, 0.0 * now.damage)
+    return damage.BodyDamage(now, used, used, np.asarray(rate, float), 1.0, 0.0 * now.damage)
 
 
 def rolled(one, jumps, life=LIFE):
     """The same after jumps of these lengths."""
     revolution, before = 0, 0
     for jump in jumps:
-        worn = one.now.worn + jump * one.rate
-        now = replace(one.now, worn=worn)
-        reached = now, one.used, worn, one.rate, (1.0,)
-        one = damage._rolled(one, *reached, (jump, before), life, revolution)
+        worn = one.fatigue.worn + jump * one.rate
+        now = replace(one.fatigue, worn=worn)
+        reached = now, one.utilisation, worn, one.rate, (1.0,)
+        one = damage._after_jump(one, *reached, (jump, before), life, revolution)
         revolution, before = revolution + jump, jump
     return one
 
@@ -44,10 +44,12 @@ def test_without_wear_the_life_is_the_inverse_of_the_damage():
     one = material([0.0])
     reported = one.columns(LIFE)
     after = rolled(one, [1, 4, 95, 900])
-    assert after.now.damage_max[0] * reported["fatigue_life"] == pytest.approx(1000.0, rel=1e-12)
+    assert after.fatigue.damage_max[0] * reported["fatigue_life"] == pytest.approx(
+        1000.0, rel=1e-12
+    )
     peak = LIFE.damage(np.array([1.2]))[0]
     assert 1.0 / reported["fatigue_life"] == pytest.approx(peak, rel=1e-3)  # a parabola
-    assert after.error.max() < 1e-12 * after.now.damage_max[0]
+    assert after.error.max() < 1e-12 * after.fatigue.damage_max[0]
     assert math.isnan(after.initiation)
 
 
@@ -65,10 +67,10 @@ def test_wear_that_is_slower_than_fatigue_starts_cracks(share):
     rate = share * balance
     count = int(0.45 / rate)  # until material from below the stress is at the surface
     one = rolled(material([rate]), [1, *[count // 30] * 30])
-    top, at = one.now.damage_max
+    top, at = one.fatigue.damage_max
     # Of the interpolation between places of the material.
     assert top == pytest.approx(1.0 / share, rel=2e-3)
-    assert at[2] == pytest.approx(one.now.worn[0], abs=0.05)
+    assert at[2] == pytest.approx(one.fatigue.worn[0], abs=0.05)
     assert (share < 1.0) == (not math.isnan(one.initiation))
     assert one.columns(LIFE)["wear_margin"] == pytest.approx(share, rel=1e-9)
 
@@ -83,17 +85,17 @@ def test_long_jumps_are_the_sum_of_passes():
             worn = np.array([1e-4, 3e-4]) * n**1.1
             rate = 1.1 * worn / n
             shape = np.exp(-((DEPTH - 0.1) ** 2) / 0.02) * (1.2 - 0.3 * (n / 400) ** 0.5)
-            now = replace(one.now, utilisation=np.tile(shape, (2, 1)), worn=worn)
+            now = replace(one.fatigue, utilisation=np.tile(shape, (2, 1)), worn=worn)
             reached = now, now.utilisation[None], worn, rate, (1.0,)
-            one = damage._rolled(one, *reached, (jump, last), LIFE, n - jump)
+            one = damage._after_jump(one, *reached, (jump, last), LIFE, n - jump)
             last = jump
         return one
 
     each = course([1] * 400)
     jumps = course([1, 1, 2, 3, 4, 6, 9, 14, 20, 30, 40, 50, 60, 80, 80])
-    left = each.now.zeta >= each.now.worn[:, None] + 0.03
-    scale = each.now.damage[left].max()
-    missed = np.abs(jumps.now.damage - each.now.damage)[left].max()
+    left = each.fatigue.zeta >= each.fatigue.worn[:, None] + 0.03
+    scale = each.fatigue.damage[left].max()
+    missed = np.abs(jumps.fatigue.damage - each.fatigue.damage)[left].max()
     assert missed < 5e-3 * scale  # parabolas over a fifth of the course
     assert missed < jumps.error.max()
     assert not each.error.any()
@@ -105,7 +107,9 @@ def test_a_row_is_damaged_whatever_its_neighbours_lose():
 
     def after_a_jump(rows):
         one = material(rates[rows])
-        return rolled(replace(one, now=replace(one.now, worn=depths[rows])), [1000]).now.damage
+        return rolled(
+            replace(one, fatigue=replace(one.fatigue, worn=depths[rows])), [1000]
+        ).fatigue.damage
 
     # As many parts of the jump, so by rounding; by the one of the deeper row it is 1e-2.
     np.testing.assert_allclose(after_a_jump([0, 1])[1], after_a_jump([1])[0], rtol=1e-12)
@@ -115,19 +119,20 @@ def test_jumps_are_judged_where_the_top_lies_above_all_places():
     """Of stress that falls so fast that the surface has suffered much more than any place."""
     steep = ts.Woehler(cycles=1e6, exponent=40.0)
     one = rolled(material([3.46e-7], 1.5 * np.exp(-200.0 * DEPTH**0.5)), [1, 9], steep)
-    suddenly = replace(one, before=0.9 * one.used)  # what a place meets has a bend in it
-    worn = one.now.worn + 31 * one.rate
-    reached = replace(one.now, worn=worn), one.used, worn, one.rate, (1.0,)
-    after = damage._rolled(suddenly, *reached, (31, 9), steep, 10)
-    left = after.now.damage[after.now.zeta[None] >= after.now.worn[:, None]]
-    assert after.now.damage_max[0] > left.max() / damage.NEAR
+    # The course of the utilisation has a bend.
+    suddenly = replace(one, utilisation_before=0.9 * one.utilisation)
+    worn = one.fatigue.worn + 31 * one.rate
+    reached = replace(one.fatigue, worn=worn), one.utilisation, worn, one.rate, (1.0,)
+    after = damage._after_jump(suddenly, *reached, (31, 9), steep, 10)
+    left = after.fatigue.damage[after.fatigue.zeta[None] >= after.fatigue.worn[:, None]]
+    assert after.fatigue.damage_max[0] > left.max() / damage.NEAR
     assert after.missed > 0.0
 
 
 def test_a_flat_body_comes_but_once():
     one = replace(material([0.0]), passes=0.0)
     after = rolled(one, [1, 10, 100])
-    assert after.now.damage_max[0] == pytest.approx(LIFE.damage(np.array([1.2]))[0], rel=1e-3)
+    assert after.fatigue.damage_max[0] == pytest.approx(LIFE.damage(np.array([1.2]))[0], rel=1e-3)
     assert math.isnan(after.columns(LIFE)["wear_margin"])
 
 
@@ -239,7 +244,7 @@ def test_a_mesh_that_grows_during_the_run_changes_nothing():
     wanted = list(steps(Model(scene, grid=wide)))[-1]
     assert last.revolution == wanted.revolution
     for body in "AB":
-        here, there = (one.observed["damage"].bodies[body].now for one in (last, wanted))
+        here, there = (one.observed["damage"].bodies[body].fatigue for one in (last, wanted))
         np.testing.assert_array_equal(here.y, there.y)
         # Jumps may differ, and each is right to the tolerance of the stepping, 1 % of the damage.
         np.testing.assert_allclose(here.damage, there.damage, atol=1e-2 * there.damage.max())
@@ -252,7 +257,7 @@ def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkey
         far = replace(last, contacts=(contact,), revolution=last.revolution + jump, observed={})
         return far, math.inf
 
-    monkeypatch.setattr("tractive_sam.rolling.adaptive._many", away)
+    monkeypatch.setattr("tractive_sam.rolling.adaptive._jump", away)
     monkeypatch.setattr("tractive_sam.rolling.process.GROWTHS", 0)
     scene = discs("wear.revolutions=9", "wear.save=[0, 9]").replace(grid=None)
     for path in (None, tmp_path / "a.h5"):

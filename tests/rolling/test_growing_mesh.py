@@ -9,7 +9,7 @@ import tractive_sam as ts
 from tractive_sam.contact import Model, mesh
 from tractive_sam.results.grid import Grid
 from tractive_sam.rolling import steps
-from tractive_sam.rolling.passage import unworn
+from tractive_sam.rolling.passage import first_passage
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
@@ -29,7 +29,7 @@ def without_grid(scene):
 @pytest.fixture(scope="module")
 def grown():
     model = Model(without_grid(WEARING), grid=NARROW)
-    return list(steps(model, unworn(model)))
+    return list(steps(model, first_passage(model)))
 
 
 def test_grows_sideways_only(grown):
@@ -45,7 +45,7 @@ def test_grows_sideways_only(grown):
 def test_growing_changes_nothing(grown):
     """The same wear as on a mesh that was wide enough from the start, to the tolerance."""
     wide = Model(without_grid(WEARING), grid=WIDE)
-    there = list(steps(wide, unworn(wide)))[-1].contact
+    there = list(steps(wide, first_passage(wide)))[-1].contact
     here = grown[-1].contact
     short = (WIDE.elements[1] - here.grid.elements[1]) // 2
     there_wear = there.wear[0] if short <= 0 else there.wear[0, short:-short]

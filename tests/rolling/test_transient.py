@@ -153,7 +153,7 @@ def test_it_continues_from_the_two_contacts_that_it_had(tmp_path):
     rising = scene(transient, 15)
     history = ts.roll(rising, tmp_path / "a.h5")
     last, _ = last_step(history, tmp_path / "a.h5", rising)
-    for one, row in ((last.before, -2), (last.stepped, -1)):
+    for one, row in ((last.before, -2), (last.result, -1)):
         for name in ("approach", "xi_x", "Qx"):
             # Forces are summed once more.
             assert getattr(one.contact, name) == pytest.approx(history[name][row], rel=1e-12)
@@ -364,10 +364,10 @@ def test_a_run_is_not_resumed_with_another_content_of_its_file(table, tmp_path):
     file, path = tmp_path / "bump.csv", tmp_path / "out.h5"
     text = "x,y,separation\n" + "".join(f"{x},{y},{{0}}\n" for x in (-9, 9) for y in (-9, 9))
     file.write_text(text.format(0.001))
-    begun = scene({"distance": [0, DX], "creepage.longitudinal": [-0.001] * 2})
-    begun = begun.replace(**{f"{table}.file": file})
-    ts.roll(begun, path)
-    assert ts.roll(begun, path, resume=True).status == "done"
+    start_passage = scene({"distance": [0, DX], "creepage.longitudinal": [-0.001] * 2})
+    start_passage = start_passage.replace(**{f"{table}.file": file})
+    ts.roll(start_passage, path)
+    assert ts.roll(start_passage, path, resume=True).status == "done"
     file.write_text(text.format(0.002))
     with pytest.raises(ts.ResultsError, match="content"):
-        ts.roll(begun, path, resume=True)
+        ts.roll(start_passage, path, resume=True)

@@ -62,7 +62,7 @@ def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
         np.testing.assert_allclose(contact.traction, then.contact.traction, atol=1e-6 * p0)
         assert now.friction == pytest.approx(then.friction, rel=1e-6, abs=1e-12)
         # How deep it is behind the first mesh was not kept.
-        worn, wanted_there = (one.stepped.on(wide).worn for one in (now, then))
+        worn, wanted_there = (one.result.on(wide).worn for one in (now, then))
         first = slice((wide.elements[0] - N) // 2, (wide.elements[0] + N) // 2)
         np.testing.assert_allclose(worn[:, first], wanted_there[:, first], atol=1e-6 * deepest)
 

@@ -27,7 +27,7 @@ SPHERES = ts.Scene(
     grid={"half_length": (0.336, 0.336), "elements": (15, 15)},
 )
 DX = 0.672 / 15
-WARM = ("temperature_max", "temperature_mean", "heat_share")
+HEAT_FIELDS = ("temperature_max", "temperature_mean", "heat_share")
 
 
 def rolling(distance, scene=SPHERES, **changes):
@@ -41,7 +41,7 @@ def cylinders(n, **changes):
     ), 2.0 * half / n
 
 
-def same(history, other, names=WARM, **tolerance):
+def same(history, other, names=HEAT_FIELDS, **tolerance):
     for name in names:
         np.testing.assert_allclose(history[name], other[name], **tolerance)
 
@@ -93,12 +93,12 @@ def test_heat_is_the_work_of_friction():
     }
     model = Model(SPHERES.replace(transient=course, **{"creepage.speed": 50.0}))
     found = list(steps(model))
-    assert any(one.stepped.shifted for one in found)
+    assert any(one.result.shifted for one in found)
     memories, last = _memories(model), found[-1]
     past = last.observed["heat"].past
     taken = sum(memories[body].taken_up(past[body]) for body in "AB")
     assert taken == pytest.approx(last.friction, rel=1e-3)  # N mm = mJ; of what has faded out
-    shift = next(one for one in found if one.stepped.shifted)
+    shift = next(one for one in found if one.result.shifted)
     heat = shift.observed["heat"].heat
     assert heat.power == 0.0  # it takes no time
     assert heat.temperature_max > 20.0
@@ -109,7 +109,7 @@ def test_what_is_stored_does_not_change_what_is_computed():
     saves = [0.3 * DX, 0.5 * DX, 2.2 * DX, 4.5 * DX]
     stored = ts.roll(rolling(4.5 * DX).replace(**{"transient.save": saves}))
     steps_of = np.isfinite(stored["next_step"])
-    for name in (*WARM, "Qx", "convolutions"):
+    for name in (*HEAT_FIELDS, "Qx", "convolutions"):
         np.testing.assert_array_equal(stored[name][steps_of], plain[name])
     # A record between two steps is warmer than the one before and colder than the one after.
     assert (np.diff(stored["temperature_max"]) > 0.0).all()
@@ -132,7 +132,9 @@ def test_a_run_is_continued(tmp_path):
         interrupted(scene, path, 4)
         again = ts.roll(scene, path, resume=True)
         assert again.status == "done"
-        same(again, ts.roll(scene), (*WARM, "Qx"), rtol=1e-9)  # an approach read from a column
+        same(
+            again, ts.roll(scene), (*HEAT_FIELDS, "Qx"), rtol=1e-9
+        )  # an approach read from a column
 
 
 def test_mirrored_scenes_are_mirrored():
@@ -188,7 +190,7 @@ def test_what_cannot_be(changes, key):
 
 
 def test_its_memory_is_counted():
-    warm, cold = (memory.of_contact(Model(rolling(1.0, **one))) for one in ({}, {"heat": None}))
+    warm, cold = (memory.contact_bytes(Model(rolling(1.0, **one))) for one in ({}, {"heat": None}))
     fields = steps(Model(rolling(DX)))
     past = next(iter(fields)).observed["heat"].past["A"]
     assert warm - cold >= 2 * past.nbytes  # of both bodies

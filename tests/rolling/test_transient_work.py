@@ -6,7 +6,7 @@ import pytest
 import tractive_sam as ts
 from tests.scenes import interrupted
 from tractive_sam.contact import Model
-from tractive_sam.results import Grid, balances
+from tractive_sam.results import Grid, describe_balances
 from tractive_sam.rolling import steps
 
 HALF = 0.336
@@ -56,8 +56,8 @@ def test_what_is_stored_does_not_change_what_is_computed(start, stepping):
     # A contact between two steps is solved for itself, and has its part of their work.
     np.testing.assert_allclose(saved["P"][between], 100.0, rtol=1e-9)
     assert (np.diff(saved["friction_work"]) > -1e-9 * saved["friction_work"][-1]).all()
-    assert "energy" in balances(saved)
-    assert not balances(saved, only_if_open=True).keys() & {"energy"}
+    assert "energy" in describe_balances(saved)
+    assert not describe_balances(saved, only_if_open=True).keys() & {"energy"}
 
 
 @pytest.mark.slow
@@ -133,15 +133,15 @@ PROCESSES = {
 @pytest.mark.parametrize("process", PROCESSES)
 def test_every_process_reports_both_balances(process):
     history = ts.roll(PROCESSES[process])
-    assert balances(history).keys() == {"energy", "wear"}
+    assert describe_balances(history).keys() == {"energy", "wear"}
     if process != "shift":  # wears by its work only as its steps become short
-        assert not balances(history, only_if_open=True)
+        assert not describe_balances(history, only_if_open=True)
     if process != "duty":
         without = ts.roll(PROCESSES[process].replace(wear=None))
-        assert balances(without).keys() == {"energy"}
+        assert describe_balances(without).keys() == {"energy"}
 
 
 def test_an_open_balance_is_reported():
     history = ts.roll(rolling(15))
     history.values["step_friction"][3] *= 0.8
-    assert balances(history, only_if_open=True).keys() == {"energy", "wear"}
+    assert describe_balances(history, only_if_open=True).keys() == {"energy", "wear"}

@@ -8,7 +8,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.mechanics.wear import Archard
-from tractive_sam.results import balances
+from tractive_sam.results import describe_balances
 
 DISCS = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=20")
 STUCK = "creepage.longitudinal=-1e-4"
@@ -21,7 +21,7 @@ def rolled(*settings):
 
 
 def reported(history):
-    return balances(history, only_if_open=True)
+    return describe_balances(history, only_if_open=True)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_wear_within_what_the_work_can_wear_is_not():
 def test_without_wear_there_is_no_balance():
     history = ts.roll(ts.Scene.builtin("spheres").replace(subsurface=None))
     assert np.isnan(history.wear_balance).all()
-    assert "wear" not in balances(history)
+    assert "wear" not in describe_balances(history)
 
 
 @pytest.mark.slow

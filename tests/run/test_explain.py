@@ -9,9 +9,9 @@ from tractive_sam.contact import Model
 from tractive_sam.description import format_duration
 from tractive_sam.run import memory
 from tractive_sam.run.explain import (
-    applications,
+    expected_applications,
+    expected_records,
     explain,
-    records,
     seconds_per_application,
 )
 
@@ -95,7 +95,7 @@ def test_the_mesh_is_given_chosen_or_found():
 def test_memory_follows_the_elements():
     # Of large meshes, which all hold as many vectors.
     room = [
-        memory.of_contact(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (256, 512, 1024)
+        memory.contact_bytes(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (256, 512, 1024)
     ]
     for coarse, fine in pairwise(room):
         assert fine / coarse == pytest.approx(4.0, rel=0.1)  # sizes of transforms are rounded up
@@ -105,14 +105,14 @@ def test_records_of_steppings():
     discs = ts.Scene.builtin("twin-discs").with_set(["wear.revolutions=1000"])
     each = discs.with_set(["wear.stepping=every-revolution"])
     sharper = discs.with_set(["wear.tolerance=1e-5"])
-    assert records(Model(spheres())) == 1
-    assert records(Model(each)) == 1 + 1000
-    assert records(Model(discs)) < records(Model(sharper)) <= 1 + 1000
+    assert expected_records(Model(spheres())) == 1
+    assert expected_records(Model(each)) == 1 + 1000
+    assert expected_records(Model(discs)) < expected_records(Model(sharper)) <= 1 + 1000
 
 
 def test_applications_are_of_the_order_of_those_that_a_solve_takes():
     scene = spheres().replace(subsurface=None)
-    assert applications(Model(scene)) / ts.solve(scene).cost.applications == pytest.approx(
+    assert expected_applications(Model(scene)) / ts.solve(scene).cost.applications == pytest.approx(
         1.0,
         abs=0.5,  # the typical scene that the estimate is made of takes about 50
     )
@@ -141,6 +141,6 @@ def test_fatigue_is_reported_and_takes_time():
         ]
     )
     planes = tired.replace(**{"fatigue.criterion": "findley"})
-    counts = [applications(Model(scene)) for scene in (plain, tired, planes)]
+    counts = [expected_applications(Model(scene)) for scene in (plain, tired, planes)]
     assert counts == sorted(counts)
-    assert memory.of_scene(Model(tired)) > memory.of_scene(Model(plain))
+    assert memory.scene_bytes(Model(tired)) > memory.scene_bytes(Model(plain))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.run.many import snake
+from tractive_sam.run.many import neighbouring_places
 
 pytest.importorskip("xarray", reason="xarray is of the extra study")
 
@@ -118,7 +118,7 @@ def test_accuracy_is_refused(scene):
 
 @pytest.mark.parametrize("shape", [(), (1,), (3,), (2, 3), (3, 1, 2), (2, 3, 2, 2)])
 def test_path_meets_all_and_steps_to_neighbours(shape):
-    places = list(snake(shape))
+    places = list(neighbouring_places(shape))
     assert sorted(places) == sorted(itertools.product(*map(range, shape)))
     for here, there in itertools.pairwise(places):
         assert np.abs(np.subtract(here, there)).sum() == 1

@@ -24,7 +24,7 @@ SCENE = SCENE.replace(subsurface=None)
 
 def rolled_on(terminal, requested):
     """What a terminal is shown of a roll."""
-    with progress.progress_shown(SCENE, requested, terminal) as called:
+    with progress.show_progress(SCENE, requested, terminal) as called:
         if called is not None:
             ts.roll(SCENE, progress=called)
     return terminal.file.getvalue()
@@ -43,25 +43,25 @@ def test_in_a_terminal_where_it_is_requested():
 @pytest.fixture
 def over_at_once(monkeypatch):
     """Whatever the load of the machine, nothing takes long."""
-    monkeypatch.setattr(progress, "AT_FIRST", math.inf)
+    monkeypatch.setattr(progress, "DELAY", math.inf)
 
 
 def test_by_itself_only_of_what_takes_longer(over_at_once, monkeypatch):
     assert not rolled_on(terminal(), None)
-    monkeypatch.setattr(progress, "AT_FIRST", 0.0)
+    monkeypatch.setattr(progress, "DELAY", 0.0)
     assert "revolution 3 of 3" in rolled_on(terminal(), None)
 
 
 def test_of_one_contact_the_mesh_and_its_residual(over_at_once, monkeypatch):
     def solved_on(terminal, requested):
-        with progress.solving_shown(requested, terminal):
+        with progress.show_solving(requested, terminal):
             ts.solve(SCENE, progress=False)
         return terminal.file.getvalue()
 
     assert "15 x 21 elements, residual" in solved_on(terminal(), True)
     assert not solved_on(terminal(), False)
     assert not solved_on(terminal(), None)
-    monkeypatch.setattr(progress, "AT_FIRST", 0.0)
+    monkeypatch.setattr(progress, "DELAY", 0.0)
     assert "15 x 21 elements, residual" in solved_on(terminal(), None)
     assert not solved_on(terminal(is_one=False), True)
 
@@ -101,4 +101,4 @@ def test_a_notebook_is_silent_where_that_is_requested(notebook, over_at_once):
     ("seconds", "text"), [(5.4, "0:05"), (65.0, "1:05"), (7200.0, "2:00:00"), (0.2, "0:00")]
 )
 def test_durations(seconds, text):
-    assert progress.duration(seconds) == text
+    assert progress.format_time_left(seconds) == text

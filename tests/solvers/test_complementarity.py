@@ -10,7 +10,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.steady import start_of
+from tractive_sam.contact.steady import dimensionless_start
 from tractive_sam.solvers.newton_system import Iterate
 
 TOLERANCE = 1e-9
@@ -104,7 +104,7 @@ def test_a_pressure_left_on_an_open_gap_makes_no_leading_element():
     contact = solve({})
     model = Model(contact.scene, grid=contact.grid)
     problem = model.problem(model.undeformed_gap / model.units.gap)
-    start = start_of(model, contact)
+    start = dimensionless_start(model, contact)
     left = np.where(start.pressure > 0.0, start.pressure, 1e-14)
     iterates = [
         Iterate(problem, p, start.traction, start.approach, np.zeros(0))

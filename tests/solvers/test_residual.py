@@ -7,7 +7,7 @@ from tests.operators.test_elastic import dense
 from tests.scenes import steady
 from tests.test_hard_scenes import residual
 from tractive_sam.contact import Model
-from tractive_sam.contact.steady import start_of
+from tractive_sam.contact.steady import dimensionless_start
 from tractive_sam.operators import STAGGERED, Lattice
 from tractive_sam.operators.stencil import edge_angles
 from tractive_sam.solvers.newton_system import Iterate
@@ -139,7 +139,7 @@ def test_tractions_of_the_rounding_of_their_slip_miss_nothing(change):
     contact = steady("cylinders-dissimilar", *mesh, "load.normal=1e-3")
     model = Model(contact.scene)
     problem = model.problem(model.undeformed_gap / model.units.gap, None)
-    start = start_of(model, contact)
+    start = dimensionless_start(model, contact)
     found = Iterate(problem, start.pressure, start.traction, start.approach, start.creepage)
     response = found.response * (1.0 + change * np.finfo(float).eps)
     fields = start.pressure, start.traction, start.approach, start.creepage

@@ -89,11 +89,11 @@ def _compute(
     scene: "ts.Scene", path: Path, start: "ts.History | None", resume: bool
 ) -> tuple["ts.History", set[str]]:
     """Compute a scene into a file; return its history, and the notes that were printed."""
-    from tractive_sam.run import progress_shown, roll
+    from tractive_sam.run import roll, show_progress
 
     before = _modified_at(path)
     try:
-        shown = progress_shown(scene, True, console(stderr=True))
+        shown = show_progress(scene, True, console(stderr=True))
         with report_compiling(), shown as progress, report_warnings() as notes:
             history = roll(
                 scene, path, start=start, overwrite=True, resume=resume, progress=progress
@@ -111,7 +111,7 @@ def _compute(
 def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> None:
     """Print the last record, all of it or the main results, the load, and the remaining notes."""
     from tractive_sam.cli import tables
-    from tractive_sam.results import balances, caveats
+    from tractive_sam.results import caveats, describe_balances
 
     if not (history.finished or history.status == "inaccurate"):
         print_message(("not a solution: ", "bold red"), "the computation ended at the last record")
@@ -121,7 +121,7 @@ def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> N
         else:
             console().print(tables.main_results(history))
         console().print(tables.load_table(history))
-    for text in balances(history, only_if_open=True).values():
+    for text in describe_balances(history, only_if_open=True).values():
         print_note(text)
     for text in (f"{name}: {text}" for name, text in caveats(history).items()):
         if text not in printed:
@@ -130,14 +130,14 @@ def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> N
 
 def _describe_existing(path: Path, scene: "ts.Scene") -> str:
     """Describe a results file that must not be replaced, and what to do instead."""
-    from tractive_sam.run import what_differs
+    from tractive_sam.run import describe_differences
 
     cure = "-o FILE.h5 writes this run into another file"
     try:
         history = ts.open_history(path)
     except ts.ResultsError as error:
         return f"{path} would be overwritten, but {error}; {cure}"
-    if different := what_differs(history.scene, scene):
+    if different := describe_differences(history.scene, scene):
         return f"{path} contains another scene ({different}); {cure}, --overwrite replaces it"
     rolled = history[history.coordinate.name][-1] if len(history) else 0
     end, name = scene.schedule.end, history.coordinate.name

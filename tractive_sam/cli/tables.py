@@ -8,7 +8,7 @@ from rich import box
 from rich.table import Table
 
 import tractive_sam as ts
-from tractive_sam.results import describe_history, numbers
+from tractive_sam.results import describe_history, format_values
 from tractive_sam.scene import describe_load
 
 
@@ -105,7 +105,7 @@ def last_record(history: "ts.History", solver: bool = False) -> Table:
         "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
         "next_step", "stretch",
     }  # fmt: skip
-    return _quantity_table(row for row in numbers(history, -1) if row[0] not in hidden)
+    return _quantity_table(row for row in format_values(history, -1) if row[0] not in hidden)
 
 
 def main_results(history: "ts.History", most: int = 15) -> Table:
@@ -123,7 +123,7 @@ def main_results(history: "ts.History", most: int = 15) -> Table:
         "friction_work", "p_max", "p_95", "half_width_x", "half_width_y", "stick_fraction",
         "wear_max", "temperature_max", "stress_max", "von_mises_max", "utilisation", "xi_x", "xi_y",
     )  # fmt: skip
-    rows = [row for row in numbers(history, -1) if row[1] not in ("0", "nan", "none")]
+    rows = [row for row in format_values(history, -1) if row[1] not in ("0", "nan", "none")]
     table = _quantity_table(
         [row for name in order for row in rows if row[0].split()[0] == name][:most]
     )

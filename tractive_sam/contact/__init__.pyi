@@ -19,8 +19,8 @@ from .model import Model as Model
 from .roughness import Roughness as Roughness
 from .roughness import rough_maps as rough_maps
 from .steady import equilibrium as equilibrium
-from .steady import fitted as fitted
-from .steady import fitted_blocks as fitted_blocks
+from .steady import solve_blocks_on_fitted_mesh as solve_blocks_on_fitted_mesh
+from .steady import solve_on_fitted_mesh as solve_on_fitted_mesh
 from .step import Stepper as Stepper
 from .step_result import StepInput as StepInput
 from .step_result import StepResult as StepResult

@@ -1,4 +1,4 @@
-"""The laws of mechanics that a scene names: the one place where its tables become laws."""
+"""The laws of mechanics of a scene: the one place that makes laws from its tables."""
 
 import math
 from collections.abc import Sequence
@@ -55,19 +55,19 @@ class Laws:
     Attributes
     ----------
     elasticity : Elasticity
-        How the bodies give way.
+        Elastic response of both bodies.
     friction : FrictionLaw or None
-        What friction does; None without.
+        Law of friction; None without friction.
     wear : WearLaw or None
-        How a pass wears; None without.
+        Law of wear; None without wear.
     criterion : StressCriterion
-        What stress in the bodies is judged by.
+        Criterion for the stress in the bodies.
     fatigue : CycleCriterion or None
-        What the cycles of stress are judged by; None without a limit.
+        Criterion for cycles of stress; None without a limit.
     life : Woehler or None
-        How many cycles the material endures at a utilisation.
+        Number of cycles that the material endures, by utilisation.
     volume : VolumeLife or None
-        How many all of its volume endures.
+        Number of cycles that the volume under stress endures.
 
     Examples
     --------
@@ -94,8 +94,8 @@ class Laws:
         Raises
         ------
         SceneError
-            If the scene names a law of another package, and this is not installed or does not take
-            the parameters.
+            If the scene names a law of another package that is not installed or does not take the
+            parameters.
         """
         laws = cls.of_package(scene)
         named = {name: law for name, build in _NAMED.items() if (law := build(scene)) is not None}
@@ -103,15 +103,15 @@ class Laws:
 
     @classmethod
     def of_package(cls, scene: Scene) -> "Laws":
-        """Return the laws of a scene that belong to this package; no module is imported.
+        """Return the laws of a scene that belong to this package, without importing others.
 
-        Where the scene names a law of another package there is none, or homogeneous bodies.
+        In place of a law of another package there is none, or homogeneous bodies.
         """
         laws = _elasticity(scene), _friction(scene), _wear(scene)
         return cls(*laws, fatigue=_fatigue(scene), life=_life(scene), volume=_volume(scene))
 
     def replace(self, **laws: Any) -> "Laws":
-        """These laws, with others in place of some."""
+        """Return a copy with some laws replaced."""
         return replace(self, **laws)
 
     @classmethod
@@ -128,16 +128,16 @@ class Laws:
         Raises
         ------
         ValueError
-            If the contact was read from a file, and a needed law had replaced that of its scene: a
-            file does not hold it.
+            If the contact was read from a file, and a needed law had replaced that of its scene:
+            files do not store laws.
         """
         if isinstance(contact.laws, Laws):
             return contact.laws
-        missing = {k: one for k, one in contact.laws.items() if k in (*needed, UNNAMED)}
+        missing = {k: record for k, record in contact.laws.items() if k in (*needed, UNNAMED)}
         if missing:
             raise ValueError(
                 f"laws: the contact was computed with {describe_laws(missing)} in place of the law "
-                "of its scene, which a results file does not hold; give laws=... with that law"
+                "of its scene, and results files do not store laws; give laws=... with that law"
             )
         return cls.of_package(contact.scene)
 
@@ -147,9 +147,9 @@ class Laws:
         return Laws.of(block).replace(**replaced)
 
     def differences_from(self, scene: Scene) -> dict[str, LawRecord]:
-        """Return the laws that are not of this package's for a scene, by their attribute.
+        """Return the laws that differ from those of this package for a scene, by attribute.
 
-        These are laws that replaced the scene's, and laws of other packages that it names.
+        They replaced laws of the scene, or the scene names laws of other packages.
         """
         return {
             name: LawRecord(describe(law), fingerprint(law), getattr(law, "frame", None))
@@ -192,7 +192,7 @@ def _named_friction(scene: Scene) -> FrictionLaw | None:
     Raises
     ------
     SceneError
-        If its frame is not that of the table: limits, units and the wear law follow the table.
+        If its frame differs from that of the table, which limits, units and the wear law use.
     """
     table = scene.friction
     if table is None or table.named_law is None:
@@ -201,8 +201,8 @@ def _named_friction(scene: Scene) -> FrictionLaw | None:
     if not np.allclose(law.frame.matrix, table.frame.matrix, rtol=1e-9, atol=1e-12):
         mu, angle = law.frame.mu, math.degrees(law.frame.angle)
         given = f"{list(table.mu)} at {table.angle:g} degrees"
-        cure = f"the frame of {table.named_law.name}: mu = {list(mu)}, angle = {angle:g}"
-        raise SceneError([Fault("friction.mu, friction.angle", given, cure)])
+        allowed = f"the frame of {table.named_law.name}: mu = {list(mu)}, angle = {angle:g}"
+        raise SceneError([Fault("friction.mu, friction.angle", given, allowed)])
     return law
 
 
@@ -216,15 +216,15 @@ def _named_criterion(scene: Scene) -> CycleCriterion | None:
     table = scene.fatigue
     if table is None or table.limit is None or table.named_law is None:
         return None
-    known = {"yield_stress": table.yield_stress}
-    return build_law("fatigue.criterion", table.named_law, CycleCriterion, known)
+    parameters = {"yield_stress": table.yield_stress}
+    return build_law("fatigue.criterion", table.named_law, CycleCriterion, parameters)
 
 
 def _tribology(scene: Scene) -> dict[str, Any]:
-    """Return what laws of friction and wear may take from other keys of a scene."""
+    """Return the parameters that laws of friction and wear may take from other keys of a scene."""
     frame, speed = scene.friction.frame, scene.creepage.speed
-    known = {"mu": frame.mu, "angle": frame.angle}
-    return known if speed is None else known | {"speed": speed}
+    parameters = {"mu": frame.mu, "angle": frame.angle}
+    return parameters if speed is None else parameters | {"speed": speed}
 
 
 _NAMED = {
@@ -233,7 +233,7 @@ _NAMED = {
     "wear": _named_wear,
     "fatigue": _named_criterion,
 }
-"""What builds the laws of other packages that a scene names, by attribute of `Laws`."""
+"""Functions that build the laws of other packages named by a scene, by attribute of `Laws`."""
 
 
 def _friction(scene: Scene) -> Coulomb | None:
@@ -253,7 +253,7 @@ def _friction(scene: Scene) -> Coulomb | None:
 
 
 def _wear(scene: Scene) -> WearLaw | None:
-    """That of the paper with its slip."""
+    """Return the wear law of the scene; with upwind slip that of the paper."""
     table = scene.wear
     if table is None or table.named_law:
         return None
@@ -274,7 +274,7 @@ def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) ->
 
 
 def _of_body(scene: Scene, name: str) -> WearLaw | None:
-    """The law by which a body wears on its own."""
+    """Return the separate wear law of a body."""
     table, body = scene.wear, getattr(scene.body, name)
     law, chosen = table.laws[name], table.sets[name]
     if law in BY_COEFFICIENT:
@@ -282,8 +282,8 @@ def _of_body(scene: Scene, name: str) -> WearLaw | None:
         return _by_coefficient(scene, law, (i, i))
     match law:
         case "usfd" | "table":
-            known = USFD[chosen] if chosen else Regimes.through(table.law.table)
-            return TGammaPerArea(known, body.density, table.by == "contact")
+            regimes = USFD[chosen] if chosen else Regimes.through(table.law.table)
+            return TGammaPerArea(regimes, body.density, table.by == "contact")
         case "brr":
             return TGammaTotal(BRR[chosen])
         case "jendel":
@@ -300,7 +300,7 @@ def _fatigue(scene: Scene) -> CycleCriterion | None:
         return OrthogonalShear()
     if table.criterion == "fatemi-socie":
         return FatemiSocie(table.sensitivity, table.yield_stress)
-    kinds = {one.name: one for one in (DangVan, Crossland, Findley)}
+    kinds = {kind.name: kind for kind in (DangVan, Crossland, Findley)}
     return kinds[table.criterion](table.sensitivity)
 
 
@@ -312,9 +312,9 @@ def _life(scene: Scene) -> Woehler | None:
 
 
 def _volume(scene: Scene) -> VolumeLife | None:
-    asked = None if scene.fatigue is None else scene.fatigue.volume
-    if asked is None:
+    table = None if scene.fatigue is None else scene.fatigue.volume
+    if table is None:
         return None
-    slope = asked.slope or scene.contact_type.weibull_slope
-    exponents = asked.stress_exponent, asked.depth_exponent
-    return VolumeLife(asked.constant or math.nan, slope, asked.limit, *exponents)
+    slope = table.slope or scene.contact_type.weibull_slope
+    exponents = table.stress_exponent, table.depth_exponent
+    return VolumeLife(table.constant or math.nan, slope, table.limit, *exponents)

@@ -1,4 +1,4 @@
-"""A scene put into numbers: mesh, undeformed gap, rigid slip, units and operators."""
+"""The numerical model of a scene: mesh, undeformed gap, rigid slip, units and operators."""
 
 from copy import copy
 from dataclasses import astuple, dataclass
@@ -27,16 +27,16 @@ from tractive_sam.solvers import (
 
 @dataclass(frozen=True)
 class Units:
-    """Units in which a problem is of order one (see `operators.elastic`).
+    """Units in which the quantities of a problem are of order one (see `operators.elastic`).
 
     Attributes
     ----------
     pressure : float
         p*, MPa.
     gap : float
-        g*, mm; of half-spaces p* l / E*, l the mean semi-axis of the contact.
+        g*, mm; for half-spaces p* l / E*, with l the mean semi-axis of the contact.
     slip : float
-        s*, dimensionless; of half-spaces max(mu1, mu2)² p* / G.
+        s*, dimensionless; for half-spaces max(mu1, mu2)² p* / G.
     """
 
     pressure: float
@@ -50,22 +50,22 @@ class Model:
     Parameters
     ----------
     scene : Scene
-        What is asked.
+        Scene to model.
     measured : Gap, optional
-        The measured separation that the scene's [gap] names; required where it names a file.
+        The measured separation that the scene's [gap] names; required if it names a file.
     grid : Grid, optional
         Mesh to use instead of the scene's.
     laws : Laws, optional
         Laws to use instead of the scene's.
     solver : Solver, optional
-        Method to use instead of the scene's; it is given a `Problem` whose pressure is free.
+        Method to use instead of the scene's; it solves a `Problem` with free pressure.
     began : Worn, optional
         Worn bodies with which rolling begins; new ones by default.
     profiles : tuple of Gap
-        Those that a [transient] has fixed to the bodies.
+        Profiles that a [transient] fixes to the bodies.
     datum : str
-        What the approach is counted from: "vertex", or "node", the nearest element, as in results
-        files of earlier versions, which resume with it.
+        Origin of the approach: "vertex", or "node", the nearest element, which results files of
+        earlier versions need to resume.
     """
 
     def __init__(
@@ -88,7 +88,7 @@ class Model:
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
-        """The same on another mesh."""
+        """Return the model on another mesh."""
         return Model(
             self.scene,
             self.measured,
@@ -102,7 +102,7 @@ class Model:
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
-        """What is rolled in turn: the different blocks of [[duty]], or the contact itself."""
+        """Models that are rolled: one for each different block of [[duty]], or this model."""
         spectrum = self.scene.spectrum
         if spectrum is None:
             return (self,)
@@ -121,38 +121,38 @@ class Model:
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each of them in a cycle."""
+        """Share of each block in a cycle."""
         spectrum = self.scene.spectrum
         if spectrum is None:
             return (1.0,)
         return tuple(n / spectrum.cycle for n in spectrum.revolutions)
 
     def block_at(self, revolution: int) -> int:
-        """Which of them a revolution is of, where blocks are rolled in their order."""
+        """Return the block of a revolution, if blocks are rolled in their order."""
         return 0 if self.scene.spectrum is None else self.scene.spectrum.block_at(revolution)
 
     @property
-    def worn_before(self) -> np.ndarray | None:
-        """Depth of both bodies together with which rolling begins, mm; None of new ones."""
+    def initial_wear(self) -> np.ndarray | None:
+        """Depth of both bodies together with which rolling begins, mm; None for new ones."""
         if self.began is None:
             return None
         return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))
 
     def with_friction(self, law: FrictionLaw) -> "Model":
-        """The same with another law of friction in the same frame; the operators are shared."""
-        _ = self.operators, self.units, self.undeformed_gap  # made once, for all
-        other = copy(self)
-        other.laws = self.laws.replace(friction=law)
+        """Return the model with another friction law in the same frame; it shares the operators."""
+        _ = self.operators, self.units, self.undeformed_gap  # computed once for both
+        model = copy(self)
+        model.laws = self.laws.replace(friction=law)
         for name in ("friction_law", "blocks"):
-            other.__dict__.pop(name, None)
-        return other
+            model.__dict__.pop(name, None)
+        return model
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:
-        """Separation of the unworn, undeformed bodies, mm, zero where they touch first.
+        """Separation of the unworn, undeformed bodies, mm; zero where they touch first.
 
-        That is the vertex of the radii, or the lowest point of radii and measured gap, and may lie
-        between elements: from there the approach is counted. With ``gap.datum = "separation"`` the
+        The approach is counted from there: the vertex of the radii, or the lowest point of radii
+        and measured gap, which may lie between elements. With ``gap.datum = "separation"`` the
         separation is not shifted.
         """
         x, y = self.grid.x[:, None], self.grid.y[None, :]
@@ -160,26 +160,26 @@ class Model:
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
         if self.measured is not None:
             taken = resampled(self.measured, self.grid)
-            # At once: a distance that all elements share would take the digits of the parabola.
+            # Subtract first: a distance common to all elements would cost digits of the parabola.
             if self.scene.gap is None or self.scene.gap.datum == "touch":
                 taken = taken - lowest(self.measured, self.grid, taken, self.scene.body.radii)
             gap = gap + taken
         return gap if self.datum == "vertex" else gap - gap.min()
 
-    def with_wear_before(self, worn: np.ndarray | float) -> np.ndarray:
-        """Return a depth worn off both bodies with the depth worn before the start, mm."""
-        before = self.worn_before
+    def add_initial_wear(self, worn: np.ndarray | float) -> np.ndarray:
+        """Return a depth worn off both bodies plus the depth worn before the start, mm."""
+        before = self.initial_wear
         return np.zeros(self.grid.elements) + worn + (0.0 if before is None else before)
 
     def scaled_fields(self, contact: State) -> np.ndarray:
-        """Return dimensionless tractions of a contact; of dissimilar bodies after the pressure."""
+        """Return dimensionless tractions of a contact; for dissimilar bodies after the pressure."""
         traction = self.frame.to_scaled(contact.traction) / self.units.pressure
         if not self.elasticity.coupled:
             return traction
         return np.concatenate((contact.pressure[None] / self.units.pressure, traction))
 
     def profile_offset(self, distance: float) -> np.ndarray | float:
-        """Return what the profiles fixed to the bodies add to the gap after a distance, mm."""
+        """Return the gap that the profiles fixed to the bodies add after a distance, mm."""
         grid, added = self.grid, 0.0
         for x, y, separation in self.profiles:
             at_x = np.clip(grid.x + distance, x[0], x[-1])
@@ -188,12 +188,12 @@ class Model:
 
     @cached_property
     def friction_law(self) -> FrictionLaw:
-        """The friction law on the rows of the mesh; with unit coefficients where there is none."""
+        """Friction law on the rows of the mesh; without friction, Coulomb's with mu = 1."""
         return (self.laws.friction or Coulomb()).on_rows(self.grid.y)
 
     @property
     def starts_sliding(self) -> bool:
-        """Whether a falling law is followed from great speed, rather than from rest."""
+        """Whether a falling law is solved from high speed, rather than from rest."""
         friction = self.scene.friction
         return friction is not None and friction.start == "sliding"
 
@@ -204,13 +204,13 @@ class Model:
 
     @property
     def wear_law(self) -> WearLaw | None:
-        """The law of wear on this mesh, where there is one."""
+        """Wear law on this mesh; None without wear."""
         law = self.laws.wear
         return None if law is None else law.on(self.grid.element_area)
 
     @cached_property
     def units(self) -> Units:
-        """Units taken from the Hertzian contact, or from the mesh where there is none."""
+        """Units from the Hertzian contact, or from the mesh without one."""
         hertz, sides = self.scene.hertz, (self.grid.dx, self.grid.dy)
         if hertz is not None:
             length = hertz.mean_semi_axis
@@ -233,20 +233,20 @@ class Model:
 
     @cached_property
     def operators(self) -> Operators:
-        """Operators on the whole mesh."""
+        """Operators on the mesh."""
         lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
         pressure, gap, slip = astuple(self.units)
         return Operators(lattice, self.elasticity, gap / pressure, slip / pressure, self.frame)
 
     @cached_property
     def free(self) -> tuple[bool, bool]:
-        """Which of (xi_x, xi_y) is unknown because a force is given instead."""
+        """Which of (xi_x, xi_y) is unknown because its force is prescribed."""
         load = self.scene.load
         return load.force_x is not None, load.force_y is not None
 
     @cached_property
     def transmits(self) -> bool:
-        """Whether there is any cause for tangential traction."""
+        """Whether there may be tangential traction."""
         creepage = self.scene.creepage
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
         caused = moving or any(self.free) or self.elasticity.coupled
@@ -254,59 +254,59 @@ class Model:
 
     @property
     def stencil(self) -> Stencil:
-        """Where the slip of an element is taken."""
+        """Stencil of the slip of an element."""
         return UPWIND if self.scene.solver.slip == "upwind" else STAGGERED
 
     @cached_property
     def rigid_slip(self) -> np.ndarray:
-        """Slip of the undeformed bodies by the given creepages, s/V, shape (2, n_x, n_y)."""
+        """Slip of the undeformed bodies by the prescribed creepages, s/V, shape (2, n_x, n_y)."""
         creepage = self.scene.creepage
         return self.rigid_slip_by(creepage.longitudinal, creepage.lateral, creepage.spin)
 
     def rigid_slip_by(self, longitudinal: float, lateral: float, spin: float) -> np.ndarray:
-        """The same by any creepages, at the points at which the stencil takes it."""
+        """Return the slip of undeformed bodies by any creepages, at the points of the stencil."""
         x = (self.grid.x + self.stencil.rigid_ahead * self.grid.dx)[:, None]
         y = self.grid.y[None, :]
         return np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
 
     @cached_property
     def scaled_rigid_slip(self) -> np.ndarray:
-        """`rigid_slip` in the scaled frame and in units of slip."""
+        """The `rigid_slip` in the scaled frame and in units of slip."""
         return self.frame.slip_to_scaled(self.rigid_slip) / self.units.slip
 
     @property
     def given_approach(self) -> float:
-        """The approach in units of gap where it is given, else zero."""
-        given = self.scene.load.approach
-        return 0.0 if given is None else given / self.units.gap
+        """The prescribed approach in units of gap, else zero."""
+        approach = self.scene.load.approach
+        return 0.0 if approach is None else approach / self.units.gap
 
     @cached_property
     def load(self) -> float | None:
-        """Sum of the dimensionless pressure over the elements, where the load is given."""
+        """Sum of the dimensionless pressure over the elements for a prescribed load, else None."""
         normal = self.scene.normal_load
         return None if normal is None else normal / (self.units.pressure * self.grid.element_area)
 
     @cached_property
     def forces(self) -> PrescribedForces:
-        """Forces given in place of creepages, dimensionless."""
+        """Prescribed forces, dimensionless."""
         return self.forces_of((self.scene.load.force_x, self.scene.load.force_y))
 
     def forces_of(self, forces: tuple[float | None, float | None]) -> PrescribedForces:
-        """The same of any (Q_x, Q_y), N; None of one that is not given."""
-        given = [(k, q) for k, q in enumerate(forces) if q is not None]
-        if not given:
+        """Return dimensionless forces from (Q_x, Q_y), N; None for a prescribed creepage."""
+        prescribed = [(k, q) for k, q in enumerate(forces) if q is not None]
+        if not prescribed:
             return PrescribedForces()
         unit = self.units.pressure * self.grid.element_area
-        vectors = np.stack([self.frame.matrix[:, k] for k, _ in given])
-        return PrescribedForces(vectors, np.array([q / unit for _, q in given]))
+        vectors = np.stack([self.frame.matrix[:, k] for k, _ in prescribed])
+        return PrescribedForces(vectors, np.array([q / unit for _, q in prescribed]))
 
     def problem(self, gap: np.ndarray, wear: WearInPass | None = None) -> Problem:
-        """The contact problem under a separation of the undeformed bodies.
+        """Return the contact problem for a separation of the undeformed bodies.
 
         Parameters
         ----------
         gap : ndarray, shape (n_x, n_y)
-            In units of gap.
+            Separation in units of gap.
         wear : callable, optional
             Wear within the pass.
         """
@@ -316,12 +316,12 @@ class Model:
         kinematics = SteadyRolling(self.stencil)
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear, kinematics)
 
-    def creepages(self, found: np.ndarray | None) -> tuple[float, float, float]:
-        """(xi_x, xi_y, spin), those given and those found."""
+    def creepages(self, computed: np.ndarray | None) -> tuple[float, float, float]:
+        """Return (xi_x, xi_y, spin), prescribed or computed."""
         creepage = self.scene.creepage
         values = [creepage.longitudinal, creepage.lateral]
-        if found is not None:
+        if computed is not None:
             unknown = [k for k in (0, 1) if self.free[k]]
-            for k, value in zip(unknown, found, strict=True):
+            for k, value in zip(unknown, computed, strict=True):
                 values[k] = float(value) * self.units.slip
         return values[0], values[1], creepage.spin

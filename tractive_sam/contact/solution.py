@@ -1,6 +1,6 @@
-"""Solve the problem of a contact by the method of its scene, in steady rolling, a step or a shift.
+"""Solve the contact problem of a model, in steady rolling, a step or a shift.
 
-What the problem is, the kinematics say (`operators.kinematics`); the outcome becomes a contact in
+The kinematics (`operators.kinematics`) define the problem; the outcome is converted to a contact in
 mm, N and MPa.
 """
 
@@ -29,15 +29,15 @@ def solve_problem(
     problem : Problem
         The problem, with its pressure free.
     tolerance : float
-        Residual to solve to.
+        Residual of the solution.
     start : Start, optional
-        First guess.
+        Initial guess.
     """
     normal, coupled = problem.normal, model.elasticity.coupled
     if normal.load is None and normal.gap.min() >= normal.approach:
-        return PRESSURE_ONLY.solve(problem, tolerance)  # they do not touch: nothing to solve
+        return PRESSURE_ONLY.solve(problem, tolerance)  # the bodies do not touch
     if coupled and start is not None and not start.pressure.any():
-        start = None  # Newton's method has no contact area to begin with
+        start = None  # Newton's method needs a contact area to start
     return _solver_of(model, problem).solve(problem, tolerance, start)
 
 
@@ -58,7 +58,6 @@ def traction_of(model: Model, scaled: np.ndarray) -> np.ndarray:
 
 def _traction_bound(model: Model, pressure: np.ndarray, radius: np.ndarray) -> np.ndarray | None:
     """Return the largest traction that friction allows, MPa; None if it is the pressure."""
-    # Coulomb's law.
     is_coulomb = type(model.friction_law) is Coulomb
     if is_coulomb and (np.abs(radius - pressure) <= 1e-12 * pressure).all():  # up to rounding
         return None
@@ -79,11 +78,11 @@ def state_of(
     Parameters
     ----------
     model : Model
-        What was solved, and on which mesh.
+        The model, with its mesh.
     problem : Problem
-        What the outcome solves.
+        The solved problem.
     outcome : Outcome
-        Solved or not.
+        The outcome of its solution, converged or not.
     slip : ndarray, shape (2, n_x, n_y)
         Slip to report, s/V.
     creepages : tuple of float
@@ -103,8 +102,8 @@ def state_of(
         sliding, allowed = problem.sliding(*fields)
         bound = _traction_bound(model, outcome.pressure, allowed.radius)
         if model.friction_law.falls:
-            known = outcome.steepness
-            steepness = steepness_of(problem, *fields) if known is None else known
+            steepness = outcome.steepness
+            steepness = steepness_of(problem, *fields) if steepness is None else steepness
     contact = State(
         model.scene,
         model.grid,

@@ -1,11 +1,11 @@
-"""One steady state of a model, solved and put back into mm, N and MPa."""
+"""Solve one steady state of a model, in mm, N and MPa."""
 
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.contact.heat import warmed
+from tractive_sam.contact.heat import solve_with_heat
 from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Model
@@ -16,10 +16,10 @@ from tractive_sam.scene import FewestElements
 from tractive_sam.solvers import Outcome, Problem, Start
 
 GROWTHS = 8
-"""Most enlargements of a mesh that the scene left to us."""
+"""Largest number of enlargements of a mesh that the scene does not fix."""
 
 DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-"""(p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""
+"""Function (p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""
 
 
 def equilibrium(
@@ -36,15 +36,15 @@ def equilibrium(
     model : Model
         The scene in numbers.
     depth : ndarray, shape (n_x, n_y), or callable, optional
-        Depth worn off both bodies, mm. As a function of pressure, traction and slip it is
-        updated within the iteration, as the paper does it; that is for ``method = "uzawa"`` only.
+        Depth worn off both bodies, mm. A function of pressure, traction and slip is updated within
+        the iteration, as in the paper, which needs ``method = "uzawa"``.
     start : State, optional
-        A contact nearby, as first guess.
+        A contact nearby, as initial guess.
     tolerance : float, optional
-        Residual to solve to; by default that of the scene.
+        Residual of the solution; by default that of the scene.
     check_resolution : bool
-        Whether a contact of fewer elements than `FewestElements.contact` is not resolved; the
-        first contact of a course that presses the bodies together may be so small.
+        Whether a contact of fewer elements than `FewestElements.contact` gets the status
+        NOT_RESOLVED; the first contact of a course that presses the bodies together may be small.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def equilibrium(
     if model.scene.heat is None:
         contact = _equilibrium(model, depth, start, tolerance)
     else:
-        contact = warmed(
+        contact = solve_with_heat(
             model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start
         )
     contact = contact.with_convolutions(meter.convolutions)
@@ -71,46 +71,48 @@ def _equilibrium(
 ) -> State:
     gap, in_pass = model.undeformed_gap, None
     if callable(depth):
-        in_pass = _dimensionless(model, depth)
+        in_pass = _dimensionless_depth(model, depth)
     elif depth is not None:
         gap = gap + depth
     problem = model.problem(gap / model.units.gap, in_pass)
-    first = None if start is None else start_of(model, start)
+    first = None if start is None else dimensionless_start(model, start)
     outcome = solve_problem(model, problem, tolerance, first)
-    return _contact(model, problem, outcome, depth)
+    return _to_state(model, problem, outcome, depth)
 
 
-def fitted_blocks(model: Model) -> tuple[Model, tuple[State, ...]]:
-    """Solve the bodies as they are, enlarging a mesh left to us until it holds the contacts.
+def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
+    """Solve the unrolled bodies; enlarge a mesh that the scene does not fix until it holds them.
 
     Returns
     -------
     Model, tuple of State
-        The model on the mesh of the contacts, one of each block.
+        The model on a mesh that holds the contacts.
+    tuple of State
+        The contact of each block.
     """
-    contacts = _as_they_are(model)
+    contacts = _solve_blocks(model)
     for _ in range(GROWTHS):
-        # Beyond a measured gap from which the mesh was chosen there is nothing to grow into.
+        # A mesh chosen from a measured gap cannot grow beyond the gap.
         chosen = not model.scene.has_fixed_domain and model.scene.hertz is not None
-        if all(one.status is not Status.OFF_GRID for one in contacts) or not chosen:
+        if all(contact.status is not Status.OFF_GRID for contact in contacts) or not chosen:
             break
         model = model.on(grown(model.grid))
-        contacts = _as_they_are(model)
+        contacts = _solve_blocks(model)
     return model, contacts
 
 
-def fitted(model: Model) -> tuple[Model, State]:
-    """The same of one contact."""
-    model, (contact,) = fitted_blocks(model)
+def solve_on_fitted_mesh(model: Model) -> tuple[Model, State]:
+    """Solve the unrolled bodies of a model with one contact, see `solve_blocks_on_fitted_mesh`."""
+    model, (contact,) = solve_blocks_on_fitted_mesh(model)
     return model, contact
 
 
-def _as_they_are(model: Model) -> tuple[State, ...]:
-    return tuple(equilibrium(one, one.worn_before) for one in model.blocks)
+def _solve_blocks(model: Model) -> tuple[State, ...]:
+    return tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
 
 
-def start_of(model: Model, contact: State) -> Start:
-    """The solution of a contact nearby, dimensionless: the inverse of what makes a `State`."""
+def dimensionless_start(model: Model, contact: State) -> Start:
+    """Return the solution of a contact as a dimensionless start; the inverse of `state_of`."""
     units = model.units
     creepage = np.array([contact.xi_x, contact.xi_y])[list(model.free)]
     return Start(
@@ -121,35 +123,39 @@ def start_of(model: Model, contact: State) -> Start:
     )
 
 
-def _dimensionless(model: Model, depth: DepthInPass) -> DepthInPass:
+def _dimensionless_depth(model: Model, depth: DepthInPass) -> DepthInPass:
     units = model.units
 
     def scaled(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        fields = units.pressure * pressure, traction_of(model, traction), _slip(model, slip)
+        fields = (
+            units.pressure * pressure,
+            traction_of(model, traction),
+            _physical_slip(model, slip),
+        )
         return depth(*fields) / units.gap
 
     return scaled
 
 
-def _slip(model: Model, scaled: np.ndarray) -> np.ndarray:
-    """s/V that wears and dissipates, from what the stencil solves for."""
+def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
+    """Return the slip s/V that determines wear and dissipation, from that of the stencil."""
     return model.stencil.at_centres(model.units.slip * model.frame.slip_to_physical(scaled))
 
 
 def _rolling_resistance(
     model: Model, pressure: np.ndarray, gap: np.ndarray, depth: np.ndarray
 ) -> float:
-    """Work of the pressure on the slope of the undeformed, worn bodies, N.
+    """Return the work of the pressure on the slope of the undeformed, worn bodies, N.
 
-    By central differences d of h less the gap g that is left. In contact g is zero, but the
-    outermost elements reach beyond its edge, and with g the balance of work holds on any mesh:
-    h - g is the approach less the displacement A_nn p_n + A_nt p_t. As d is antisymmetric and
-    commutes with the operators, and by reciprocity, A_nt = A_tn^T,
+    It uses central differences d of h - g, with g the remaining gap. In contact g is zero, but the
+    outermost elements reach beyond its edge, and with g the balance of work holds on any mesh: h -
+    g is the approach minus the displacement A_nn p_n + A_nt p_t. As d is antisymmetric and commutes
+    with the operators, and by reciprocity, A_nt = A_tn^T,
 
         p_n . d(h - g) = -p_n . d A_nt p_t = p_t . d A_tn p_n,
 
-    the work of p_t on the slip by p_n; that by p_t itself does none. So resistance and creepages
-    supply what the slip at the centres (`Stencil.at_centres`) dissipates.
+    the work of p_t on the slip by p_n; that of p_t on its own slip is zero. So resistance and
+    creepages supply the dissipation of the slip at the centres (`Stencil.at_centres`).
     """
     if not model.elasticity.coupled:
         return 0.0
@@ -157,13 +163,13 @@ def _rolling_resistance(
     return float((pressure * slope).sum() * model.grid.element_area)
 
 
-def _contact(
+def _to_state(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
 ) -> State:
     units = model.units
     pressure = units.pressure * outcome.pressure
     traction, gap = traction_of(model, outcome.traction), units.gap * outcome.gap
-    slip = _slip(model, outcome.slip)
+    slip = _physical_slip(model, outcome.slip)
     if callable(depth):
         depth = depth(pressure, traction, np.where(pressure > 0.0, slip, 0.0))
     elif depth is None:

@@ -1,7 +1,7 @@
-"""One step of transient rolling, or a shift, solved and put back into mm, N and MPa.
+"""Solve one step of transient rolling, or a shift, in mm, N and MPa.
 
-See `operators.kinematics` for the slip of a step. Of the past a step knows only the step before:
-its pressure, tractions and gap.
+See `operators.kinematics` for the slip of a step. A step depends only on the pressure, tractions
+and gap of the step before.
 """
 
 from collections.abc import Callable
@@ -23,27 +23,27 @@ from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Pr
 
 @dataclass(frozen=True, eq=False)
 class ParticleMotion:
-    """How particles came to the nodes in a step.
+    """Motion of the particles to the nodes in a step.
 
     Attributes
     ----------
     advection : Advection
         Distance that they moved.
     curved : ndarray of bool, shape (n_x, n_y)
-        Which of them are interpolated by a parabola, see `Advection.before`.
+        Particles that are interpolated by a parabola, see `Advection.before`.
     displacement : ndarray, shape (2 or 3, n_x, n_y)
         Dimensionless displacements that they had before.
     rigid : ndarray, shape (2, n_x, n_y)
         Slip of the undeformed bodies, dimensionless.
-    found : ndarray or float
-        The part of it by creepages that were found for prescribed forces.
+    computed : ndarray or float
+        The part of it by creepages that were computed for prescribed forces.
     """
 
     advection: Advection
     curved: np.ndarray
     displacement: np.ndarray
     rigid: np.ndarray
-    found: np.ndarray | float = 0.0
+    computed: np.ndarray | float = 0.0
 
 
 class Stepper:
@@ -81,10 +81,10 @@ class Stepper:
         before : StepResult
             The step before.
         inputs : StepInput
-            What the step is given.
+            Prescribed quantities of the step.
         earlier : StepResult, optional
-            The step before that one: the first guess is extrapolated from both. With a negative
-            ratio the end of a longer step: the first guess is interpolated.
+            The step before that one: the initial guess is extrapolated from both. With a negative
+            ratio the end of a longer step: the initial guess is interpolated.
         ratio : float
             Length of the step over that of the step before, or minus that over the longer step.
 
@@ -111,8 +111,8 @@ class Stepper:
         result = self._result(inputs, advection, problem, outcome, worn)
         if result.contact.converged:
             if len(problem.forces):
-                found = problem.forces.slip(outcome.creepage)
-                motion = replace(motion, rigid=motion.rigid + found, found=found)
+                slip = problem.forces.slip(outcome.creepage)
+                motion = replace(motion, rigid=motion.rigid + slip, computed=slip)
             result, groups = self._with_work(before, inputs, result, motion)
             if self.wear is not None:
                 result = self.wear.worn(inputs, result, advection, law, groups)
@@ -121,7 +121,7 @@ class Stepper:
     def _motion(
         self, before: StepResult, inputs: StepInput, advection: Advection
     ) -> ParticleMotion:
-        """Return how particles come to the nodes; without the slip by unknown creepages."""
+        """Return the motion of particles to the nodes; without slip by unknown creepages."""
         touching = advection.with_nodes_ahead(before.contact.pressure) > 0.0
         curved = advection.inside(touching) & self.model.stencil.staggered
         rigid = self._rigid(inputs, advection, advection.middle(curved))
@@ -131,8 +131,8 @@ class Stepper:
     def _kinematics(self, past: State, motion: ParticleMotion) -> RollingStep:
         """Return the kinematics of a step, with the gap that particles close in it.
 
-        Upwind slip holds a particle from the first node ahead of the contact on: in steps of one
-        element from where it was, and it closes nothing.
+        With upwind slip a particle sticks from the first node ahead of the contact: a step of one
+        element moves it from there, and it closes no gap.
         """
         stencil, advection = self.model.stencil, motion.advection
         gap = np.where(past.touching, 0.0, past.gap) / self.model.units.gap
@@ -146,27 +146,27 @@ class Stepper:
         return RollingStep(stencil, entering, advection.length)
 
     def _solve(self, problem: Problem, before: StepResult, start: Start, length: float) -> Outcome:
-        """Solve the problem of a step; a pressure that is known already is not sought again."""
+        """Solve the problem of a step; a pressure that is already solved is not solved again."""
         model, past = self.model, before.contact
         if before.has_pressure_of(problem.normal):
             pressure, gap = past.pressure / model.units.pressure, past.gap / model.units.gap
             approach = past.approach / model.units.gap
             start = replace(start, pressure=pressure, gap=gap, approach=approach)
         outcome = solve_problem(model, problem, model.scene.solver.tolerance, start)
-        if outcome.top is not None:  # its creepage is over an element's length, like the slip
+        if outcome.top is not None:  # its creepage is per element length, like the slip
             force, creepage = outcome.top
             outcome = replace(outcome, top=(force, creepage / length))
         if len(problem.forces) and outcome.creepage is None:
             outcome = _without_contact(problem, outcome)
         return outcome
 
-    def with_gap_beside(self, result: StepResult, separation: np.ndarray | float) -> StepResult:
-        """Return a step whose mesh was widened with the gap and the wear beside the former mesh."""
+    def with_gap_outside(self, result: StepResult, separation: np.ndarray | float) -> StepResult:
+        """Return a step on a widened mesh with gap and wear outside the former mesh."""
         contact, units = result.contact, self.model.units
         unknown = np.isinf(contact.gap)
         if not unknown.any():
             return result
-        depth = self.model.with_wear_before(result.worn.sum(axis=0))
+        depth = self.model.add_initial_wear(result.worn.sum(axis=0))
         if self.model.elasticity.coupled:
             moved = self.operators.coupled_displacement(self.model.scaled_fields(contact))
         else:
@@ -177,20 +177,20 @@ class Stepper:
         return replace(result, contact=contact)
 
     def _law(self, before: StepResult, inputs: StepInput, advection: Advection) -> FrictionLaw:
-        """Return the law of friction in a step, with what its particles remember.
+        """Return the friction law in a step, with the history of its particles.
 
         Raises
         ------
         ValueError
-            If the law falls with the speed of sliding, and a shift has none.
+            If the law falls with the sliding speed, which a shift does not have.
         """
         law, grid, past = self.model.friction_law, self.model.grid, before.contact
         if not law.falls:
             return law
         if not advection.length:
             raise ValueError(
-                "laws.friction: friction falls with the speed of sliding, and a shift (a step of "
-                "no distance) has none; roll a short distance in its place"
+                "laws.friction: friction falls with the sliding speed, and a shift (a step without "
+                "distance) has none; roll a short distance instead"
             )
         rest = law.weakened(inputs.friction_before or inputs.friction).bound(
             past.pressure, grid.x[:, None], grid.y[None, :]
@@ -208,10 +208,10 @@ class Stepper:
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if inputs.load is None else inputs.load / (units.pressure * grid.element_area)
         approach = 0.0 if inputs.approach is None else inputs.approach / units.gap
-        undeformed = model.undeformed_gap + inputs.separation + model.with_wear_before(worn)
+        undeformed = model.undeformed_gap + inputs.separation + model.add_initial_wear(worn)
         law = (law or model.friction_law).weakened(inputs.friction)
         x, y = grid.x[:, None], grid.y[None, :]
-        # The slip of a step is over an element's length, the speed of sliding over the distance.
+        # The slip of a step is per element length, the sliding speed per distance.
         slip_unit = units.slip * grid.dx / (inputs.distance or grid.dx)
         return Problem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
@@ -221,14 +221,14 @@ class Stepper:
         )
 
     def press(self, inputs: StepInput) -> State:
-        """Press the bodies together without traction, whatever creepages or forces are given."""
+        """Press the bodies together without traction, regardless of creepages and forces."""
         problem = self._problem(inputs)
         outcome = PRESSURE_ONLY.solve(problem, self.model.scene.solver.tolerance)
-        slip, depth = np.zeros_like(problem.rigid), self.model.with_wear_before(0.0)
+        slip, depth = np.zeros_like(problem.rigid), self.model.add_initial_wear(0.0)
         return state_of(self.model, problem, outcome, slip, (0.0, 0.0, 0.0), depth)
 
     def at_rest(self, contact: State) -> StepResult:
-        """Return a contact from which steps may be taken: its energy and displacements."""
+        """Return a contact from which steps may start, with its energy and displacements."""
         displacement = self._displacement(StepResult(contact), 0)
         energy = self.work.energy(self.model.scaled_fields(contact), displacement)
         none = np.zeros((2, *self.model.grid.elements))
@@ -254,11 +254,11 @@ class Stepper:
         Parameters
         ----------
         inputs : StepInput
-            Creepages of the step; one in place of which a force is given does not count.
+            Creepages of the step; a creepage with a prescribed force is ignored.
         advection : Advection
-            Its length.
+            Distance of the step.
         middle : ndarray, shape (n_x, n_y), or float
-            Distance from the nodes to the places where the rigid slip is taken, in elements.
+            Distance from the nodes to the points of the rigid slip, in elements.
         """
         model, grid = self.model, self.model.grid
         longitudinal, lateral, spin = (
@@ -272,7 +272,7 @@ class Stepper:
         return model.frame.slip_to_scaled(slip) * (self._elements(advection) / model.units.slip)
 
     def _elements(self, advection: Advection) -> float:
-        """Return the distance in elements by which slip is divided; of a shift a millimetre."""
+        """Return the distance in elements by which slip is divided; for a shift a millimetre."""
         return advection.length or 1.0 / self.model.grid.dx
 
     def _start(
@@ -283,7 +283,7 @@ class Stepper:
         earlier: StepResult | None,
         ratio: float,
     ) -> Start:
-        """Return the first guess: on the line through the two steps before."""
+        """Return the initial guess: extrapolated linearly from the two steps before."""
         model, units = self.model, self.model.units
         first, share = (before, 0.0) if earlier is None else (earlier, ratio)
 
@@ -291,21 +291,21 @@ class Stepper:
             last = value(before)
             return last + share * (last - value(first)) if share else last
 
-        pressure = extrapolate(lambda one: one.contact.pressure)
+        pressure = extrapolate(lambda step: step.contact.pressure)
         creepages = [
-            extrapolate(lambda one, k=k: getattr(one.contact, k))
+            extrapolate(lambda step, k=k: getattr(step.contact, k))
             for k, force in zip(("xi_x", "xi_y"), inputs.forces, strict=True)
             if force is not None
         ]
         response = None
         if not (model.elasticity.coupled and pressure.min() < 0.0):
             columns = model.grid.elements[0]
-            response = extrapolate(lambda one: self._displacement(one, 0)[:, :columns])
-        traction = extrapolate(lambda one: one.contact.traction)
+            response = extrapolate(lambda step: self._displacement(step, 0)[:, :columns])
+        traction = extrapolate(lambda step: step.contact.traction)
         return Start(
             np.maximum(pressure, 0.0) / units.pressure,
             model.frame.to_scaled(traction) / units.pressure,
-            extrapolate(lambda one: one.contact.approach) / units.gap,
+            extrapolate(lambda step: step.contact.approach) / units.gap,
             np.nan_to_num(creepages) * (self._elements(advection) / units.slip),
             response,
         )
@@ -328,7 +328,7 @@ class Stepper:
         if advection.length:
             slip = model.stencil.at_centres(slip)
         longitudinal, lateral, spin = creepages
-        depth = model.with_wear_before(worn.sum(axis=0))
+        depth = model.add_initial_wear(worn.sum(axis=0))
         contact = state_of(model, problem, outcome, slip, (longitudinal, lateral, spin), depth)
         return StepResult(
             contact,
@@ -342,7 +342,7 @@ class Stepper:
     def _with_work(
         self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
     ) -> tuple[StepResult, tuple[Particles, ...]]:
-        """Return a step with its work and its energy, and the particles that wear.
+        """Return a step with its work and energy, and the particles that wear.
 
         See `step_work`.
         """
@@ -379,7 +379,7 @@ class Stepper:
             past.pressure,
             fields,
             self._later(result, motion) - self._displacement(before, 0)[:, :columns],
-            self._rigid(inputs, advection, -0.5 * advection.length) + motion.found,
+            self._rigid(inputs, advection, -0.5 * advection.length) + motion.computed,
             earlier=True,
             wearing=(moves[:columns] > 0.0).astype(float),
         )
@@ -388,8 +388,9 @@ class Stepper:
     def _later(self, result: StepResult, motion: ParticleMotion) -> np.ndarray:
         """Return displacements after a step of the particles that were at the nodes before it.
 
-        Of dissimilar bodies the adjoint of the interpolation, as the pressure does work on them. Of
-        alike ones a straight line, which takes no application: they only distribute the wear.
+        For dissimilar bodies the adjoint of the interpolation, as the pressure does work on them.
+        For bodies of equal material they only distribute the wear, and linear interpolation
+        suffices, without an application of an operator.
         """
         columns = self.model.grid.elements[0]
         if not self.model.elasticity.coupled:
@@ -400,9 +401,9 @@ class Stepper:
 
 
 def _without_contact(problem: Problem, outcome: Outcome) -> Outcome:
-    """Return the outcome for prescribed forces of bodies that have parted: they carry none."""
+    """Return the outcome for prescribed forces of separated bodies, which carry no force."""
     none = np.zeros(len(problem.forces))
     if not problem.forces.target.any():
         return replace(outcome, creepage=none)
-    note = Note("the bodies have parted and carry no force", Status.DIVERGED)
+    note = Note("the bodies have separated and carry no force", Status.DIVERGED)
     return replace(outcome, status=Status.DIVERGED, residual=1.0, creepage=none, trace=(note,))

@@ -1,10 +1,10 @@
-"""What a step of transient rolling, or a shift, is given, and what it returns."""
+"""Input and result of a step of transient rolling, or of a shift."""
 
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tractive_sam.results import Grid, State, widened
+from tractive_sam.results import Grid, State, widen_field
 from tractive_sam.solvers import NormalProblem
 
 Three = tuple[float, float, float]
@@ -12,15 +12,15 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class StepInput:
-    """What a step is given.
+    """Prescribed quantities of a step.
 
     Attributes
     ----------
     distance : float
         Rolling distance, mm; 0: a shift.
     creepages : tuple of float
-        Longitudinal, lateral and spin creepage, means over the distance; of a shift the shifts in
-        x and y, mm, and the turn, radians. A creepage for which a force is given does not count.
+        Longitudinal, lateral and spin creepage, means over the distance; for a shift the shifts in
+        x and y, mm, and the turn, radians. A creepage with a prescribed force is ignored.
     load, approach : float or None
         Normal load, N, or approach, mm, at the end of the step.
     forces : tuple of float or None
@@ -56,11 +56,11 @@ class StepResult:
     Attributes
     ----------
     contact : State
-        Its slip and creepages, also those found, are means of the step per distance rolled; of a
-        shift the slip itself, mm.
+        The contact. Its slip and creepages are means of the step per distance rolled; for a shift
+        the slip itself, mm.
     supplied : float
-        Work of what drives the bodies, N mm: by tangential forces and, of dissimilar bodies, by the
-        load.
+        Work of the forces that drive the bodies, N mm: of tangential forces and, for dissimilar
+        bodies, of the load.
     friction : float
         Work of friction, N mm.
     distance : float
@@ -68,11 +68,11 @@ class StepResult:
     shifted : bool
         Whether it was a shift.
     energy : float
-        Elastic energy at the end, N mm: of the tractions, of dissimilar bodies with the pressure.
+        Elastic energy at the end, N mm: of the tractions, for dissimilar bodies with the pressure.
     displacement : ndarray, shape (2 or 3, n_x + reach, n_y)
         Dimensionless, at the nodes of the mesh and ahead of it.
     normal : NormalProblem, optional
-        Normal problem that its pressure solves, if tractions do not change it.
+        Normal problem that its pressure solves, if it does not depend on tractions.
     worn : ndarray, shape (2, n_x, n_y)
         Depth that the particles of A and B at the elements lost since the start, mm.
     gained : ndarray, shape (2, n_x, n_y)
@@ -98,14 +98,14 @@ class StepResult:
 
         Behind the former mesh the depths are those at its end.
         """
-        worn, gained = (widened(one, grid.elements) for one in (self.worn, self.gained))
+        worn, gained = (widen_field(depth, grid.elements) for depth in (self.worn, self.gained))
         behind = (grid.elements[0] - self.worn.shape[1]) // 2
         worn[:, :behind] = worn[:, behind : behind + 1]
         of_mesh = {"displacement": np.zeros((2, 0, 0)), "normal": None}
         return replace(self, contact=self.contact.on(grid), worn=worn, gained=gained, **of_mesh)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":
-        """Return the step with what it did after a shorter step from the same contact."""
+        """Return the step without the part of a shorter step from the same contact."""
         if earlier is None:
             return self
         return replace(
@@ -117,7 +117,7 @@ class StepResult:
         )
 
     def has_pressure_of(self, normal: NormalProblem) -> bool:
-        """Whether its pressure is known to solve a normal problem."""
+        """Return whether its pressure solves a normal problem."""
         if self.normal is None or not self.contact.touching.any():
             return False
         return normal.is_the_same_as(self.normal)

@@ -1,4 +1,4 @@
-"""Wear of a step of transient rolling, or a shift, off the particles that slip in it."""
+"""Wear of a step of transient rolling, or a shift: depths that sliding particles lose."""
 
 import math
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from tractive_sam.results import Status
 
 @dataclass(frozen=True, eq=False)
 class StepWear:
-    """Depths that a step wears off both bodies.
+    """Wear depths of both bodies in a step.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class StepWear:
     law: WearLaw
 
     deepest: ClassVar[float] = 1.0
-    """Depth that a step may wear over the elastic depth of a ripple as short as elements are."""
+    """Allowed depth of a step over the elastic depth of a ripple as short as the elements."""
 
     def worn(
         self,
@@ -45,7 +45,7 @@ class StepWear:
         Parameters
         ----------
         inputs : StepInput
-            What the step was given.
+            Prescribed quantities of the step.
         result : StepResult
             The step, with the depths before it.
         advection : Advection
@@ -59,13 +59,13 @@ class StepWear:
         law = self.law.with_friction(friction).weakened(inputs.mean_friction)
         law = law.under(WearConditions(result.contact.wear, math.nan))
         if not advection.length:
-            groups = tuple(self._with_last_traction(result, one) for one in groups)
-        for one in groups:
-            depth = self._depths(inputs, one, law)
-            deep = max(deep, self._relative_depth(one.pressure, depth))
-            gained += one.weight * (advection.carried(depth) if one.earlier else depth)
+            groups = tuple(self._with_last_traction(result, group) for group in groups)
+        for group in groups:
+            depth = self._depths(inputs, group, law)
+            deep = max(deep, self._relative_depth(group.pressure, depth))
+            gained += group.weight * (advection.carried(depth) if group.earlier else depth)
         worn = result.worn + gained
-        contact = replace(result.contact, wear=self.model.with_wear_before(worn.sum(axis=0)))
+        contact = replace(result.contact, wear=self.model.add_initial_wear(worn.sum(axis=0)))
         if deep > 1.0:
             note = (
                 "the wear of a step is too deep for the pressure to follow: lower transient.step "

@@ -1,13 +1,13 @@
-"""Work of a step of transient rolling: what is supplied, rubbed away and stored.
+"""Work of a step of transient rolling: supplied, dissipated and stored.
 
 A particle at x was at x + d before the step. With the tractions p and the displacements u = A p of
-the nodes before (0) and after (1), and T the interpolation of nodal values to x + d, it slips by
+the nodes before (0) and after (1), and T the interpolation of nodal values to x + d, its slip is
 
     S_1 = w + u_1 - T u_0,        u_0 = A p_0.
 
 Half the work of friction is done by the tractions after the step, on the particles that carry them:
 -p_1 . S_1 / 2. The other half is done by the tractions before it, on the particles that carried
-them. These were at nodes, and are between nodes now. With the adjoint of T they slip by
+them. These were at nodes, and are between nodes after the step. With the adjoint of T their slip is
 
     S_0 = w + A T' p_1 - u_0.
 
@@ -18,9 +18,10 @@ As A is symmetric, p_1 . T A p_0 = p_0 . A T' p_1, and the elastic parts of both
 the change of the elastic energy: work supplied = work of friction + change of energy, for every T
 and any d. Pressure and normal displacement of dissimilar bodies enter in the same way.
 
-For whole elements T moves nodes onto nodes, and both halves belong to the same particles: their
-mean traction does the work. The mean of p_1 and T p_0 at other distances does not: T' T is less
-than one for what changes from node to node, above all where tractions drop at the trailing edge.
+For whole-number distances T moves nodes onto nodes, and both halves belong to the same particles:
+their mean traction does the work. At other distances the mean of p_1 and T p_0 does not: T' T is
+less than one for fields that change from node to node, above all where tractions drop at the
+trailing edge.
 """
 
 from collections.abc import Iterable
@@ -33,14 +34,14 @@ from tractive_sam.contact.model import Model
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Particles at the nodes after a step, or before it, and what they do in it.
+    """Particles at the nodes after a step, or before it, and their part in its work.
 
     Attributes
     ----------
     pressure : ndarray, shape (n_x, n_y)
-        MPa.
+        Pressure, MPa.
     fields : ndarray, shape (2 or 3, n_x, n_y)
-        Dimensionless tractions that do work; of dissimilar bodies after the pressure.
+        Dimensionless tractions that do work; for dissimilar bodies after the pressure.
     change : ndarray, shape (2 or 3, n_x, n_y)
         Change of the dimensionless displacements in the step.
     rigid : ndarray, shape (2, n_x, n_y)
@@ -50,7 +51,7 @@ class Particles:
     earlier : bool
         Whether they are at the nodes before the step.
     wearing : ndarray, shape (n_x, n_y), or float
-        Factor on the slip that wears: 0 of particles that stick.
+        Factor on the slip that wears: 0 for particles that stick.
     """
 
     pressure: np.ndarray
@@ -91,42 +92,42 @@ class StepWork:
         return self._slip * float((fields[-2:] * moved[-2:]).sum())
 
     def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Return the work of the pressure; 0 of alike bodies, whose fields do not have it."""
+        """Return the work of the pressure; 0 for equal materials, without pressure fields."""
         return self._gap * float((fields[:-2] * moved[:-2]).sum())
 
     def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
-        """Return half the work of fields on displacements, which may reach ahead of the mesh."""
+        """Return half the work of fields on displacements, which may extend ahead of the mesh."""
         moved = displacement[:, : fields.shape[1]]
         return 0.5 * (self.tangential(fields, moved) + self.normal(fields, moved))
 
     def supplied(self, groups: Iterable[Particles]) -> float:
-        """Return the work of what drives the bodies in a step."""
+        """Return the work of the forces that drive the bodies in a step."""
         return sum(
-            one.weight
-            * (self.normal(one.fields, one.change) - self.tangential(one.fields, one.rigid))
-            for one in groups
+            group.weight
+            * (self.normal(group.fields, group.change) - self.tangential(group.fields, group.rigid))
+            for group in groups
         )
 
     def friction(self, groups: Iterable[Particles]) -> float:
         """Return the work of friction in a step."""
-        return -sum(one.weight * self.tangential(one.fields, one.slip) for one in groups)
+        return -sum(group.weight * self.tangential(group.fields, group.slip) for group in groups)
 
     def matched(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
         """Scale the slip that wears to the work of friction of a step between nodes.
 
-        Interpolation also moves particles between nodes that stick a little. That work is part of
-        the sum, but nothing slides there: the particles that slide wear by all of it.
+        Interpolation also moves particles slightly between nodes that stick. That work is part of
+        the sum, but nothing slides there: the sliding particles wear by all of it.
 
         Parameters
         ----------
         groups : tuple of Particles
-            Those of a step.
+            Particles of the step.
         friction : float
             Work of friction of the step, N mm.
         """
         wearing = 0.0
-        for one in groups:
-            local = np.maximum(-(one.traction * one.slip).sum(axis=0), 0.0)
-            wearing += one.weight * self._slip * float((one.wearing * local).sum())
+        for group in groups:
+            local = np.maximum(-(group.traction * group.slip).sum(axis=0), 0.0)
+            wearing += group.weight * self._slip * float((group.wearing * local).sum())
         factor = max(friction, 0.0) / wearing if wearing > 0.0 else 0.0
-        return tuple(replace(one, wearing=factor * one.wearing) for one in groups)
+        return tuple(replace(group, wearing=factor * group.wearing) for group in groups)

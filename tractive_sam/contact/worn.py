@@ -9,28 +9,28 @@ from tractive_sam.results import Grid
 
 @dataclass(frozen=True, eq=False)
 class Worn:
-    """Depth worn off the bodies before, across the track.
+    """Depth worn off the bodies before a roll, across the track.
 
     Attributes
     ----------
     y : ndarray, shape (n,)
-        Where it is known, ascending, mm.
+        Lateral positions, ascending, mm.
     depths : ndarray, shape (2, n)
-        Of A and of B, mm.
+        Depths of A and of B, mm.
     """
 
     y: np.ndarray
     depths: np.ndarray
 
     def on(self, grid: Grid) -> np.ndarray:
-        """Depths on a mesh, shape (2, n_y), mm: linear between, beside it as at its ends.
+        """Return the depths on a mesh, shape (2, n_y), mm: linear, and constant beyond the ends.
 
         Raises
         ------
         ValueError
-            If one is a line contact and the other is not.
+            If either the depths or the mesh are those of a line contact, but not both.
         """
         if (self.y.size == 1) != (grid.directions == 1):
-            raise ValueError("start: a line contact goes on as one, others as others")
+            raise ValueError("start: both runs must be line contacts, or neither")
         y = grid.y + grid.shift
         return np.stack([np.interp(y, self.y, depth) for depth in self.depths])

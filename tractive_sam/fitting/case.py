@@ -15,8 +15,8 @@ import numpy as np
 from tractive_sam.contact import Model, jacobian_of
 from tractive_sam.fitting.derivatives import derivatives_of
 from tractive_sam.operators import one_blas_thread
-from tractive_sam.results import BODIES, COLUMNS, History, State, by_name
-from tractive_sam.run import measured_gap, nearby, roll
+from tractive_sam.results import BODIES, COLUMNS, History, State, index_by_name
+from tractive_sam.run import read_measured_gap, roll, solve_from_nearby
 from tractive_sam.scene import Scene
 
 Y = "y"
@@ -154,7 +154,7 @@ def compute(case: Case, start: State | None = None) -> tuple[Answer, State | Non
 
 
 def _solve(case: Case, start: State | None) -> tuple[Answer, State | None]:
-    model, contact = nearby(Model(case.scene, measured_gap(case.scene)), start)
+    model, contact = solve_from_nearby(Model(case.scene, read_measured_gap(case.scene)), start)
     convolutions = float(contact.cost.convolutions)
     if not contact.converged:
         return Answer({}, 1, 0, convolutions, contact.message), None
@@ -183,7 +183,7 @@ def _roll(case: Case) -> Answer:
 def read_contact(contact: State, name: str) -> float:
     """Return a number of a contact, that of a body by "name A"."""
     plain, _, body = name.partition(" ")
-    of = by_name(COLUMNS)[plain].of
+    of = index_by_name(COLUMNS)[plain].of
     value: Any = math.nan if of is None else of(contact)
     return float(value[body] if body else value)
 

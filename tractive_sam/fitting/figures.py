@@ -20,7 +20,7 @@ from tractive_sam.plot import (
     fitted_curve,
     study_curves,
 )
-from tractive_sam.results import COLUMNS, by_name
+from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
 
@@ -89,7 +89,7 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
 
 def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
     data, plain = result.dataset, name.partition(" ")
-    quantity = by_name(COLUMNS)[plain[0]].with_units_of(result.design.fit.scene)
+    quantity = index_by_name(COLUMNS)[plain[0]].with_units_of(result.design.fit.scene)
     body = f" of body {plain[2]}" if plain[2] else ""
     columns = {key: data[key].values[rows] for key in ("noise", "predicted", "band", "residual")}
     observed = data["observed"].values[rows]
@@ -101,7 +101,7 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
 
 def _meaning(key: str) -> str:
     """Return what varies, in words."""
-    if key in by_name(COLUMNS):
+    if key in index_by_name(COLUMNS):
         return key.replace("_", " ")
     try:
         return Scene.find_field(key).title or key

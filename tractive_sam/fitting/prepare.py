@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, fitted, reaching
+from tractive_sam.contact import Model, reaching, solve_on_fitted_mesh
 from tractive_sam.fitting.case import Answer, is_one_contact
 from tractive_sam.fitting.entries import is_whole
-from tractive_sam.results import COLUMNS, Grid, by_name
-from tractive_sam.run import measured_gap, roll
+from tractive_sam.results import COLUMNS, Grid, index_by_name
+from tractive_sam.run import read_measured_gap, roll
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError
 
@@ -76,7 +76,7 @@ def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     SceneError
         If the scene has no such column.
     """
-    known = by_name(COLUMNS)
+    known = index_by_name(COLUMNS)
     wanted = [known[name.partition(" ")[0]] for name in columns]
     if unworn and scene.wear is not None:
         scene = scene.replace(wear=None, duty=None, load_history=None)
@@ -128,7 +128,7 @@ def fixed(
         changes |= {"wear.stepping": "saved", "wear.save": steps}
     if any(_mesh(one) != _mesh(scene) for one in neighbours):
         if grid is None:
-            grid = fitted(Model(scene, measured_gap(scene)))[1].grid
+            grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1].grid
         x, y = grid.half_length
         wider = reaching(grid, (MARGIN * x, MARGIN * y))
         changes |= grid_entries(wider)
@@ -136,7 +136,7 @@ def fixed(
 
 
 def _mesh(scene: Scene) -> tuple[Any, ...]:
-    grid = Model(scene, measured_gap(scene)).grid
+    grid = Model(scene, read_measured_gap(scene)).grid
     return grid.half_length, grid.elements, grid.centre
 
 
@@ -149,7 +149,7 @@ def grid_entries(grid: Grid) -> dict[str, Any]:
 
 def finer(scene: Scene) -> Scene:
     """Return a scene on a finer mesh of the same extent."""
-    grid = Model(scene, measured_gap(scene)).grid
+    grid = Model(scene, read_measured_gap(scene)).grid
     n_x, n_y = (2 * round(0.5 * (FINER * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
     return scene.replace(**grid_entries(replace(grid, elements=(n_x, n_y))))
 

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from tractive_sam.results import COLUMNS, by_name
+from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.schema import (
     Check,
     Fault,
@@ -97,7 +97,7 @@ def _observation_known(entries: ValidEntries) -> Iterator[Fault]:
 
 def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
     """Faults of a column that is to be observed, see `column_of`."""
-    table = by_name(COLUMNS)
+    table = index_by_name(COLUMNS)
     if name not in table:
         yield Fault("observe", shorten(name), suggest_name(name, [one.name for one in COLUMNS]))
     elif table[name].dims == ("body",) and body is None:
@@ -108,8 +108,8 @@ def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
 
 def column_of(name: str, body: str | None) -> str:
     """Return the column of a history that is observed: of a profile, that of the body."""
-    quantity = by_name(COLUMNS)[name]
-    if body is None or f"{name}_{body}" not in by_name(COLUMNS) or quantity.dims != ("y",):
+    quantity = index_by_name(COLUMNS)[name]
+    if body is None or f"{name}_{body}" not in index_by_name(COLUMNS) or quantity.dims != ("y",):
         return name if quantity.dims != ("body",) else f"{name} {body}"
     return f"{name}_{body}"
 
@@ -127,7 +127,7 @@ def _profile_alone(entries: ValidEntries) -> Iterator[Fault]:
 
 def is_profile(name: str) -> bool:
     """Whether an observation is a profile over y."""
-    table = by_name(COLUMNS)
+    table = index_by_name(COLUMNS)
     return name in table and table[name].dims == ("y",)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.deprecation import RenamedAttribute, accept_former_methods
+from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.kernels.rectangle import quadrant
 from tractive_sam.kernels.strip import logarithm, step
 from tractive_sam.mechanics.law import Law
@@ -21,6 +21,7 @@ COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 """The six independent influence coefficients; A_zx = -A_xz and A_zy = -A_yz (reciprocity)."""
 
 
+@renamed_attributes(alone="single_body")
 class Elasticity(Law, ABC):
     """Elastic response of both bodies; a subclass defines `coefficients`.
 
@@ -36,8 +37,6 @@ class Elasticity(Law, ABC):
     >>> round(soft.approach / soft.p_max, 7)
     1e-06
     """
-
-    alone = RenamedAttribute("single_body")
 
     @property
     def coupled(self) -> bool:
@@ -55,7 +54,7 @@ class Elasticity(Law, ABC):
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Accept methods under their former names."""
         super().__init_subclass__(**kwargs)
-        accept_former_methods(cls, {"alone": "single_body"})
+        accept_renamed_methods(cls, {"alone": "single_body"})
 
     @abstractmethod
     def coefficients(

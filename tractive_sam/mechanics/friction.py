@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.deprecation import RenamedAttribute, accept_former_methods
+from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.description import ShortArrays
 from tractive_sam.kernels import friction
 from tractive_sam.mechanics.frame import Frame
@@ -108,6 +108,7 @@ class PreviousShare:
     distance: float
 
 
+@renamed_attributes(eased="at_speed_ratio")
 class FrictionLaw(Law, ABC):
     """Friction law of every element; a subclass defines `frame` and `bound`.
 
@@ -126,12 +127,10 @@ class FrictionLaw(Law, ABC):
     array([[100., 200.]])
     """
 
-    eased = RenamedAttribute("at_speed_ratio")
-
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Accept methods under their former names."""
         super().__init_subclass__(**kwargs)
-        accept_former_methods(cls, {"eased": "at_speed_ratio"})
+        accept_renamed_methods(cls, {"eased": "at_speed_ratio"})
 
     @property
     @abstractmethod

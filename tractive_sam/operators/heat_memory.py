@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.operators.fft import fast_length, transform
-from tractive_sam.results import Grid, widened
+from tractive_sam.results import Grid, widen_field
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,11 +153,11 @@ class HeatMemory:
         slowest, mesh = len(past) - 2, self.shape[1:]
         share = self.exponentials.rates[slowest + 1 : -1] / self.exponentials.rates[slowest]
         slower = [past[-1] + one * (past[slowest] - past[-1]) for one in share]
-        return widened(np.array([*past[:-1], *slower, past[-1]]), mesh)
+        return widen_field(np.array([*past[:-1], *slower, past[-1]]), mesh)
 
     def after_shock(self, past: np.ndarray, heat: np.ndarray) -> np.ndarray:
         """Return the fields after heat, mJ/mm², shape (n_x, n_y), was taken up in no time."""
-        return past + widened(heat, self.shape[1:])
+        return past + widen_field(heat, self.shape[1:])
 
     def taken_up(self, past: np.ndarray) -> float:
         """Return the heat in the body below the mesh with its margin, mJ; of a line per length."""
@@ -233,7 +233,7 @@ class HeatStep:
         """Return the fields after the step, given the flux in it, mW/mm², shape (n_x, n_y)."""
         memory, time = self._memory, self._time
         plan = transform(1, memory.shape[1:], self._padded)
-        given = time * plan.forward(widened(flux, memory.shape[1:])[None])[0]
+        given = time * plan.forward(widen_field(flux, memory.shape[1:])[None])[0]
         found = np.empty_like(self._past)
         for j, rate in enumerate(memory.exponentials.rates):
             power = (rate + self._waves) * time

@@ -20,7 +20,7 @@ from tractive_sam.plot import (
     select_evenly,
     stick_level,
 )
-from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, numbers, widened
+from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, format_values, widen_field
 from tractive_sam.safe_text import printable_text
 
 MOST_SAVED = 40
@@ -265,7 +265,7 @@ def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
         if size > places.size:
             steps = np.arange(size) - (size - places.size) // 2
             axes[name] = places[0] + (places[1] - places[0]) * steps
-    wide = {name: widened(one, shape, np.nan) for name, one in stress.components.items()}
+    wide = {name: widen_field(one, shape, np.nan) for name, one in stress.components.items()}
     return replace(stress, axes=axes, components=wide)
 
 
@@ -293,5 +293,5 @@ def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
             "unit": printable_text(format_unit(one.unit)),
             "about": printable_text(one.long_name),
         }
-        for name, value, one in numbers(history, row)
+        for name, value, one in format_values(history, row)
     ]

@@ -8,13 +8,16 @@ from typing import Self, TypeAlias
 import numpy as np
 from scipy.ndimage import binary_opening
 
-from tractive_sam.deprecation import RenamedAttribute
+from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import math_value
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import describe_friction, format_title
 from tractive_sam.results import REVOLUTION, History, Quantity, State
 
 
+@renamed_attributes(
+    of="from_source", told="describe", place="position", ahead="edge_note", bounds="bound_ratios"
+)
 @dataclass(frozen=True, eq=False)
 class ContactView:
     r"""A contact with its scale and its place in a history.
@@ -66,12 +69,6 @@ class ContactView:
             return cls(source, Scale.from_contact(source), at=source.revolution)
         kind = type(source).__name__
         raise TypeError(f"source: a contact or a history is needed, not {kind}")
-
-    of = RenamedAttribute("from_source")
-    told = RenamedAttribute("describe")
-    place = RenamedAttribute("position")
-    ahead = RenamedAttribute("edge_note")
-    bounds = RenamedAttribute("bound_ratios")
 
     @property
     def x(self) -> np.ndarray:

@@ -4,11 +4,12 @@ import math
 from dataclasses import dataclass, field
 from typing import Self
 
-from tractive_sam.deprecation import RenamedAttribute
+from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.plot.options import current_options
 from tractive_sam.results import History, State
 
 
+@renamed_attributes(of_contact="from_contact", of_history="from_history", told="note")
 @dataclass(frozen=True)
 class Scale:
     """Half widths and pressure by which figures divide.
@@ -52,10 +53,6 @@ class Scale:
             return cls(history.a0, history.b0, history.p0, hertz=True)
         first = (history[name][0] for name in ("half_width_x", "half_width_y", "p_max"))
         return cls(*map(float, first), hertz=False)
-
-    of_contact = RenamedAttribute("from_contact")
-    of_history = RenamedAttribute("from_history")
-    told = RenamedAttribute("note")
 
     @property
     def relative(self) -> bool:

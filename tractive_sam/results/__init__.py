@@ -6,6 +6,6 @@ records. A `Quantity` describes a recorded number and computes it from a contact
 
 import lazy_loader
 
-# Names, listed in __init__.pyi, are looked up when first used: whoever needs a mesh need not read
-# scenes, as the rest of the room does.
+# Names, listed in __init__.pyi, are looked up when first used: code that needs only a mesh does not
+# load scenes, as the rest of the package does.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

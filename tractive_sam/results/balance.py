@@ -1,7 +1,7 @@
 """Balances of a history: work that friction dissipates and supplied work, worn volume and work.
 
-Steady contacts balance per distance rolled; steps of a course balance with what the bodies store.
-Which of them a history has is seen from its columns.
+Contacts in steady rolling balance per distance rolled; steps of a course balance together with the
+elastic energy stored in the bodies. The columns of a history determine its kind of balance.
 """
 
 from typing import ClassVar
@@ -25,16 +25,16 @@ class SteadyBalance:
     """
 
     dissipated: ClassVar[str] = "friction dissipates"
-    """What the energy balance compares with the work supplied."""
+    """What the energy balance compares with the supplied work."""
     worn: ClassVar[str] = "section"
-    """What the wear balance compares with what the work wears."""
+    """What the wear balance compares with the wear that the work of friction causes."""
 
     def __init__(self, history: Recorded):
         self.history = history
 
     @property
     def energy(self) -> np.ndarray:
-        """Dissipated over supplied work of every record, shape (n,)."""
+        """Dissipated over supplied work for each record, shape (n,)."""
         history = self.history
         supplied = history["work_supplied"]
         rounding = ROUNDING * history["P"] * np.abs(history["approach"])
@@ -43,28 +43,28 @@ class SteadyBalance:
 
     @property
     def wear(self) -> np.ndarray:
-        """What is worn over what the work of friction wears, of every record, shape (n,)."""
+        """Wear over the wear that the work of friction causes, for each record, shape (n,)."""
         history = self.history
-        most = history["wear_max"] * 2.0 * history.grid.half_length[1]
-        return self._worn_by_work(history["worn_area"], history["dissipation"], most)
+        largest = history["wear_max"] * 2.0 * history.grid.half_length[1]
+        return self._worn_by_work(history["worn_area"], history["dissipation"], largest)
 
     @property
     def wear_overall(self) -> np.ndarray:
-        """The wear balances by which the history is judged, shape (m,)."""
+        """Wear balances by which the history is judged, shape (m,)."""
         return self.wear
 
-    def _worn_by_work(self, worn: np.ndarray, work: np.ndarray, most: np.ndarray) -> np.ndarray:
-        """Worn over what the work wears; `most` is all the wear, which leaves its rounding."""
+    def _worn_by_work(self, worn: np.ndarray, work: np.ndarray, total: np.ndarray) -> np.ndarray:
+        """Return wear over the wear that the work causes; `total` wear determines the rounding."""
         per_work = self._wear_per_work
         if per_work is None:
             return np.full(len(worn), np.nan)
-        least, largest = sorted(per_work)
-        wears = (worn > ROUNDING * most) & (work > 0.0)
-        return _ratio(worn, np.clip(worn, least * work, largest * work), wears)
+        low, high = sorted(per_work)
+        wears = (worn > ROUNDING * total) & (work > 0.0)
+        return _ratio(worn, np.clip(worn, low * work, high * work), wears)
 
     @property
     def _wear_per_work(self) -> tuple[float, float] | None:
-        """Wear per work along both axes, 1/MPa; None where one number does not tell it."""
+        """Wear per work along both axes, 1/MPa; None if it varies."""
         scene = self.history.scene
         changing = ("wear.temperature", "duty", "transient.friction.mu")
         replaced = not {"wear", UNNAMED}.isdisjoint(self.history.law_records)
@@ -74,19 +74,19 @@ class SteadyBalance:
 
     @property
     def energy_cure(self) -> str:
-        """What may have opened the energy balance."""
+        """Possible reason of an error of the energy balance, as text."""
         if self.history.scene.solver.slip == "upwind":
             return ': the upwind slip of the paper does that, solver.slip = "auto" does not'
         return ""
 
     @property
     def wear_cure(self) -> str:
-        """What closes the wear balance."""
+        """Remedy for an error of the wear balance, as text."""
         return "more elements across the contact bring"
 
 
 class StepBalance(SteadyBalance):
-    """Balances of the steps of a course, in which the bodies store elastic energy."""
+    """Balances of the steps of a course, during which the bodies store elastic energy."""
 
     dissipated = "friction dissipates and the bodies store"
     worn = "volume"
@@ -106,21 +106,21 @@ class StepBalance(SteadyBalance):
         history = self.history
         if "step_worn" not in history.columns:
             return np.full(len(history), np.nan)
-        most = history["worn_volume"].sum(axis=1)
-        return self._worn_by_work(history["step_worn"], history["step_friction"], most)
+        total = history["worn_volume"].sum(axis=1)
+        return self._worn_by_work(history["step_worn"], history["step_friction"], total)
 
     @property
     def wear_overall(self) -> np.ndarray:
-        """The balance of all steps together, one number or none.
+        """The balance of all steps together: one number, or none.
 
-        Shifts wear by their work only as their steps become small.
+        The wear of shifts is proportional to their work only in the limit of small steps.
         """
         balance = self.wear
-        known = np.isfinite(balance) & (balance > 0.0)
-        if not known.any():
+        finite = np.isfinite(balance) & (balance > 0.0)
+        if not finite.any():
             return np.zeros(0)
-        worn = self.history["step_worn"][known]
-        return np.array([worn.sum() / (worn / balance[known]).sum()])
+        worn = self.history["step_worn"][finite]
+        return np.array([worn.sum() / (worn / balance[finite]).sum()])
 
     @property
     def energy_cure(self) -> str:
@@ -139,10 +139,10 @@ class StepBalance(SteadyBalance):
 
 
 def balance_of(history: Recorded) -> SteadyBalance:
-    """Return the balances that a history has."""
+    """Return the balances of a history, according to its columns."""
     return (StepBalance if "step_work" in history.columns else SteadyBalance)(history)
 
 
 def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Quotients, nan elsewhere."""
+    """Return the quotients where the mask holds, and nan elsewhere."""
     return np.divide(over, under, out=np.full(len(over), np.nan), where=where)

@@ -1,7 +1,7 @@
-"""Names, units and descriptions of everything that is recorded, and how it is read off a contact.
+"""The columns of records: names, units, descriptions, and how to read them from a contact.
 
-The one table behind the results file, the JSON of `tractive-sam show`, its tables and the labels of
-figures: one column more is one line here.
+This table defines the columns of the results file, of the JSON and the tables of `tractive-sam
+show`, and the labels of figures. A new column needs one line here.
 """
 
 import math
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.mechanics import VON_MISES, StressCriterion
-from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, by_name
+from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, index_by_name
 from tractive_sam.results.state import State
 from tractive_sam.results.stored_fields import read_component, read_heat, read_number
 from tractive_sam.scene import Scene
@@ -32,12 +32,12 @@ def _deepest(contact: State) -> float:
     return float(contact.wear.max())
 
 
-def _alone(scene: Scene) -> bool:
-    """Whether there is one load: error bars of a body are known there."""
+def _has_single_load(scene: Scene) -> bool:
+    """Return whether there is a single load: only then error bars of a body are computed."""
     return not scene.duty
 
 
-def _follows(body: str, scene: Scene) -> bool:
+def _has_fatigue(body: str, scene: Scene) -> bool:
     return body in scene.fatigue.bodies
 
 
@@ -91,7 +91,7 @@ _HEATED = {"needs": ("heat",)}
 _SCALARS = (
     REVOLUTION,
     PARAMETER,
-    DISTANCE,  # after what has its name, so that it is what is meant where there is no scene
+    DISTANCE,  # the last of its name, which is therefore found without a scene
     Quantity("P", "N", "normal load", attrgetter("P"), symbol="P", per_length=True),
     Quantity("Qx", "N", "longitudinal force on body A", attrgetter("Qx"),
              symbol="Q_x", per_length=True),
@@ -111,7 +111,8 @@ _SCALARS = (
              attrgetter("p_95"), symbol="p_{95}"),
     Quantity("half_width_x", "mm", "half width of the contact in the rolling direction, to where "
              "the squared pressure falls to zero", attrgetter("half_width_x"), symbol="a"),
-    Quantity("half_width_y", "mm", "half width of the contact in the lateral direction, likewise",
+    Quantity("half_width_y", "mm", "half width of the contact in the lateral direction, to where "
+             "the squared pressure falls to zero",
              attrgetter("half_width_y"), symbol="b"),
     Quantity("area", "mm2", "contact area within such edges", attrgetter("area"), symbol="A",
              per_length=True),
@@ -199,7 +200,7 @@ _OTHERS = (
 )
 # fmt: on
 
-BARRED = (
+WITH_ERROR_BAR = (
     *("P", "Qx", "Qy", "Mz", "approach", "p_max", "wear_max", "xi_x", "xi_y"),
     *("temperature_max", "temperature_mean"),
 )
@@ -210,12 +211,12 @@ def _bar(name: str, contact: State) -> float:
 
 
 def _bars(name: str, contact: State) -> dict[str, float]:
-    known = contact.error_bars.get(name, {})
-    return {body: known.get(body, math.nan) for body in BODIES}
+    bars = contact.error_bars.get(name, {})
+    return {body: bars.get(body, math.nan) for body in BODIES}
 
 
 def _error_bar(of: Quantity) -> Quantity:
-    """The error bar of a quantity; nan where it is not known."""
+    """Return the column of the error bar of a quantity; nan if there is none."""
     return replace(
         of,
         name=f"{of.name}_error",
@@ -227,25 +228,25 @@ def _error_bar(of: Quantity) -> Quantity:
 
 
 def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
-    """Columns of the largest stress in each body by a criterion, and of its error bar."""
-    name, unit, told = criterion.name, criterion.unit, f"largest {criterion.long_name}"
+    """Return the columns of the largest stress in each body by a criterion, and its error bar."""
+    name, unit, text = criterion.name, criterion.unit, f"largest {criterion.long_name}"
     stressed = {"needs": ("subsurface",), "bodies_of": "subsurface"}
     of_bodies = stressed | {"dims": ("body",), "symbol": criterion.symbol}
     largest = Quantity(
-        f"{name}_max", unit, f"{told}, inside or at the surface", role="stress_max", **of_bodies
+        f"{name}_max", unit, f"{text}, inside or at the surface", role="stress_max", **of_bodies
     )
     return (
         largest,
         Quantity(
-            f"{name}_interior", unit, f"{told} inside the body", role="stress_interior", **of_bodies
+            f"{name}_interior", unit, f"{text} inside the body", role="stress_interior", **of_bodies
         ),
         Quantity(
-            f"{name}_surface", unit, f"{told} at the surface", role="stress_surface", **of_bodies
+            f"{name}_surface", unit, f"{text} at the surface", role="stress_surface", **of_bodies
         ),
         Quantity(
             f"{name}_max_at",
             "mm",
-            f"position (x, y, depth) of the {told}",
+            f"position (x, y, depth) of the {text}",
             dims=("body", "position"),
             role="stress_max_at",
             **stressed,
@@ -260,20 +261,20 @@ _OF_BODIES = {"dims": ("body",), "needs": ("fatigue.limit",), "bodies_of": "fati
 _IN_VOLUME = {"dims": ("body",), "needs": ("fatigue.volume",), "bodies_of": "fatigue"}
 _OF_PLACES = _OF_BODIES | {"dims": ("body", "position")}
 _YIELD = "fatigue.shear_yield_stress"
-_SHAKEN = {"dims": ("body",), "needs": (_YIELD,), "bodies_of": "fatigue"}
+_SHAKEDOWN = {"dims": ("body",), "needs": (_YIELD,), "bodies_of": "fatigue"}
 
 # fmt: off
 _FATIGUE = (
     Quantity("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
-             symbol=r"\lambda_-", format=".3f", **_SHAKEN),
+             symbol=r"\lambda_-", format=".3f", **_SHAKEDOWN),
     Quantity("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
-             symbol=r"\lambda_+", format=".3f", **_SHAKEN),
+             symbol=r"\lambda_+", format=".3f", **_SHAKEDOWN),
     Quantity("shakedown_interior", "1", "load factor up to which it is certain inside the body",
-             format=".3f", **_SHAKEN),
+             format=".3f", **_SHAKEDOWN),
     Quantity("shakedown_surface", "1", "load factor up to which it is certain at the surface",
-             format=".3f", **_SHAKEN),
+             format=".3f", **_SHAKEDOWN),
     Quantity("shakedown_lower_at", "mm", "position (no x, y, depth) that bounds shakedown_lower",
-             **_SHAKEN | {"dims": ("body", "position")}),
+             **_SHAKEDOWN | {"dims": ("body", "position")}),
     Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
              _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
              needs=(_YIELD, "friction")),
@@ -285,7 +286,7 @@ _FATIGUE = (
              format=".3f", **_OF_BODIES),
     Quantity("utilisation_at", "mm", "position of it (x only in a transient, y, depth)",
              **_OF_PLACES),
-    Quantity("damage", "1", "largest damage of the material that is left; at 1 a crack starts",
+    Quantity("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
              symbol="D", format=".3g", **_OF_BODIES),
     Quantity("damage_at", "mm", "position of it (x only in a transient, y, depth below the "
              "unworn surface)",
@@ -308,14 +309,14 @@ _FATIGUE = (
     Quantity("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
              "of all: near 1 the volume grows with the mesh", format=".2g", **_IN_VOLUME),
     Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
-             dims=("y",), needs=("fatigue.limit",), when=partial(_follows, "A")),
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
     Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
-             dims=("y",), needs=("fatigue.limit",), when=partial(_follows, "B")),
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
 )
 # fmt: on
 
 
-_FATIGUE_BARRED = (
+_FATIGUE_WITH_ERROR_BAR = (
     "utilisation",
     "shakedown_lower",
     "shakedown_upper",
@@ -324,18 +325,22 @@ _FATIGUE_BARRED = (
     "volume_life",
 )
 
-STRESSES = tuple(one.name for one in _STRESSES[:-1])
+STRESSES = tuple(column.name for column in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
-_KNOWN = by_name((*_SCALARS, *_OTHERS))
+_BY_NAME = index_by_name((*_SCALARS, *_OTHERS))
 
 COLUMNS = (
     *_SCALARS,
     *_OTHERS,
     *_STRESSES[:-1],
     *_FATIGUE,
-    *(replace(_error_bar(one), when=_alone) for one in _FATIGUE if one.name in _FATIGUE_BARRED),
-    *(_error_bar(_KNOWN[name]) for name in BARRED),
+    *(
+        replace(_error_bar(column), when=_has_single_load)
+        for column in _FATIGUE
+        if column.name in _FATIGUE_WITH_ERROR_BAR
+    ),
+    *(_error_bar(_BY_NAME[name]) for name in WITH_ERROR_BAR),
     _STRESSES[-1],
     Quantity(
         "relative_error",
@@ -345,7 +350,7 @@ COLUMNS = (
         needs=("accuracy",),
     ),
 )
-"""What is recorded of every revolution. What a former results file lacks is nan in it."""
+"""Columns of each revolution. A column that an earlier results file lacks is nan."""
 
 PARTS = Quantity(
     "worn_by",
@@ -353,7 +358,7 @@ PARTS = Quantity(
     "wear depth with which each body enters, by the block that wore it",
     dims=("block", "body", "y"),
 )
-"""Recorded where the bodies wear by laws of their own, or in several blocks."""
+"""Recorded if the bodies wear by separate laws, or in several blocks."""
 
 SHARE = Quantity(
     "block_share",
@@ -368,23 +373,23 @@ ROLLED = Quantity(
     format="d",
     whole=True,
 )
-"""Recorded, as the one before, of duty cycles."""
+"""Recorded for duty cycles, as is `SHARE`."""
 
 
-def _in_place_of(package: Quantity, own: Quantity) -> Quantity:
-    """Return a user's column in the place of the package's, recorded where that is."""
-    return replace(own, needs=package.needs, when=package.when, bodies_of=package.bodies_of)
+def _in_place_of(package: Quantity, user: Quantity) -> Quantity:
+    """Return a user-defined column that replaces one of the package, under its conditions."""
+    return replace(user, needs=package.needs, when=package.when, bodies_of=package.bodies_of)
 
 
 def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
-    """The columns of a scene's history by name, and a user's own, as they are to be read in it."""
+    """Return the columns of the history of a scene by name, including user-defined ones."""
     own = list(own)
-    instead = {one.role: one for one in own if one.role and one.role != COORDINATE}
-    coordinates = [one for one in own if one.role == COORDINATE]
-    found = [one for one in coordinates if one.applies(scene)] + [
-        _in_place_of(one, instead[one.role]) if one.role in instead else one
-        for one in COLUMNS
-        if one.applies(scene) and not (coordinates and one.role == COORDINATE)
+    replacing = {column.role: column for column in own if column.role not in ("", COORDINATE)}
+    coordinates = [column for column in own if column.role == COORDINATE]
+    chosen = [column for column in coordinates if column.applies(scene)] + [
+        _in_place_of(column, replacing[column.role]) if column.role in replacing else column
+        for column in COLUMNS
+        if column.applies(scene) and not (coordinates and column.role == COORDINATE)
     ]
-    found += [one for one in own if not one.role and one.applies(scene)]
-    return by_name(one.with_units_of(scene) for one in found)
+    chosen += [column for column in own if not column.role and column.applies(scene)]
+    return index_by_name(column.with_units_of(scene) for column in chosen)

@@ -1,8 +1,8 @@
-"""The record of a duty cycle, put together of those of its blocks.
+"""The record of a duty cycle, combined from the records of its blocks.
 
-A column of the cycle is the mean over its revolutions, where it is no largest or least value, no
-sum and not what the stepping itself knows. Those of the blocks follow under names that begin with
-``block_``, with a dimension more.
+A column of the cycle is the mean over its revolutions, unless it is an extreme value, a sum, or a
+value that only the process of the cycle computes. The columns of the blocks follow under names
+that begin with ``block_``, with one more dimension.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -18,7 +18,7 @@ from tractive_sam.results.record import Record
 from tractive_sam.scene import Scene
 
 PREFIX = "block_"
-"""Of columns that tell the blocks apart."""
+"""Prefix of columns with a value for each block."""
 
 LARGEST = (
     "p_max",
@@ -37,7 +37,7 @@ LARGEST = (
     "stress_interior",
     "stress_surface",
 )
-"""Names or roles of columns of which a cycle has the largest."""
+"""Names or roles of columns for which the cycle has the largest value of its blocks."""
 
 LEAST = (
     "converged",
@@ -46,7 +46,7 @@ LEAST = (
     "shakedown_interior",
     "shakedown_surface",
 )
-"""The same of the least."""
+"""Names of columns for which the cycle has the smallest value of its blocks."""
 
 SUMS = ("operator_applications", "convolutions")
 
@@ -54,121 +54,123 @@ SUMS = ("operator_applications", "convolutions")
 def cycle_record(
     records: Sequence[Record],
     revolutions: Sequence[int],
-    stepped: Mapping[str, Any],
+    process_values: Mapping[str, Any],
     scene: Scene,
     own: Iterable[Quantity] = (),
 ) -> Record:
-    """Put the record of a cycle together.
+    """Combine the records of the blocks into the record of a cycle.
 
     Parameters
     ----------
     records : sequence of Record
-        Of the blocks, in order.
+        Records of the blocks, in order.
     revolutions : sequence of int
-        Of each in a cycle.
-    stepped : mapping of str to object
-        What only the stepping knows of the cycle.
+        Revolutions of each block in a cycle.
+    process_values : mapping of str to object
+        Values that only the process of the cycle computes.
     scene : Scene
-        That of the cycle.
+        Scene of the cycle.
     own : iterable of Quantity
-        Columns beside the package's.
+        Columns in addition to those of the package.
     """
     weights = np.array(revolutions, float) / sum(revolutions)
-    names = columns_of(scene, [*own, *_others(records[0])])
-    values = dict(stepped)
-    for name, one in names.items():
+    names = columns_of(scene, [*own, *_replacing_columns(records[0])])
+    values = dict(process_values)
+    for name, quantity in names.items():
         if name not in values:
-            values[name] = _together(name, one, names, records, weights)
-    for name, one in _told_apart(names, stepped):
-        values[PREFIX + name] = _stacked(one, records)
-    for name, one in _told_apart(names, stepped):
-        names[PREFIX + name] = of_blocks(one)
+            values[name] = _combine_blocks(name, quantity, names, records, weights)
+    for name, quantity in _block_quantities(names, process_values):
+        values[PREFIX + name] = _stack_blocks(quantity, records)
+    for name, quantity in _block_quantities(names, process_values):
+        names[PREFIX + name] = block_quantity(quantity)
     fields = {
         name: np.stack([record.fields[name] for record in records])
         for name in (records[0].fields if all(record.fields for record in records) else ())
     }
-    stress = [replace(one, block=k) for k, of in enumerate(records) for one in of.stress]
+    stress = [
+        replace(plane, block=k) for k, record in enumerate(records) for plane in record.stress
+    ]
     return Record(values, names, fields, tuple(stress), own_fields=records[0].own_fields)
 
 
-def of_blocks(one: Quantity) -> Quantity:
-    """The column of the blocks."""
-    dims = ("block", *one.dims)
-    name, told = PREFIX + one.name, f"{one.long_name}, of each block"
-    return replace(one, name=name, long_name=told, dims=dims, of=None, role="", symbol="")
+def block_quantity(quantity: Quantity) -> Quantity:
+    """Return the column that has the values of a quantity for each block."""
+    dims = ("block", *quantity.dims)
+    name, text = PREFIX + quantity.name, f"{quantity.long_name}, of each block"
+    return replace(quantity, name=name, long_name=text, dims=dims, of=None, role="", symbol="")
 
 
-def _others(record: Record) -> list[Quantity]:
-    """Columns in the place of the package's, such as those of another criterion."""
-    return [one for one in record.columns.values() if one.role.startswith("stress")]
+def _replacing_columns(record: Record) -> list[Quantity]:
+    """Return the columns that replace those of the package, such as those of another criterion."""
+    return [column for column in record.columns.values() if column.role.startswith("stress")]
 
 
-def _told_apart(
-    names: Mapping[str, Quantity], stepped: Mapping[str, Any]
+def _block_quantities(
+    names: Mapping[str, Quantity], process_values: Mapping[str, Any]
 ) -> Iterator[tuple[str, Quantity]]:
-    """Columns that each block has of its own."""
-    for name, one in list(names.items()):
-        known = name in stepped or name.startswith(PREFIX) or name == PARTS.name
-        if not known and "y" not in one.dims:
-            yield name, one
+    """Yield the columns with a value for each block."""
+    for name, quantity in list(names.items()):
+        common = name in process_values or name.startswith(PREFIX) or name == PARTS.name
+        if not common and "y" not in quantity.dims:
+            yield name, quantity
 
 
-def _together(
+def _combine_blocks(
     name: str,
-    one: Quantity,
+    quantity: Quantity,
     names: Mapping[str, Quantity],
     records: Sequence[Record],
     weights: np.ndarray,
 ) -> Any:
-    """The value of a cycle."""
-    each = [_value(record, one) for record in records]
-    if name.endswith("_at"):  # where that is which it belongs to
+    """Return the value of a cycle from the values of its blocks."""
+    each = [_value_or_nan(record, quantity) for record in records]
+    if name.endswith("_at"):  # the place of the extreme value
         of = names[name.removesuffix("_at")]
-        return _at_largest(of, each, [record.values[of.name] for record in records])
-    if one.dims[:1] == ("body",):
+        return _place_of_extreme(of, each, [record.values[of.name] for record in records])
+    if quantity.dims[:1] == ("body",):
         return {
-            body: _combined(one, np.array([value[body] for value in each]), weights)
+            body: _combine(quantity, np.array([value[body] for value in each]), weights)
             for body in each[0]
         }
-    return _combined(one, np.array(each, float), weights)
+    return _combine(quantity, np.array(each, float), weights)
 
 
-def _value(record: Record, one: Quantity) -> Any:
-    """What a block has of a column; nan where it has none, as of creepages that are given."""
-    if one.name in record.values:
-        return record.values[one.name]
-    return {} if one.dims[:1] == ("body",) else np.full([2] * len(one.dims), np.nan)
+def _value_or_nan(record: Record, quantity: Quantity) -> Any:
+    """Return the value of a block; nan if it has none, as for prescribed creepages."""
+    if quantity.name in record.values:
+        return record.values[quantity.name]
+    return {} if quantity.dims[:1] == ("body",) else np.full([2] * len(quantity.dims), np.nan)
 
 
-def _combined(one: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
-    kinds = {one.name, one.role}
+def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
+    kinds = {quantity.name, quantity.role}
     if kinds.intersection(LARGEST):
-        found = each.max(axis=0)
+        value = each.max(axis=0)
     elif kinds.intersection(LEAST):
-        found = each.min(axis=0)
-    elif one.name in SUMS:
-        found = each.sum(axis=0)
-    else:
-        found = each[0] + np.tensordot(weights, each - each[0], axes=1)  # alike: as each
-    return found if one.dims not in ((), ("body",)) else float(found)
+        value = each.min(axis=0)
+    elif quantity.name in SUMS:
+        value = each.sum(axis=0)
+    else:  # a mean that is exact for equal values
+        value = each[0] + np.tensordot(weights, each - each[0], axes=1)
+    return value if quantity.dims not in ((), ("body",)) else float(value)
 
 
-def _at_largest(of: Quantity, places: Sequence[Any], values: Sequence[Any]) -> Any:
-    """The place of the block whose value is that of the cycle."""
-    most = min if {of.name, of.role}.intersection(LEAST) else max
+def _place_of_extreme(of: Quantity, places: Sequence[Any], values: Sequence[Any]) -> Any:
+    """Return the place of the block that has the extreme value of the cycle."""
+    extreme = min if {of.name, of.role}.intersection(LEAST) else max
     if of.dims[:1] == ("body",):
         return {
-            body: places[most(range(len(values)), key=lambda k: values[k][body])][body]
+            body: places[extreme(range(len(values)), key=lambda k: values[k][body])][body]
             for body in places[0]
         }
-    return places[most(range(len(values)), key=lambda k: values[k])]
+    return places[extreme(range(len(values)), key=lambda k: values[k])]
 
 
-def _stacked(one: Quantity, records: Sequence[Record]) -> np.ndarray:
-    """Values of the blocks; of bodies in their order, nan of those that have none."""
-    each = [_value(record, one) for record in records]
-    if one.dims[:1] != ("body",):
+def _stack_blocks(quantity: Quantity, records: Sequence[Record]) -> np.ndarray:
+    """Return the values of the blocks as an array; nan for bodies without a value."""
+    each = [_value_or_nan(record, quantity) for record in records]
+    if quantity.dims[:1] != ("body",):
         return np.array(each, float)
-    size = (3,) if one.dims[1:] else ()
+    size = (3,) if quantity.dims[1:] else ()
     none = np.full(size, np.nan)
     return np.array([[value.get(body, none) for body in BODIES] for value in each], float)

@@ -13,99 +13,102 @@ from tractive_sam.results.recorded import Recorded
 from tractive_sam.scene import describe_load, edge_notes, pressure_notes
 
 DEPTH_OF_STRESS = 0.6
-"""Depth of the largest stress over the smaller semi-axis: 0.48 of a circle, 0.79 of a line."""
+"""Depth of the largest stress over the smaller semi-axis: 0.48 for a circle, 0.79 for a line."""
 
 CLOSED = 5e-3
 """Error of the energy balance that is not reported."""
 
 
-def numbers(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
-    """What a record tells in numbers: name, number with error bar, and quantity."""
-    for name, one in history.of_dims().items():
+def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
+    """Yield the name, the number with its error bar as text, and the quantity of each column."""
+    for name, quantity in history.of_dims().items():
         if not (name.endswith("_error") or np.isnan(history[name]).all()):
-            yield name, format_number(history[name][row], error_bar(history, name, row)), one
-    for name, one in history.of_dims("body").items():
-        for body in one.bodies(history.scene) if not name.endswith("_error") else ():
+            text = format_number(history[name][row], error_bar(history, name, row))
+            yield name, text, quantity
+    for name, quantity in history.of_dims("body").items():
+        for body in quantity.bodies(history.scene) if not name.endswith("_error") else ():
             k = BODIES.index(body)
             value, bar = history[name][row, k], error_bar(history, name, row, k)
             yield (
                 f"{name} {body}",
                 format_number(value, bar) if math.isfinite(value) else "none",
-                one,
+                quantity,
             )
 
 
 def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:
-    """The error bar of a quantity in a record, zero where it has none."""
+    """Return the error bar of a quantity in a record; zero if it has none."""
     try:
         bars = history[f"{name}_error"]
     except KeyError:
         return 0.0
-    last = float(bars[(row, *body)])
-    return 0.0 if math.isnan(last) else last
+    bar = float(bars[(row, *body)])
+    return 0.0 if math.isnan(bar) else bar
 
 
-def rolled_on_by(history: Recorded) -> str:
-    """Programs of other versions that a history was rolled on by, and from where; mostly none."""
-    found = []
-    for (_, before), (record, now) in pairwise(history.provenance):
-        others = ", ".join(f"{name} {now[name]}" for name in now if now[name] != before.get(name))
+def describe_programs(history: Recorded) -> str:
+    """List the programs whose versions changed when a history was resumed, and from where on."""
+    changes = []
+    for (_, before), (record, after) in pairwise(history.provenance):
+        changed = [name for name in after if after[name] != before.get(name)]
+        programs = ", ".join(f"{name} {after[name]}" for name in changed)
         along = history.coordinate.name
-        found += [f"{others} from {along} {at} on" for at in history[along][record : record + 1]]
-    return "; ".join(found)
+        places = history[along][record : record + 1]
+        changes += [f"{programs} from {along} {place} on" for place in places]
+    return "; ".join(changes)
 
 
-def balances(history: Recorded, only_if_open: bool = False) -> dict[str, str]:
-    """Describe the balances of "energy" and "wear", each where it is furthest from unity.
+def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str, str]:
+    """Describe the balances "energy" and "wear" where they differ most from unity.
 
-    Of a duty cycle that is the record and the block. The wear of a transient is that of all its
-    course, as shifts wear by their work only as their steps become small. There is no balance
-    where nothing is driven, or nothing wears.
+    For a duty cycle that is a record of a block. The wear of a transient is balanced over all of
+    its course, since the wear of shifts is proportional to their work only for small steps.
+    Without work, or without wear, there is no balance.
 
     Parameters
     ----------
     history : History
         All records.
     only_if_open : bool
-        Whether to leave out those within `CLOSED` of unity.
+        Whether to omit balances within `CLOSED` of unity.
     """
     parts = [history.block(k) for k in range(len(history.scene.duty))] or [history]
     each = [balance_of(part) for part in parts]
-    found: dict[str, str] = {}
+    texts: dict[str, str] = {}
     for name, balance, describe in (
-        ("energy", [one.energy for one in each], _energy),
-        ("wear", [one.wear_overall for one in each], _wear),
+        ("energy", [balance.energy for balance in each], _describe_energy),
+        ("wear", [balance.wear_overall for balance in each], _describe_wear),
     ):
-        known = np.concatenate(balance)
-        known = known[np.isfinite(known)]
-        if known.size:
-            worst = known[abs(known - 1.0).argmax()]
+        values = np.concatenate(balance)
+        values = values[np.isfinite(values)]
+        if values.size:
+            worst = values[abs(values - 1.0).argmax()]
             closed = abs(worst - 1.0) <= CLOSED
             if not (closed and only_if_open):
-                found[name] = describe(each[0], worst, closed)
-    return found
+                texts[name] = describe(each[0], worst, closed)
+    return texts
 
 
 def caveats(history: Recorded) -> dict[str, str]:
-    """Return what to mind, by name.
+    """Return notes on results that may mislead, by name.
 
     "utilisation" so close to the surface that it depends on the mesh and has no error bar,
     "stress" that elements may miss, "width" of bodies that the contact fills, "p_max" that no
-    material withstands or that is too little for the materials.
+    material withstands or that is too small for the materials.
     """
-    told = {
-        "stress": _missed_stress(history),
-        "p_max": _implausible_pressure(history),
-        "utilisation": _shallow_utilisation(history),
+    notes = {
+        "stress": _describe_missed_stress(history),
+        "p_max": _describe_implausible_pressure(history),
+        "utilisation": _describe_shallow_utilisation(history),
     }
     half = history["half_width_y"]
     widest = 2.0 * float(half[np.isfinite(half)].max(initial=0.0))
-    told["width"] = "; ".join(edge_notes(history.scene, widest))
-    return {name: text for name, text in told.items() if text}
+    notes["width"] = "; ".join(edge_notes(history.scene, widest))
+    return {name: text for name, text in notes.items() if text}
 
 
-def _implausible_pressure(history: Recorded) -> str:
-    """Describe the largest pressure of all solved records, where it is implausible."""
+def _describe_implausible_pressure(history: Recorded) -> str:
+    """Describe the largest pressure of all solved records, if it is implausible."""
     pressure = np.where(history["converged"] > 0.0, history["p_max"], 0.0)
     if not pressure.any():
         return ""
@@ -115,27 +118,27 @@ def _implausible_pressure(history: Recorded) -> str:
     return "; ".join(pressure_notes(history.scene, float(pressure[row]), place))
 
 
-def _shallow_utilisation(history: Recorded, shallow: float = 3.0) -> str:
+def _describe_shallow_utilisation(history: Recorded, shallow: float = 3.0) -> str:
     """Describe a largest utilisation of the last record within some elements of the surface.
 
-    Within three elements paths that are sampled at the elements leave up to 13 % of it.
+    Within three elements, paths that are sampled at the elements lose up to 13 % of it.
     """
     columns = history.values
     if "utilisation_at" not in columns or "utilisation_error" in columns or not len(history):
         return ""
     depths = zip(BODIES, columns["utilisation_at"][-1, :, 2] / history.grid.dx, strict=True)
-    found = [f"{body} {depth:.1f}" for body, depth in depths if depth <= shallow]
-    if not found:
+    near = [f"{body} {depth:.1f}" for body, depth in depths if depth <= shallow]
+    if not near:
         return ""
     return (
         f"the largest one lies within {shallow:g} elements of the surface (body "
-        f"{', '.join(found)} elements below it) and depends on their size, as do life and damage; "
+        f"{', '.join(near)} elements below it) and depends on their size, as do life and damage; "
         "use more elements, or set [accuracy] (of one load, without [[duty]]) for its error bar"
     )
 
 
-def _missed_stress(history: Recorded) -> str:
-    """Where elements are so long that the largest stress is not found."""
+def _describe_missed_stress(history: Recorded) -> str:
+    """Describe the loss if elements are too long to resolve the largest stress."""
     grid, hertz = history.grid, history.scene.hertz
     if not history.bodies or hertz is None or history.scene.gap is not None:
         return ""
@@ -144,18 +147,18 @@ def _missed_stress(history: Recorded) -> str:
         return ""
     return (
         f"the largest one inside lies about {depth:.3g} mm deep and is sought from two elements "
-        f"deep on, {2.0 * side:.3g} mm: what is told of it may be too small; shorten the elements"
+        f"deep on, {2.0 * side:.3g} mm: its value may be too small; use shorter elements"
     )
 
 
-def _energy(balance: SteadyBalance, value: float, closed: bool) -> str:
-    found = f"{balance.dissipated} {value:.5f} of the work supplied"
-    return found if closed else f"{found}; wear is as much in error{balance.energy_cure}"
+def _describe_energy(balance: SteadyBalance, value: float, closed: bool) -> str:
+    text = f"{balance.dissipated} {value:.5f} of the work supplied"
+    return text if closed else f"{text}; wear is as much in error{balance.energy_cure}"
 
 
-def _wear(balance: SteadyBalance, value: float, closed: bool) -> str:
-    found = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
-    return found if closed else f"{found}; {balance.wear_cure} them together"
+def _describe_wear(balance: SteadyBalance, value: float, closed: bool) -> str:
+    text = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
+    return text if closed else f"{text}; {balance.wear_cure} them together"
 
 
 def describe_history(history: Recorded) -> dict[str, str]:
@@ -171,8 +174,8 @@ def describe_history(history: Recorded) -> dict[str, str]:
         **describe_load(history.scene),
         "laws": history.laws,
         "began with": history.started,
-        "rolled on by": rolled_on_by(history),
-        **{f"{name} balance": text for name, text in balances(history).items()},
+        "rolled on by": describe_programs(history),
+        **{f"{name} balance": text for name, text in describe_balances(history).items()},
         **caveats(history),
         "cost": f"{solves} contacts solved in {totals['wall_seconds']:.3g} s" if solves else "",
     }
@@ -183,11 +186,11 @@ LAST = (
     ("Qx_over_P", "Qy_over_P", "p_max", "half_width_x", "half_width_y", "stick_fraction"),
     ("wear_max", "worn_mass A", "worn_mass B", "xi_x", "xi_y"),
 )
-"""Numbers of the last record: always, and where they are not zero."""
+"""Numbers of the last record: those always shown, and those shown unless they are zero."""
 
 
 def summarize_history(history: Recorded) -> dict[str, str]:
-    """Return a few rows about a history: label and text, numbers of its last record."""
+    """Return a few rows about a history, label and text, with numbers of its last record."""
     along = history.coordinate
     rows = {
         "scene": history.title or "no title",
@@ -198,10 +201,10 @@ def summarize_history(history: Recorded) -> dict[str, str]:
         return rows
     first, last = (format(history[along.name][k], along.format) for k in (0, -1))
     rows[along.name] = first if len(history) == 1 else f"{first} to {last}"
-    told = {name: (value, one.unit) for name, value, one in numbers(history, -1)}
-    always, others = LAST
-    for name in (*always, *others):
-        value, unit = told.get(name, ("nan", ""))
+    texts = {name: (value, quantity.unit) for name, value, quantity in format_values(history, -1)}
+    always, nonzero = LAST
+    for name in (*always, *nonzero):
+        value, unit = texts.get(name, ("nan", ""))
         if value not in ("nan", "none", "inf") and (name in always or value != "0"):
             rows[name] = value if unit == "1" else f"{value} {unit}"
     return rows

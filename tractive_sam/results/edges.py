@@ -1,61 +1,62 @@
-"""Where a contact ends between the centres of elements.
+"""Positions of the edges of a contact between the centres of elements.
 
-Towards the edge of a contact the square of the pressure falls in proportion to the distance. Where
-it extrapolates to zero is told by the outermost element in contact and its neighbour: of a point
-sample it would be r²/(1 - r²) elements beyond the centre of the outermost one, r their pressures'
-quotient. Elements of constant pressure follow that law only further in; of them it is a cubic in r,
-the same for all bodies and meshes, as any edge is straight against an element, and any contact
-along it in plane strain. Its coefficients are fitted to line contacts whose edge is known, on
-elements of a/728 in all places within one (`tests/results/test_edges.py` sees that it holds). As an
-element comes into contact r is zero, so that the edge does not jump.
+Towards the edge of a contact the square of the pressure falls in proportion to the distance. The
+outermost element in contact and its neighbour determine where it extrapolates to zero. If the
+pressures were samples at points, the edge would lie r²/(1 - r²) elements beyond the centre of the
+outermost one, with r the quotient of both pressures. For elements of constant pressure the distance
+is a cubic in r. The cubic is the same for all bodies and meshes, since any edge is straight on the
+scale of an element, and any contact is in plane strain along it. Its coefficients are fitted to
+line contacts with edges in all positions within an element of size a/728;
+`tests/results/test_edges.py` checks them. When an element comes into contact r is zero, so the edge
+does not jump.
 """
 
 import numpy as np
 
 
-def beyond(pressure: np.ndarray) -> np.ndarray:
-    """How far a contact goes beyond the centres of elements before it ends, along the first axis.
+def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
+    """Return the distance of the edge of a contact from the centres of elements, along x.
 
     Parameters
     ----------
     pressure : ndarray, shape (n, m)
-        p_n, MPa; zero outside.
+        p_n, MPa; zero outside the contact.
 
     Returns
     -------
     ndarray, shape (n, m)
-        In elements, towards larger indices; nan where it does not end at that element.
+        Distance towards larger indices, in elements; nan for elements without an edge ahead.
     """
     from tractive_sam.kernels.contact_edges import find_ends  # noqa: PLC0415
 
-    found = np.empty(pressure.shape)
-    find_ends(np.ascontiguousarray(pressure), found)
-    return found
+    distances = np.empty(pressure.shape)
+    find_ends(np.ascontiguousarray(pressure), distances)
+    return distances
 
 
-def both_ends(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`beyond` towards larger and towards smaller indices."""
-    return beyond(pressure), beyond(pressure[::-1])[::-1]
+def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the results of `distance_to_edge` towards larger and towards smaller indices."""
+    return distance_to_edge(pressure), distance_to_edge(pressure[::-1])[::-1]
 
 
-def extent(pressure: np.ndarray) -> float:
-    """Elements from the first to the last edge of a contact along the first axis; 0 without any."""
+def contact_extent(pressure: np.ndarray) -> float:
+    """Return the elements from the first to the last edge along x; 0 without contact."""
     if not (pressure > 0.0).any():
         return 0.0
-    ahead, behind = both_ends(pressure)
-    at = np.arange(len(pressure))[:, None]
-    return float(np.nanmax(at + ahead) - np.nanmin(at - behind))
+    ahead, behind = distances_to_edges(pressure)
+    indices = np.arange(len(pressure))[:, None]
+    return float(np.nanmax(indices + ahead) - np.nanmin(indices - behind))
 
 
-def covered(pressure: np.ndarray) -> float:
-    """Elements that a contact covers: what is within the straight lines from edge to edge.
+def covered_elements(pressure: np.ndarray) -> float:
+    """Return the elements that a contact covers, within straight lines from edge to edge.
 
-    These lie on the lines between the centres of elements, of a mesh that is one element wide along
+    The edges lie on the lines between the centres of elements; on a mesh one element wide along
     the first axis alone.
     """
     if pressure.shape[1] == 1:
         touching = float(np.count_nonzero(pressure > 0.0))
-        return touching + float(sum(np.nansum(e - 0.5) for e in both_ends(pressure)))
+        return touching + float(sum(np.nansum(e - 0.5) for e in distances_to_edges(pressure)))
     from tractive_sam.kernels.contact_edges import count_covered  # noqa: PLC0415
 
     return float(count_covered(np.ascontiguousarray(pressure)))

@@ -1,4 +1,4 @@
-"""What the cycles of stress do to one body, over its section (y, depth)."""
+"""Fatigue of one body by the cycles of its stress, over its section (y, depth)."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -11,16 +11,16 @@ from tractive_sam.mechanics import CycleCriterion
 from tractive_sam.results.maximum import Maximum
 
 
-def _none() -> np.ndarray:
+def _empty() -> np.ndarray:
     return np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BodyFatigue(ShortArrays):
-    """A pass of the contact as the material of one body lives through it.
+    """Effects of a pass through the contact on the material of one body.
 
-    Fields have the shape (n_y, n); the first depth is the surface. There they are of displacements
-    between the elements, as the largest stress at the surface is; the next depth is one element.
+    Fields have the shape (n_y, n); the first depth is the surface, the next one element deep. At
+    the surface they follow from displacements between the elements, as the largest stress does.
 
     Attributes
     ----------
@@ -31,27 +31,27 @@ class BodyFatigue(ShortArrays):
     utilisation : ndarray
         Equivalent stress of the criterion over its limit, at least 0; nan without a limit.
     residual_shear : ndarray
-        sqrt(J2) that is left of the cycle when rolling has left its best residual stress, rho_xx
-        of every point and rho_yy of every depth, MPa (Melan).
+        sqrt(J2) that remains of the cycle with the best residual stress that rolling can leave:
+        rho_xx of each point and rho_yy of each depth, MPa (Melan).
     path_radius : ndarray
-        sqrt(J2) that is left by the best constant deviator at all, MPa: no residual stress leaves
-        less.
+        sqrt(J2) that remains with the best constant deviator, MPa: a lower bound for any residual
+        stress.
     criterion : CycleCriterion or None
-        What the utilisation is by.
+        Criterion of the utilisation.
     shear_yield : float
-        k, MPa; nan without.
+        k, MPa; nan without a yield stress.
     zeta : ndarray, shape (m,)
-        Places of the material: depth below the *unworn* surface, mm; of a roll with a limit.
+        Depths of the material below the *unworn* surface, mm; of a roll with a limit.
     damage : ndarray, shape (n_y, m)
-        What it has suffered so far by Miner's rule: at 1 a crack starts. Material with zeta < worn
-        is gone; its number is the last one it had.
+        Miner's sum so far: at 1 a crack starts. Material with zeta < worn is worn off; its value
+        is its last one.
     worn : ndarray, shape (n_y,)
         Depth worn off this body, mm.
 
     Examples
     --------
-    >>> asked = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0}
-    >>> cycled = ts.fatigue(ts.solve(scene.replace(fatigue=asked)))["A"]
+    >>> settings = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0}
+    >>> cycled = ts.fatigue(ts.solve(scene.replace(fatigue=settings)))["A"]
     >>> cycled.shakedown_lower <= cycled.shakedown_upper
     True
     """
@@ -64,38 +64,38 @@ class BodyFatigue(ShortArrays):
     path_radius: np.ndarray
     criterion: CycleCriterion | None
     shear_yield: float
-    zeta: np.ndarray = field(default_factory=_none)
-    damage: np.ndarray = field(default_factory=_none)
-    worn: np.ndarray = field(default_factory=_none)
+    zeta: np.ndarray = field(default_factory=_empty)
+    damage: np.ndarray = field(default_factory=_empty)
+    worn: np.ndarray = field(default_factory=_empty)
 
     def with_damage(self, zeta: np.ndarray, damage: np.ndarray, worn: np.ndarray) -> Self:
-        """The same with what the material has suffered."""
+        """Return a copy with the damage of the material."""
         return replace(self, zeta=zeta, damage=damage, worn=worn)
 
     @property
     def damage_max(self) -> tuple[float, tuple[float, float, float]]:
-        """The largest damage of what is left of the material, and where, (nan, y, zeta), mm.
+        """Largest damage of the remaining material, and its place (nan, y, zeta), mm.
 
-        At the surface it is taken on to it from the two places below, as an exponential; inside it
-        is refined by a parabola.
+        At the surface it is extrapolated exponentially from the two depths below; inside it is
+        refined by a parabola.
         """
         if not self.damage.size:
             return math.nan, (math.nan,) * 3
-        left = self.zeta >= self.worn[:, None]
-        inside = np.where(left, self.damage, 0.0)
+        remaining = self.zeta >= self.worn[:, None]
+        inside = np.where(remaining, self.damage, 0.0)
         if not inside.any():
             return 0.0, (math.nan,) * 3
         j, k = np.unravel_index(np.argmax(inside), inside.shape)
         value, at = float(inside[j, k]), (math.nan, float(self.y[j]), float(self.zeta[k]))
-        if k and left[j, k - 1]:
-            depth, more = _tops(self.zeta, inside[j])
+        if k and remaining[j, k - 1]:
+            depth, more = _parabola_tops(self.zeta, inside[j])
             value, at = value + float(more[k]), (math.nan, at[1], float(depth[k]))
-        first = np.minimum(np.argmax(left, axis=1), self.zeta.size - 2)
+        first = np.minimum(np.argmax(remaining, axis=1), self.zeta.size - 2)
         row = np.arange(self.y.size)
         here, below = self.damage[row, first], self.damage[row, first + 1]
         step = (self.worn - self.zeta[first]) / (self.zeta[first + 1] - self.zeta[first])
         log = np.log(np.maximum((here, below), 1e-300))
-        reached = left.any(axis=1) & (here > 0.0)
+        reached = remaining.any(axis=1) & (here > 0.0)
         surface = np.where(reached, np.exp(log[0] + step * (log[1] - log[0])), 0.0)
         j = int(np.argmax(surface))
         if surface[j] > value:
@@ -103,9 +103,9 @@ class BodyFatigue(ShortArrays):
         return value, at
 
     def largest(self, name: str = "utilisation") -> Maximum:
-        """The largest value of a field by its name; places are (nan, y, depth), mm.
+        """Return the largest value of a field by its name; places are (nan, y, depth), mm.
 
-        Below the surface it is refined by parabolas through the points around it.
+        Below the surface it is refined by parabolas through the neighbouring points.
         """
         values = getattr(self, name)
         if np.isnan(values).all():
@@ -119,14 +119,14 @@ class BodyFatigue(ShortArrays):
         return Maximum(self.criterion, value, at, interior, interior_at, surface, surface_at)
 
     def _interior(self, values: np.ndarray) -> tuple[float, tuple[float, float, float]]:
-        """The largest value below the surface by parabolas through all points, and its place.
+        """Return the largest value below the surface and its place, by parabolas through points.
 
-        Not through the largest one alone: the best residual stress of a depth leaves two rows the
-        same, so that rounding would choose between their parabolas.
+        A parabola through the largest value alone would not suffice: the best residual stress of a
+        depth makes two rows equal, so that rounding would choose between their parabolas.
         """
         below = values[:, 1:]
-        y, gain_y = _tops(self.y, below)
-        depth, gain_z = (found.T for found in _tops(self.depth[1:], below.T))
+        y, gain_y = _parabola_tops(self.y, below)
+        depth, gain_z = (array.T for array in _parabola_tops(self.depth[1:], below.T))
         total = below + gain_y + gain_z
         at = np.unravel_index(np.argmax(total), total.shape)
         return float(total[at]), (math.nan, float(y[at]), float(depth[at]))
@@ -147,12 +147,12 @@ class BodyFatigue(ShortArrays):
         return self.load_factor(self.largest("path_radius").value)
 
     def load_factor(self, shear: float) -> float:
-        """The factor on the load at which a shear stress reaches k; inf where it is none."""
+        """Return the load factor at which a shear stress reaches k; inf without shear stress."""
         return math.inf if shear == 0.0 else self.shear_yield / shear
 
 
-def _tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Tops of the parabolas through each value and those before and after it.
+def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the tops of the parabolas through each value and its two neighbours.
 
     Parameters
     ----------
@@ -164,17 +164,17 @@ def _tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     place, gain : ndarray, shape (n, ...)
-        Where each top is, and how much higher than the value. At an end, and where the top is
-        farther away than the neighbours, the place itself and 0.
+        Place of each top, and its height above the value. At an end, and if the top is farther
+        away than the neighbours, the place itself and 0.
     """
-    own = x.reshape(-1, *(1,) * (values.ndim - 1))
-    place, gain = np.broadcast_to(own, values.shape).copy(), np.zeros(values.shape)
-    left, right = own[1:-1] - own[:-2], own[2:] - own[1:-1]
-    down, up = (values[1:-1] - values[:-2]) / left, (values[2:] - values[1:-1]) / right
-    curvature = (down - up) / (0.5 * (left + right))
-    slope = (down * right + up * left) / (left + right)
+    places = x.reshape(-1, *(1,) * (values.ndim - 1))
+    place, gain = np.broadcast_to(places, values.shape).copy(), np.zeros(values.shape)
+    before, after = places[1:-1] - places[:-2], places[2:] - places[1:-1]
+    down, up = (values[1:-1] - values[:-2]) / before, (values[2:] - values[1:-1]) / after
+    curvature = (down - up) / (0.5 * (before + after))
+    slope = (down * after + up * before) / (before + after)
     step = np.divide(slope, curvature, out=np.full_like(slope, np.inf), where=curvature > 0.0)
-    near = (-left <= step) & (step <= right)
+    near = (-before <= step) & (step <= after)
     place[1:-1] += np.where(near, step, 0.0)
     gain[1:-1] = 0.5 * slope * np.where(near, step, 0.0)
     return place, gain

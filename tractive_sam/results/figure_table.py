@@ -1,4 +1,4 @@
-"""Tables of contacts and histories for notebooks, with a figure beside."""
+"""Tables of contacts and histories for notebooks, next to a figure."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -10,20 +10,20 @@ from tractive_sam.markup import Html
 def html_with_figure(
     rows: Mapping[str, str], name: str, source: Any, wide: int = 380, narrow: int = 230
 ) -> Html:
-    """Return rows of a label and a text as a table, beside a figure of their source.
+    """Return rows of a label and a text as a table next to a figure.
 
     Parameters
     ----------
     rows : mapping of str to str
-        What the table shows.
+        Rows of the table.
     name : str
-        A figure of `plot`; left out where it has nothing to draw.
+        Name of a figure of `plot`; omitted if it has nothing to draw.
     source : State or History
-        What is drawn.
+        Argument of the figure.
     wide, narrow : int
         Width of a landscape and of a portrait figure, pixels.
     """
-    # What draws is above this package: it is taken from the public door, as a user does.
+    # Figures are in a higher package; they are taken from the public package, as a user does.
     import tractive_sam  # noqa: PLC0415
 
     try:

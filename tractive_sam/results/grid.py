@@ -10,8 +10,8 @@ import numpy as np
 class Grid:
     """A rectangle, divided into equal elements.
 
-    That of a line contact is a row of elements (n_x, 1), 1 mm long in y: what is summed over it is
-    per length.
+    The grid of a line contact is a row of elements (n_x, 1) that are 1 mm long in y, so that sums
+    over it are per length.
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ class Grid:
     elements : tuple of int
         Number of elements (n_x, n_y).
     shift : float
-        Lateral place, on the same elements, of what `y` is told from, mm.
+        Lateral position, on the elements, of the origin of `y`, mm.
     centre : tuple of float
         Centre of the rectangle, mm.
     """
@@ -32,22 +32,22 @@ class Grid:
 
     @classmethod
     def of(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
-        """The grid of two directions, or of x alone: that of a line contact."""
+        """Return the grid of two directions, or of x alone for a line contact."""
         return cls((*half_length, 0.5)[:2], (*elements, 1)[:2])
 
     def lengthened(self, elements: int) -> "Grid":
-        """The same elements, and so many more before and behind in the rolling direction."""
+        """Return the grid with this number of elements added before and behind in x."""
         (half_x, half_y), (nx, ny) = self.half_length, self.elements
         longer = half_x + elements * self.dx, half_y
         return replace(self, half_length=longer, elements=(nx + 2 * elements, ny))
 
     def shifted(self, shift: float) -> "Grid":
-        """The same elements, with y told from another lateral place, mm."""
+        """Return the grid with y measured from another lateral position, mm."""
         return replace(self, shift=shift)
 
     @property
     def line(self) -> bool:
-        """Whether it is that of a line contact."""
+        """Whether the grid is that of a line contact."""
         return self.directions == 1
 
     @property
@@ -57,7 +57,7 @@ class Grid:
 
     @property
     def sides(self) -> tuple[float, ...]:
-        """Sides of an element in these directions, mm."""
+        """Sides of an element in the directions in which fields vary, mm."""
         return (self.dx, self.dy)[: self.directions]
 
     def describe_size(self) -> str:
@@ -97,22 +97,22 @@ def _centres(half_length: float, elements: int) -> np.ndarray:
     return (np.arange(elements) - 0.5 * (elements - 1)) * (2.0 * half_length / elements)
 
 
-def widened(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) -> np.ndarray:
-    """The same function on a wider mesh, of which the present one is the middle.
+def widen_field(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) -> np.ndarray:
+    """Extend a function to a wider mesh, with the present mesh in its middle.
 
     Parameters
     ----------
     values : ndarray
         Its last axes are those of the mesh.
     shape : tuple of int
-        Of the wider mesh along these axes.
+        Elements of the wider mesh along these axes.
     outside : float
-        What it is beside the present mesh.
+        Value outside the present mesh.
 
     Raises
     ------
     ValueError
-        If the wider mesh does not add the same number of elements on either side.
+        If the wider mesh does not add the same number of elements on both sides.
     """
     before = values.shape[values.ndim - len(shape) :]
     if before == tuple(shape):

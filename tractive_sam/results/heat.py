@@ -1,4 +1,4 @@
-"""Heat that friction makes in a contact, and how warm it makes both surfaces."""
+"""Frictional heat in a contact, and the temperatures of both surfaces."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,18 +12,18 @@ from tractive_sam.results.grid import Grid
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FlashTemperature(ShortArrays):
-    """Steady temperatures of both surfaces, and the heat that goes into them.
+    """Steady temperatures of both surfaces, and the heat flux into them.
 
     Attributes
     ----------
     grid : Grid
         The mesh.
     touching : ndarray of bool, shape (n_x, n_y)
-        Where the bodies touch: there they are equally warm.
+        Elements in contact: both surfaces have equal temperatures there.
     temperature : mapping of str to ndarray, shape (n_x, n_y)
-        Of the surfaces of "A" and "B", degrees C.
+        Temperatures of the surfaces of "A" and "B", degrees C.
     flux : mapping of str to ndarray, shape (n_x, n_y)
-        Heat that goes into them, mW/mm²: together what friction makes, -p_t . s.
+        Heat flux into each surface, mW/mm²; the sum is the frictional heat, -p_t . s.
 
     Examples
     --------
@@ -39,17 +39,17 @@ class FlashTemperature(ShortArrays):
 
     @property
     def temperature_A(self) -> np.ndarray:
-        """Of the surface of A, degrees C."""
+        """Temperature of the surface of A, degrees C."""
         return self.temperature["A"]
 
     @property
     def temperature_B(self) -> np.ndarray:
-        """Of the surface of B, degrees C."""
+        """Temperature of the surface of B, degrees C."""
         return self.temperature["B"]
 
     @property
     def into_A(self) -> np.ndarray:
-        """Heat that goes into A, mW/mm²."""
+        """Heat flux into A, mW/mm²."""
         return self.flux["A"]
 
     @cached_property
@@ -63,7 +63,7 @@ class FlashTemperature(ShortArrays):
 
     @property
     def temperature_max_at(self) -> tuple[float, float]:
-        """Where that is, (x, y) in mm; nan without contact."""
+        """Place of the largest temperature, (x, y) in mm; nan without contact."""
         if not self.touching.any():
             return np.nan, np.nan
         i, j = np.unravel_index(np.argmax(self._inside), self._inside.shape)
@@ -71,17 +71,17 @@ class FlashTemperature(ShortArrays):
 
     @property
     def temperature_mean(self) -> float:
-        """Mean over the contact, degrees C; nan without contact."""
+        """Mean temperature in the contact, degrees C; nan without contact."""
         return float(self._inside[self.touching].mean()) if self.touching.any() else np.nan
 
     @property
     def power(self) -> float:
-        """Heat made, W; of a line contact W/mm."""
-        made = self.flux["A"] + self.flux["B"]
-        return float(1e-3 * made.sum() * self.grid.element_area)
+        """Frictional heat, W; for a line contact W/mm."""
+        total = self.flux["A"] + self.flux["B"]
+        return float(1e-3 * total.sum() * self.grid.element_area)
 
     @property
     def share(self) -> float:
-        """Share of body A in the heat made; nan where none is."""
-        into_A, made = self.flux["A"].sum(), (self.flux["A"] + self.flux["B"]).sum()
-        return float(into_A / made) if made > 0.0 else np.nan
+        """Share of body A in the frictional heat; nan without heat."""
+        into_A, total = self.flux["A"].sum(), (self.flux["A"] + self.flux["B"]).sum()
+        return float(into_A / total) if total > 0.0 else np.nan

@@ -1,4 +1,4 @@
-"""The whole of a computation: every record, in memory or still on disk."""
+"""A history: all records of a computation, in memory or on disk."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -18,40 +18,40 @@ from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.describe import summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.figure_table import html_with_figure
-from tractive_sam.results.grid import Grid, widened
+from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.law_record import LawRecord, describe_laws
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, of_role
+from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, find_by_role
 from tractive_sam.results.record import Record
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
-from tractive_sam.results.stored_fields import BOUND, FIELDS, OUTSIDE, WARM, kept_fields
+from tractive_sam.results.stored_fields import BOUND, FIELDS, HEAT_FIELDS, OUTSIDE, storable_fields
 from tractive_sam.scene import Scene, block_label
 
 DONE = "done"
-"""The `History.status` that means that nothing is missing."""
+"""The `History.status` of a complete computation."""
 
-FORMER = {"wear_rate": "worn_area"}
-"""Columns by their former names."""
+RENAMED_COLUMNS = {"wear_rate": "worn_area"}
+"""Current names of renamed columns."""
 
 LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
-"""What is along the dimensions of columns that are not of the mesh."""
+"""Labels along the dimensions of columns that are not those of the mesh."""
 
-BESIDE = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves", "wall_seconds")
-"""Numbers of `History.to_dict` that are no columns."""
+DERIVED = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves", "wall_seconds")
+"""Numbers of `History.to_dict` that are not columns."""
 
 T_co = TypeVar("T_co", covariant=True)
 
 
 class Rows(Protocol[T_co]):
-    """Fields of several records, read one at a time: a sequence, or something that reads a file."""
+    """Fields of several records, read one at a time from memory or from a file."""
 
     def __len__(self) -> int:
         """Number of records with fields."""
 
     def __getitem__(self, row: int) -> T_co:
-        """The field of one record."""
+        """Return the field of one record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,43 +61,42 @@ class History:
     Attributes
     ----------
     scene : Scene
-        What was computed.
+        The computed scene.
     status : str
-        "done"; "running" of a computation that still runs or was killed; else why
-        it ended early.
+        "done"; "running" if the computation runs or was killed; else why it ended early.
     message : str
-        What the status means and, where something is wrong, what to try.
+        Meaning of the status and, if something is wrong, what to try.
     grid : Grid
         The mesh.
     columns : mapping of str to Quantity
-        What was recorded; `history[name]` has the numbers.
+        Descriptions of the columns; `history[name]` has the numbers.
     values : mapping of str to ndarray
-        One row a record, of the shape of the column's dimensions; nan where it is not known.
+        One row a record, in the shape of the column's dimensions; nan if there is no value.
     fields : mapping of str to Rows, length m <= n
-        One function of x and y for each record that kept its fields; see `field` and `state`.
+        A function of x and y for each record with stored fields; see `field` and `state`.
     saved : ndarray, shape (m,)
         Values of the coordinate of these records, such as their revolutions.
     stresses : mapping of (body, plane) to Rows, length m
-        Stress on planes for each record that kept its fields; see `stress`. Of a duty cycle each
-        block has its own.
+        Stress on planes for each record with stored fields; see `stress`. For a duty cycle see
+        `stresses_of_blocks`.
     provenance : tuple of (int, mapping of str to str)
-        Programs that computed the records from each of these rows on.
+        Rows, and the programs that computed the records from each of these rows on.
     law_records : mapping of str to LawRecord
         Laws that replaced those of the scene, by "friction", "wear" and so on.
     started : str
-        Where the worn bodies are from with which it began; empty of new ones.
+        Source of the worn bodies with which the history began; empty for new bodies.
     cycles : mapping of str to Rows, length m
-        What rolling has done to each body that [fatigue] names, of each record that kept its
-        fields; see `fatigue`.
+        Fatigue of each body that [fatigue] names, for each record with stored fields; see
+        `fatigue`.
     stresses_of_blocks : tuple of mapping
-        Of a duty cycle: the `stresses` of each block.
+        For a duty cycle: the `stresses` of each block.
     measured : str
         Hash of the numbers of the measured gap and profiles; empty without them.
     datum : str
-        What the approach is counted from: "vertex", where the unworn bodies touch first, or "node",
-        the nearest element, in results files of earlier versions.
+        Origin of the approach: "vertex", where the unworn bodies touch first, or "node", the
+        nearest element, in results files of earlier versions.
     own_fields : mapping of str to Quantity
-        Those of the fields that are not the package's.
+        Descriptions of user-defined fields.
 
     Examples
     --------
@@ -141,9 +140,9 @@ class History:
     ) -> Self:
         """Collect records in memory; those of smaller meshes are widened to the last mesh."""
         records = list(records)
-        kept = [record for record in records if record.fields]
+        with_fields = [record for record in records if record.fields]
         names = records[0].columns if records else columns(scene)
-        coordinate = of_role(names.values(), COORDINATE)
+        coordinate = find_by_role(names.values(), COORDINATE)
         return cls(
             scene,
             status,
@@ -151,20 +150,20 @@ class History:
             grid,
             names,
             {
-                name: stacked(one, [r.values[name] for r in records], grid)
-                for name, one in names.items()
+                name: stack_values(column, [r.values[name] for r in records], grid)
+                for name, column in names.items()
             },
             {
-                name: [_field(record, name, grid) for record in kept]
-                for name in ({k: None for one in kept for k in one.fields} if kept else FIELDS)
+                name: [_widened_field(record, name, grid) for record in with_fields]
+                for name in (dict.fromkeys(k for r in with_fields for k in r.fields) or FIELDS)
             },
-            np.array([record.at for record in kept], int if coordinate.whole else float),
-            _by_plane(kept),
+            np.array([record.at for record in with_fields], int if coordinate.whole else float),
+            _by_plane(with_fields),
             law_records=law_records or {},
             started=started,
-            cycles=_by_body(kept),
-            stresses_of_blocks=tuple(_by_plane(kept, k) for k in range(len(scene.duty))),
-            own_fields={k: one for record in kept for k, one in record.own_fields.items()},
+            cycles=_cycles_by_body(with_fields),
+            stresses_of_blocks=tuple(_by_plane(with_fields, k) for k, _ in enumerate(scene.duty)),
+            own_fields={k: v for record in with_fields for k, v in record.own_fields.items()},
         )
 
     def __repr__(self) -> str:
@@ -176,54 +175,55 @@ class History:
         )
 
     def __getattr__(self, name: str) -> Any:
-        """Tell of a column, and of what a contact has and a history has not, where it is."""
+        """Raise an error that names where to find a column, or an attribute of a contact."""
         cure = ""
-        if name in self.__dict__.get("columns", ()):  # there may be none yet of a copy
-            cure = f"; history[{name!r}] is that of all records"
+        if name in self.__dict__.get("columns", ()):  # an incomplete copy has no columns
+            cure = f"; history[{name!r}] has its values for all records"
         elif name in State.__dataclass_fields__ or hasattr(State, name):
-            cure = f"; history.state(n).{name} is that of one contact"
+            cure = f"; history.state(n).{name} has its value for one contact"
         raise AttributeError(f"a History has no {name!r}{cure}")
 
     def __len__(self) -> int:
         return len(self.values[self.coordinate.name])
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """What was recorded under a name, one row a record.
+        """Return the values of a column, one row a record.
 
         Raises
         ------
         KeyError
-            If there is no such quantity; the message lists those there are.
+            If there is no such column; the message lists all columns.
         """
         if name in self.values:
             return self.values[name]
-        cure = f"; it is history[{FORMER[name]!r}] now" if name in FORMER else ""
+        new = RENAMED_COLUMNS.get(name)
+        cure = f"; it is now called history[{new!r}]" if new else ""
         if name in self.fields:
             cure = f"; the field is history.field({name!r})"
         raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
 
     def of_dims(self, *dims: str) -> dict[str, Quantity]:
-        """The columns of some dimensions: none are one number a record."""
-        return {name: one for name, one in self.columns.items() if one.dims == dims}
+        """Return the columns with these dimensions; without any, one number a record."""
+        return {name: column for name, column in self.columns.items() if column.dims == dims}
 
     def of_role(self, role: str) -> Quantity:
-        """The column of a role, whatever its name.
+        """Return the column with a role, whatever its name.
 
         Raises
         ------
         LookupError
-            If there is none.
+            If there is no such column.
         """
-        return of_role(self.columns.values(), role)
+        return find_by_role(self.columns.values(), role)
 
     @property
     def coordinate(self) -> Quantity:
-        """The column along which it goes: "revolution", or another that grows."""
+        """Column along which the records are ordered: "revolution", or another that grows."""
         return self.of_role(COORDINATE)
 
     @property
     def field_revolutions(self) -> np.ndarray:
-        """As `saved`: revolutions of the records that kept their fields."""
+        """Revolutions of the records with stored fields; see `saved`."""
         return self.saved
 
     @property
@@ -243,12 +243,12 @@ class History:
 
     @property
     def b0(self) -> float:
-        """Semi-axis in y, mm, as `a0`."""
+        """Semi-axis in y, mm; see `a0`."""
         return math.nan if self.scene.hertz is None else self.scene.hertz.b
 
     @property
     def p0(self) -> float:
-        """Peak pressure, MPa, as `a0`."""
+        """Peak pressure, MPa; see `a0`."""
         return math.nan if self.scene.hertz is None else self.scene.hertz.p0
 
     @property
@@ -258,12 +258,12 @@ class History:
 
     @property
     def finished(self) -> bool:
-        """Whether the computation came to its end."""
+        """Whether the computation is complete."""
         return self.status == DONE
 
     @property
     def laws(self) -> str:
-        """Laws that replaced those of the scene, in one line; empty where none did."""
+        """Laws that replaced those of the scene, in one line; empty if there are none."""
         return describe_laws(self.law_records)
 
     @property
@@ -281,38 +281,39 @@ class History:
 
     @property
     def energy_balance(self) -> np.ndarray:
-        """Work that friction dissipates over the work supplied, one number a record.
+        """Work that friction dissipates over the supplied work, one number a record.
 
-        Unity, whatever the friction law, the profile and the mesh. The paper's upwind slip misses
-        some per cent, at small creepage most of it, and the wear misses as much. nan where nothing
-        is driven, or no more than the rounding of what the pressure does on the slopes of the
-        bodies; and without friction. Of a transient with what is stored as elastic energy.
+        The exact value is 1 for any friction law, profile and mesh. With the paper's upwind slip it
+        is in error by some per cent, at small creepage by much more, and the wear is in error by as
+        much. It is nan without friction, and if no work is supplied beyond the rounding error of
+        the pressure on the slopes of the bodies. For a transient it includes the stored elastic
+        energy.
         """
         return balance_of(self).energy
 
     @property
     def wear_balance(self) -> np.ndarray:
-        """Worn cross section over what the frictional work wears, one number a record.
+        """Worn cross section over the section that the frictional work wears, one number a record.
 
-        Of a transient the volume worn in the step over what the work in it wears: unity of steps
-        that roll, and of shifts as far as they are short.
+        For a transient, the volume worn in the step over the volume that its work wears. The exact
+        value is 1 for steps that roll, and for shifts in the limit of short steps.
 
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.
-        Where these differ, the section is compared with what is nearest to it between the two:
-        unity is within. nan where nothing wears, or no more than the rounding of the wear so far,
-        with the laws of measured regimes, with one of one's own, with friction or wear that
-        varies, and of duty cycles, whose blocks have it.
+        If these differ, the section is compared with the nearest value between the two, so that the
+        balance is 1 between them. It is nan if nothing wears beyond the rounding error of the wear
+        so far, with the laws of measured regimes, with a user-defined law, with friction or wear
+        that varies, and for duty cycles; their blocks have it.
         """
         return balance_of(self).wear
 
     @property
     def worn_track(self) -> tuple[np.ndarray, np.ndarray]:
-        """What a transient with [wear] has worn along the track, both bodies together.
+        """Places and wear depths along the track of a transient with [wear], both bodies together.
 
         Places on the bodies, shape (n,), mm, ascending: the place x is in the middle of the contact
-        when the distance x has been rolled. Depths there, shape (n, n_y), mm: as each record tells
-        them of the material that leaves the mesh, and the fields of the last one, where they are
-        stored, of what is still on it.
+        after rolling the distance x. Depths there, shape (n, n_y), mm: each record has the depth of
+        the material that leaves the mesh; the stored fields of the last record add that of the
+        material on the mesh.
 
         Raises
         ------
@@ -321,38 +322,38 @@ class History:
         """
         x = self.grid.x
         if "step_worn" not in self.columns or not self.scene.schedule.rolls:
-            raise ValueError("a track is worn by a [transient] that rolls, with [wear]")
+            raise ValueError("worn_track: only a [transient] that rolls, with [wear], has one")
         places, depth = self["distance"] + x[0], self["wear_profile"]
         if len(self.saved) and self.saved[-1] == self["distance"][-1]:
             on_mesh = self.saved[-1] + x
-            left = places < on_mesh[0]
-            places = np.append(places[left], on_mesh)
-            depth = np.concatenate((depth[left], self.field("wear")))
+            behind = places < on_mesh[0]
+            places = np.append(places[behind], on_mesh)
+            depth = np.concatenate((depth[behind], self.field("wear")))
         places, last = np.unique(places[::-1], return_index=True)
         return places, depth[::-1][last]
 
     @property
     def block_names(self) -> list[str]:
-        """Names of the blocks of a duty cycle, in order; none of another history."""
+        """Names of the blocks of a duty cycle, in order; empty without blocks."""
         return [block_label(self.scene, k) for k in range(len(self.scene.duty))]
 
     @property
     def planes(self) -> tuple[tuple[str, str], ...]:
-        """Body and plane of every stress that was kept, as ("A", "y=0")."""
+        """Body and plane of each stored stress, as ("A", "y=0")."""
         return tuple(self.stresses)
 
     @property
     def line(self) -> bool:
-        """Whether it is of a line contact, with forces per length."""
+        """Whether it is the history of a line contact, with forces per length."""
         return self.grid.line
 
     @property
     def title(self) -> str:
-        """Title of the scene, empty where it has none."""
+        """Title of the scene; may be empty."""
         return self.scene.title
 
     def field(self, name: str, at: float | None = None, **named: float | None) -> np.ndarray:
-        """One field of one record, shape (n_x, n_y); of a duty cycle (blocks, n_x, n_y).
+        """Return one field of one record, shape (n_x, n_y); for a duty cycle (blocks, n_x, n_y).
 
         Parameters
         ----------
@@ -365,7 +366,7 @@ class History:
         Raises
         ------
         LookupError
-            If the field was not kept; the message lists what was.
+            If the field was not stored; the message lists the stored ones.
         """
         if name not in self.fields:
             raise LookupError(f"no field {name!r}; there are {', '.join(self.fields) or 'none'}")
@@ -374,7 +375,7 @@ class History:
     def stress(
         self, body: str, plane: str, at: float | None = None, **named: float | None
     ) -> "PlaneStress":
-        """Stress of a body on a plane in one record; of a duty cycle its blocks have it.
+        """Return the stress of a body on a plane in one record; for a duty cycle see `block`.
 
         Parameters
         ----------
@@ -383,76 +384,77 @@ class History:
         plane : str
             The plane as the scene names it, "y=0".
         at : float, optional
-            As of `field`.
+            See `field`.
 
         Raises
         ------
         LookupError
-            If it was not kept; the message lists what was.
+            If the stress was not stored; the message lists the stored planes.
         """
         rows = self.stresses.get((body, str(plane)))
         if rows is None and any(self.stresses_of_blocks):
             raise LookupError("each block has its own stress: history.block(k).stress(...)")
         if rows is None:
-            kept = ", ".join(f"{plane} of {body}" for body, plane in self.planes)
+            stored = ", ".join(f"{plane} of {body}" for body, plane in self.planes)
             raise LookupError(
-                f"no stress on {plane} of body {body}; there is {kept or 'none: add [subsurface]'}"
+                f"no stress on {plane} of body {body}; there is "
+                f"{stored or 'none: add [subsurface]'}"
             )
         return rows[self.row_of(at, **named)]
 
     def fatigue(self, body: str, at: float | None = None, **named: float | None) -> BodyFatigue:
-        """What rolling has done to a body by one record, with its damage where there is a limit.
+        """Return the fatigue of a body in one record, with its damage if there is a limit.
 
         Parameters
         ----------
         body : "A" or "B"
             The body.
         at : float, optional
-            As of `field`.
+            See `field`.
 
         Raises
         ------
         LookupError
-            If it was not kept; the message lists what was.
+            If the fatigue was not stored; the message lists the stored bodies.
         """
         if body not in self.cycles:
-            kept = ", ".join(self.cycles) or "none: add [fatigue]"
-            raise LookupError(f"no fatigue of body {body}; there is {kept}")
+            stored = ", ".join(self.cycles) or "none: add [fatigue]"
+            raise LookupError(f"no fatigue of body {body}; there is {stored}")
         return self.cycles[body][self.row_of(at, **named)]
 
     def row_of(self, at: float | None = None, **named: float | None) -> int:
-        """The row of a value of the coordinate in `saved`; arguments and errors as of `field`."""
+        """Return the row in `saved` of a value of the coordinate; see `field`."""
         coordinate = self.coordinate.name
         if named:
             if at is not None or named.keys() != {coordinate}:
-                asked = " and ".join([*([] if at is None else ["a value"]), *named])
-                raise TypeError(f"one {coordinate} is needed, not {asked}")
+                names = " and ".join([*([] if at is None else ["a value"]), *named])
+                raise TypeError(f"give one {coordinate}, not {names}")
             at = named[coordinate]
         if at is None and len(self.saved):
             return len(self.saved) - 1
         # A distance may come from a sum.
         rows = [] if at is None else np.flatnonzero(np.isclose(self.saved, at, rtol=1e-12, atol=0))
         if not len(rows):
-            kept = ", ".join(map(str, self.saved)) or "none"
-            asked = "" if at is None else f" {at:g}"
-            raise LookupError(f"no fields of {coordinate}{asked}; there are those of {kept}")
+            saved = ", ".join(map(str, self.saved)) or "none"
+            value = "" if at is None else f" {at:g}"
+            raise LookupError(f"no fields of {coordinate}{value}; there are those of {saved}")
         return int(rows[-1])
 
     def state(self, at: float | None = None, **named: float | None) -> State:
-        """The contact of one record, as of `solve`.
+        """Return the contact of one record, as `solve` returns it.
 
-        Files of the first format kept neither its gap, which then is nan, nor where it slips, which
-        then is told from its traction.
+        Files of the first format have neither the gap, which then is nan, nor the sliding elements,
+        which then follow from the traction.
 
         Parameters
         ----------
         at : float, optional
-            As of `field`.
+            See `field`.
 
         Raises
         ------
         LookupError
-            If its fields were not kept; the message lists those that were.
+            If its fields were not stored; the message lists the stored records.
 
         Examples
         --------
@@ -461,20 +463,20 @@ class History:
         """
         if self.block_names:
             raise LookupError("a duty cycle has a contact for each block: history.block(k).state()")
-        kept = self.row_of(at, **named)
-        row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[kept])[-1])
-        return self.contact(row, {name: rows[kept] for name, rows in self.fields.items()})
+        saved = self.row_of(at, **named)
+        row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[saved])[-1])
+        return self.contact(row, {name: rows[saved] for name, rows in self.fields.items()})
 
     def block(self, which: int | str) -> Self:
-        """What was recorded of one block of a duty cycle, as a history of its own.
+        """Return the records of one block of a duty cycle as a separate history.
 
         Profiles and worn volumes are those of the bodies, which all blocks wear.
 
         Parameters
         ----------
         which : int or str
-            Its place in the [[duty]] of the scene, from 0, or its name. A text that is no name may
-            be a place.
+            Index of the block in the [[duty]] of the scene, from 0, or its name. A text that is no
+            name may be an index.
 
         Raises
         ------
@@ -490,13 +492,13 @@ class History:
         (200, 200.0)
         """
         k = self.place_of(which)
-        apart = (PREFIX, PARTS.name)
-        columns = {n: one for n, one in self.columns.items() if not n.startswith(apart)}
+        of_blocks = (PREFIX, PARTS.name)
+        columns = {k: column for k, column in self.columns.items() if not k.startswith(of_blocks)}
         values = {}
         for name in columns:
-            own = PREFIX + name
-            values[name] = self.values[own][:, k] if own in self.values else self.values[name]
-        fields = {name: _OfBlock(rows, k) for name, rows in self.fields.items()}
+            each = PREFIX + name
+            values[name] = self.values[each][:, k] if each in self.values else self.values[name]
+        fields = {name: _BlockRows(rows, k) for name, rows in self.fields.items()}
         grid = self.grid.shifted(self.scene.duty[k].shift_y)
         changes = {"columns": columns, "values": values, "fields": fields}
         changes["stresses"] = self.stresses_of_blocks[k] if self.stresses_of_blocks else {}
@@ -505,9 +507,9 @@ class History:
         return replace(self, scene=self.scene.blocks[k], grid=grid, **changes)
 
     def _law_records_of(self, block: Scene) -> dict[str, LawRecord]:
-        """Return the laws in a block: a law that the scene names has the coefficients of the block.
+        """Return the laws of a block: a law that the scene names has the coefficients of the block.
 
-        A law that replaced the one of the scene has the same ones in every block.
+        A law that replaced the one of the scene is common to all blocks.
         """
         records, friction = dict(self.law_records), self.scene.friction
         record = records.get("friction")
@@ -516,7 +518,7 @@ class History:
         return records
 
     def place_of(self, which: int | str) -> int:
-        """Place of a block in the [[duty]] of the scene, from its place or its name.
+        """Return the index of a block in the [[duty]] of the scene, from its index or its name.
 
         Raises
         ------
@@ -530,22 +532,22 @@ class History:
         1
         """
         names = self.block_names
-        places = {of(k): k for of in (int, str) for k in range(len(names))}
+        places = {convert(k): k for convert in (int, str) for k in range(len(names))}
         k = (places | {name: names.index(name) for name in names}).get(which)
         if k is None:
-            there = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
-            raise LookupError(f"no block {which}; there are {len(names)}, {there}")
+            listed = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
+            raise LookupError(f"no block {which}; there are {len(names)}, {listed}")
         return k
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
-        """The contact of a record, from its fields by the names of `FIELDS`."""
+        """Return the contact of a record, from its fields by the names of `FIELDS`."""
         number = {name: float(self[name][row]) for name in self.of_dims()}
         creeping = sum(
             number[force] * number[creepage]
             for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
         )
         solved = number["converged"] > 0.0
-        found = State(
+        contact = State(
             scene=self.scene,
             grid=self.grid,
             pressure=fields["pressure"],
@@ -559,23 +561,24 @@ class History:
             spin=number["spin"],
             rolling_resistance=number["work_supplied"] + creeping,
             sliding=fields.get("sliding", np.zeros(self.grid.elements)) > 0.0,
-            status=Status.CONVERGED if solved else _status(self.status),
+            status=Status.CONVERGED if solved else _reason(self.status),
             note="" if solved else self.message,
             residual=number["residual"],
             cost=Cost(number["operator_applications"], convolutions=number["convolutions"]),
             revolution=int(number.get("revolution", 0)),
             volumes=self._volumes(row),
             frame=self.frame,
-            traction_bound=_known(fields.get(BOUND.name)),
+            traction_bound=_complete_or_none(fields.get(BOUND.name)),
             laws=self.law_records,
         )
-        if all(name in fields for name in WARM):
+        if all(name in fields for name in HEAT_FIELDS):
             into_A = fields["heat_into_A"]
-            made = -self.scene.creepage.speed * (found.traction * found.slip).sum(axis=0)
+            heat = -self.scene.creepage.speed * (contact.traction * contact.slip).sum(axis=0)
             warm = {"A": fields["temperature_A"], "B": fields["temperature_B"]}
-            flux = {"A": into_A, "B": made - into_A}
-            found = replace(found, heat=FlashTemperature(self.grid, found.touching, warm, flux))
-        return found if "sliding" in fields else found.with_sliding_by_traction()
+            flux = {"A": into_A, "B": heat - into_A}
+            temperatures = FlashTemperature(self.grid, contact.touching, warm, flux)
+            contact = replace(contact, heat=temperatures)
+        return contact if "sliding" in fields else contact.with_sliding_by_traction()
 
     @property
     def frame(self) -> Frame | None:
@@ -585,21 +588,21 @@ class History:
         return None if self.scene.friction is None else self.scene.friction.frame
 
     def _volumes(self, row: int) -> dict[str, float] | None:
-        """Worn volume of each body in a record, as far as it was recorded."""
-        found = self.values.get("worn_volume")
-        return None if found is None else dict(zip(BODIES, found[row].tolist(), strict=True))
+        """Return the worn volume of each body in a record; None if it was not recorded."""
+        volumes = self.values.get("worn_volume")
+        return None if volumes is None else dict(zip(BODIES, volumes[row].tolist(), strict=True))
 
     def to_dict(self) -> dict[str, Any]:
-        """Columns but for profiles, balances and totals as plain lists; None for no number."""
-        roles = {one.role for one in self.columns.values()}
+        """Return all columns except profiles, balances and totals as plain lists; None for nan."""
+        roles = {column.role for column in self.columns.values()}
         rows: dict[str, Any] = {} if "stress_max" in roles else {name: {} for name in STRESSES}
-        for name, one in self.columns.items():
-            if one.dims[:1] == ("body",):
+        for name, column in self.columns.items():
+            if column.dims[:1] == ("body",):
                 of_bodies = {
-                    body: self[name][:, BODIES.index(body)] for body in one.bodies(self.scene)
+                    body: self[name][:, BODIES.index(body)] for body in column.bodies(self.scene)
                 }
                 rows[name] = {body: values.tolist() for body, values in of_bodies.items()}
-            elif "y" not in one.dims:
+            elif "y" not in column.dims:
                 rows[name] = self[name].tolist()
         rows |= {name: getattr(self, name).tolist() for name in ("energy_balance", "wear_balance")}
         reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
@@ -607,30 +610,30 @@ class History:
         return _without_nan(about | rows | self.totals)
 
     def numbers(self) -> dict[str, np.ndarray]:
-        """Every column but profiles as arrays of one number a record.
+        """Return all columns except profiles as arrays of one number a record.
 
-        Those of a body, an axis or a position by names like "worn_mass A" and "p_max_at x".
+        Columns of a body, an axis or a position have names like "worn_mass A" and "p_max_at x".
         """
-        found = {}
-        for name, one in self.columns.items():
-            if "y" in one.dims:
+        arrays = {}
+        for name, column in self.columns.items():
+            if "y" in column.dims:
                 continue
             of_dims = {**LABELS, "block": self.block_names}
-            labels = [of_dims[dim] for dim in one.dims]
-            if one.dims[:1] == ("body",):
-                labels[0] = one.bodies(self.scene)
+            labels = [of_dims[dim] for dim in column.dims]
+            if column.dims[:1] == ("body",):
+                labels[0] = column.bodies(self.scene)
             for place in product(*labels):
-                at = tuple(of_dims[dim].index(k) for dim, k in zip(one.dims, place, strict=True))
-                found[" ".join((name, *place))] = self[name][(..., *at)]
-        return found
+                at = tuple(of_dims[dim].index(k) for dim, k in zip(column.dims, place, strict=True))
+                arrays[" ".join((name, *place))] = self[name][(..., *at)]
+        return arrays
 
     def to_dataframe(self) -> "pandas.DataFrame":
-        """`numbers` as a table along the coordinate; needs pandas, which comes with xarray.
+        """Return `numbers` as a table along the coordinate; needs pandas, which comes with xarray.
 
         Raises
         ------
         ImportError
-            Without pandas, which comes with the extra ``study``.
+            If pandas is not installed; the extra ``study`` installs it.
 
         Examples
         --------
@@ -641,12 +644,12 @@ class History:
         return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Columns, and fields of the records that kept them, with units and coordinates.
+        """Return columns, and fields of the records that have them, with units and coordinates.
 
         Raises
         ------
         ImportError
-            Without xarray, which comes with the extra ``study``.
+            If xarray is not installed; the extra ``study`` installs it.
 
         Examples
         --------
@@ -655,16 +658,16 @@ class History:
         """
         check_extra("xarray", "history.to_xarray")
 
-        def about(one: Quantity) -> dict[str, str]:
-            return {"units": one.unit, "long_name": one.long_name}
+        def about(quantity: Quantity) -> dict[str, str]:
+            return {"units": quantity.unit, "long_name": quantity.long_name}
 
         along = self.coordinate
         data = {
-            name: ((along.name, *one.dims), self[name], about(one))
-            for name, one in self.columns.items()
-            if one is not along
+            name: ((along.name, *column.dims), self[name], about(column))
+            for name, column in self.columns.items()
+            if column is not along
         }
-        quantities = {**kept_fields(self.scene), **self.own_fields}
+        quantities = {**storable_fields(self.scene), **self.own_fields}
         for name, rows in self.fields.items():
             blocks = () if not self.block_names else (len(self.block_names),)
             values = np.empty((len(rows), *blocks, *self.grid.elements))
@@ -681,13 +684,13 @@ class History:
             "x": ("x", self.x, {"units": "mm"}),
             "y": ("y", self.y, {"units": "mm"}),
         }
-        told = {"title": self.title, "status": self.status, "message": self.message}
-        return xarray.Dataset(data, coordinates, told)
+        attributes = {"title": self.title, "status": self.status, "message": self.message}
+        return xarray.Dataset(data, coordinates, attributes)
 
 
 @dataclass(frozen=True, eq=False)
-class _OfBlock:
-    """One block of fields that are stored of all."""
+class _BlockRows:
+    """The fields of one block, read from the fields of all blocks."""
 
     rows: Rows[np.ndarray]
     block: int
@@ -699,25 +702,25 @@ class _OfBlock:
         return self.rows[row][self.block]
 
 
-def _field(record: Record, name: str, grid: Grid) -> np.ndarray:
-    """Return a field of a record on a mesh that may be wider; nan where the record has none."""
+def _widened_field(record: Record, name: str, grid: Grid) -> np.ndarray:
+    """Return a field of a record on a mesh that may be wider; nan if the record lacks it."""
     if name not in record.fields:
         return np.full_like(record.fields["pressure"], np.nan)
-    return widened(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
+    return widen_field(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
 
 
-def _known(bound: np.ndarray | None) -> np.ndarray | None:
-    """Return a stored bound of the traction; None where the file does not have that of a record."""
+def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:
+    """Return a stored bound of the traction; None if the file lacks it for a record."""
     return None if bound is None or np.isnan(bound).any() else bound
 
 
-def _status(ended: str) -> Status:
-    """Why a contact was not solved, as far as the status of its history says so."""
+def _reason(ended: str) -> Status:
+    """Return why a contact was not solved, according to the status of its history."""
     return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS
 
 
-def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
-    """One row a record of what was recorded, on a mesh that may be wider than its own."""
+def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
+    """Stack recorded values to an array, one row a record, on a mesh that may be wider."""
     along = {"x": grid.elements[0], "y": grid.elements[1]}
     if "block" in quantity.dims:
         along["block"] = np.shape(values[0])[quantity.dims.index("block")] if len(values) else 0
@@ -730,27 +733,27 @@ def stacked(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray
                 row[BODIES.index(body)] = of_body
         else:
             mesh = tuple(along[name] for name in quantity.dims if name in ("x", "y"))
-            row[:] = widened(np.asarray(value, float), mesh) if mesh else value
+            row[:] = widen_field(np.asarray(value, float), mesh) if mesh else value
     if not shape:
         rows[:] = values
     return rows
 
 
 def _by_plane(
-    kept: Sequence[Record], block: int | None = None
+    records: Sequence[Record], block: int | None = None
 ) -> dict[tuple[str, str], list["PlaneStress"]]:
-    first = kept[0].stress if kept else ()
+    first = records[0].stress if records else ()
     rows = {
-        (one.body, str(one.plane)): [record.stress[k] for record in kept]
-        for k, one in enumerate(first)
-        if one.block == block
+        (stress.body, str(stress.plane)): [record.stress[k] for record in records]
+        for k, stress in enumerate(first)
+        if stress.block == block
     }
     return dict(sorted(rows.items()))  # as a file has them
 
 
-def _by_body(kept: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
-    bodies = (one.body for one in kept[0].cycles) if kept else ()
-    return {body: [record.cycles[k] for record in kept] for k, body in enumerate(bodies)}
+def _cycles_by_body(records: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
+    bodies = (cycle.body for cycle in records[0].cycles) if records else ()
+    return {body: [record.cycles[k] for record in records] for k, body in enumerate(bodies)}
 
 
 def _without_nan(value: Any) -> Any:

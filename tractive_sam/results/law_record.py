@@ -1,4 +1,4 @@
-"""Laws that replaced those of a scene, as a history and its file know them."""
+"""Records of the laws that replaced those of a scene, as a history and its file store them."""
 
 import json
 from collections.abc import Mapping
@@ -17,11 +17,11 @@ class LawRecord:
     Attributes
     ----------
     text : str
-        Name and parameters of the law, for people.
+        Name and parameters of the law, for readers.
     fingerprint : str
-        Hash of its content (`mechanics.law`); empty where the file does not have it.
+        Hash of its content (`mechanics.law`); empty if the file lacks it.
     frame : Frame, optional
-        Of a friction law: coefficients and axes in which its tractions are measured.
+        For a friction law: coefficients and axes in which its tractions are measured.
     """
 
     text: str
@@ -30,9 +30,9 @@ class LawRecord:
 
 
 def describe_laws(records: Mapping[str, LawRecord]) -> str:
-    """Return the laws in one line, "friction=..., wear=..."; empty where none was replaced."""
+    """Return the laws in one line, "friction=..., wear=..."; empty if none was replaced."""
     return ", ".join(
-        one.text if name == UNNAMED else f"{name}={one.text}" for name, one in records.items()
+        law.text if name == UNNAMED else f"{name}={law.text}" for name, law in records.items()
     )
 
 
@@ -41,17 +41,17 @@ def dump_laws(records: Mapping[str, LawRecord]) -> str:
     return json.dumps(
         {
             name: {
-                "text": one.text,
-                "fingerprint": one.fingerprint,
-                "frame": None if one.frame is None else [*one.frame.mu, one.frame.angle],
+                "text": law.text,
+                "fingerprint": law.fingerprint,
+                "frame": None if law.frame is None else [*law.frame.mu, law.frame.angle],
             }
-            for name, one in records.items()
+            for name, law in records.items()
         }
     )
 
 
 def load_laws(text: str, line: str = "") -> dict[str, LawRecord]:
-    """Return the laws from JSON, or from their line alone where the JSON is empty.
+    """Return the laws from JSON, or from their line alone if the JSON is empty.
 
     Raises
     ------
@@ -62,8 +62,8 @@ def load_laws(text: str, line: str = "") -> dict[str, LawRecord]:
         return {UNNAMED: LawRecord(line)} if line else {}
     try:
         return {
-            str(name): LawRecord(str(one["text"]), str(one["fingerprint"]), _frame(one["frame"]))
-            for name, one in json.loads(text).items()
+            str(name): LawRecord(str(law["text"]), str(law["fingerprint"]), _frame(law["frame"]))
+            for name, law in json.loads(text).items()
         }
     except (AttributeError, KeyError, TypeError) as error:
         raise ValueError(f"laws: {error!r}") from None

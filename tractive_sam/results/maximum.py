@@ -1,4 +1,4 @@
-"""The largest stress of a body, and where it is."""
+"""The largest stress of a body, and its place."""
 
 from dataclasses import dataclass
 
@@ -10,19 +10,19 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Maximum:
-    """Largest stress in a body by a criterion, and where, (x, y, depth) in mm.
+    """Largest stress in a body by a criterion, and its place (x, y, depth) in mm.
 
     Attributes
     ----------
     criterion : StressCriterion or CycleCriterion
-        What makes one number of the stress; its unit is that of the values. Of a cycle, along all
-        x, the place has no x.
+        Criterion that gives one number of the stress, in the unit of the values. For a cycle, which
+        covers all x, the place has no x.
     value, at : float, tuple of float
-        The larger one of the two below.
+        The larger of the two below.
     interior, interior_at : float, tuple of float
-        The largest local maximum at least two elements below the surface; nan where the stress
-        falls from the surface down. Two elements deep it is a bound: a maximum nearer to the
-        surface than that.
+        The largest local maximum at least two elements below the surface; nan if the stress falls
+        monotonically from the surface. A maximum exactly two elements deep is a bound: the actual
+        one is closer to the surface.
     surface, surface_at : float, tuple of float
         The largest value at the surface; see `subsurface.surface.largest_at_surface`.
 

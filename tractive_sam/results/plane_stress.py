@@ -10,7 +10,7 @@ from tractive_sam.mechanics import StressCriterion, max_shear, principal_stresse
 from tractive_sam.scene import Plane
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
-"""Components of a stress, in the order of every array of them."""
+"""Components of a stress, in the order of all arrays of stress."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,14 +24,14 @@ class PlaneStress(ShortArrays):
     plane : Plane
         The plane; its text is `str(plane)`.
     position : float
-        Where it lies, mm: the x, y or depth that is constant on it.
+        The constant x, y or depth of the plane, mm.
     axes : dict of str to ndarray
-        Names and coordinates of the two axes of every array, in their order, mm: "y" and "depth"
-        where x is constant, "x" and "depth" where y is, "x" and "y" at constant depth.
+        Names and coordinates of the two axes of the arrays, in their order, mm: "y" and "depth"
+        at constant x, "x" and "depth" at constant y, "x" and "y" at constant depth.
     components : dict of str to ndarray
         xx, yy, zz, xy, xz, yz in the axes of the contact, MPa.
     block : int, optional
-        Of a duty cycle which block it is of, from 0.
+        Block of a duty cycle, from 0.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class PlaneStress(ShortArrays):
 
     @property
     def depth(self) -> np.ndarray:
-        """Depths, mm: those of the second axis, or the only one of a plane at constant depth."""
+        """Depths of the second axis, or the one depth of a plane at constant depth, mm."""
         return self.axes.get("depth", np.array([self.position]))
 
     @cached_property
@@ -64,7 +64,7 @@ class PlaneStress(ShortArrays):
         return np.stack([self.components[name] for name in COMPONENTS])
 
     def by(self, criterion: StressCriterion) -> np.ndarray:
-        """The stress judged by a criterion, in its unit."""
+        """Return the stress evaluated by a criterion, in its unit."""
         return criterion(self._tensor)
 
     @cached_property

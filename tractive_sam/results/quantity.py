@@ -1,4 +1,4 @@
-"""A recorded quantity: its name, unit and description, and how it is read off a contact."""
+"""A recorded quantity: its name, unit and description, and how to read it from a contact."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -11,7 +11,7 @@ from tractive_sam.scene import Scene
 BODIES = ("A", "B")
 
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
-"""What a column of one's own can have beside the record."""
+"""Dimensions that a user-defined column may have in addition to the record."""
 
 
 def _always(_scene: Scene) -> bool:
@@ -25,36 +25,36 @@ class Quantity:
     Attributes
     ----------
     name : str
-        Its name, in files and in Python.
+        Name in files and in Python.
     unit : str
-        Unit; "1" where it has none.
+        Unit; "1" if it has none.
     long_name : str
-        Description for people.
+        Description for readers.
     of : callable, optional
-        Reads it off a contact: a number; an array of its dimensions; of dimensions ("body", ...) a
-        mapping from "A" and "B". What only the stepping knows has none.
+        Function that reads it from a contact. It returns a number, an array of its dimensions, or
+        for dimensions ("body", ...) a mapping from "A" and "B". None if only the process has it.
     dims : tuple of str
-        Its dimensions beside the record, one of `DIMS`: "y" is that of the mesh, "axis" (x, y),
+        Dimensions in addition to the record, one of `DIMS`: "y" is that of the mesh, "axis" (x, y),
         "body" (A, B), "position" (x, y, depth).
     symbol : str
-        For math text in figures.
+        Symbol as math text, for figures.
     label : str
-        On axes of figures; by default its description.
+        Label of axes in figures; by default the description.
     format : str
-        Of a number in tables.
+        Format of numbers in tables.
     whole : bool
-        Whether it is a whole number, and known of every record.
+        Whether its values are integers and exist in all records.
     per_length : bool
         Whether it is per length in a line contact.
     needs : tuple of str
-        Dotted keys of what a scene has to have for it, see `Scene.has`.
+        Dotted keys of entries that a scene must have for it, see `Scene.has`.
     when : callable
-        What else has to hold of a scene.
+        Further condition on a scene.
     bodies_of : str
-        Of dimensions ("body", ...): the table of the scene that lists its bodies; by default both.
+        For dimensions ("body", ...): the table of the scene that lists its bodies; by default both.
     role : str
-        What it is whatever its name: a column of one's own takes the place of the package's of the
-        same role.
+        Role of the column, independent of its name: a user-defined column replaces the column of
+        the package with its role.
 
     Examples
     --------
@@ -79,7 +79,7 @@ class Quantity:
     role: str = ""
 
     def __post_init__(self) -> None:
-        """Refuse what would be no line of text, or no format of numbers, in an output.
+        """Raise an error for text or formats that would break the lines of an output.
 
         Raises
         ------
@@ -95,17 +95,17 @@ class Quantity:
             raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
 
     def applies(self, scene: Scene) -> bool:
-        """Whether a scene has it."""
+        """Return whether the history of a scene has this quantity."""
         return all(map(scene.has, self.needs)) and self.when(scene)
 
     def bodies(self, scene: Scene) -> tuple[str, ...]:
-        """The bodies in which a scene has it, of dimensions ("body", ...)."""
+        """Return the bodies for which a scene has it, for dimensions ("body", ...)."""
         if not self.applies(scene):
             return ()
         return getattr(scene, self.bodies_of).bodies if self.bodies_of else BODIES
 
     def with_units_of(self, scene: Scene) -> Self:
-        """Return the quantity as a scene has it: per length in a line contact."""
+        """Return the quantity with the units of a scene: per length in a line contact."""
         unit = scene.contact_type.unit(self.unit) if self.per_length else self.unit
         if unit == self.unit:
             return self
@@ -113,24 +113,24 @@ class Quantity:
         return replace(self, unit=unit, long_name=name, per_length=False)
 
 
-def by_name(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
-    """Quantities by their names."""
-    return {one.name: one for one in quantities}
+def index_by_name(quantities: Iterable[Quantity]) -> dict[str, Quantity]:
+    """Return a mapping from the names of quantities to the quantities."""
+    return {quantity.name: quantity for quantity in quantities}
 
 
 COORDINATE = "coordinate"
-"""Role of the column along which a history goes: revolutions, or a distance that grows."""
+"""Role of the column that orders the records: revolutions, or a distance that grows."""
 
 
-def of_role(columns: Iterable[Quantity], role: str) -> Quantity:
-    """The one of a role, whatever its name.
+def find_by_role(columns: Iterable[Quantity], role: str) -> Quantity:
+    """Return the column with a role, whatever its name.
 
     Raises
     ------
     LookupError
-        If there is none.
+        If there is no such column.
     """
-    for one in columns:
-        if one.role == role:
-            return one
-    raise LookupError(f"no column is the {role}")
+    for column in columns:
+        if column.role == role:
+            return column
+    raise LookupError(f"no column has the role {role}")

@@ -1,4 +1,4 @@
-"""What descriptions and balances read of a history: the part of `History` that they need."""
+"""The part of `History` that descriptions and balances read."""
 
 from collections.abc import Mapping, Sequence
 from typing import Protocol, Self
@@ -11,19 +11,19 @@ from tractive_sam.scene import Scene
 
 
 class Recorded(Protocol):
-    """Records of a computation; see `History` for what the members mean."""
+    """Records of a computation; see `History` for the members."""
 
     @property
     def scene(self) -> Scene:
-        """What was computed."""
+        """The computed scene."""
 
     @property
     def status(self) -> str:
-        """How it ended."""
+        """How the computation ended."""
 
     @property
     def message(self) -> str:
-        """What the status means."""
+        """Meaning of the status."""
 
     @property
     def grid(self) -> Grid:
@@ -31,15 +31,15 @@ class Recorded(Protocol):
 
     @property
     def columns(self) -> Mapping[str, Quantity]:
-        """What was recorded."""
+        """Descriptions of the columns."""
 
     @property
     def values(self) -> Mapping[str, np.ndarray]:
-        """One row a record."""
+        """Values of the columns, one row a record."""
 
     @property
     def saved(self) -> np.ndarray:
-        """Places of the records with fields."""
+        """Values of the coordinate of the records with fields."""
 
     @property
     def law_records(self) -> Mapping[str, object]:
@@ -51,11 +51,11 @@ class Recorded(Protocol):
 
     @property
     def started(self) -> str:
-        """Where the worn bodies are from with which it began."""
+        """Source of the worn bodies with which the history began."""
 
     @property
     def coordinate(self) -> Quantity:
-        """The column along which the history goes."""
+        """Column that orders the records."""
 
     @property
     def title(self) -> str:
@@ -93,10 +93,10 @@ class Recorded(Protocol):
         """Number of records."""
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column, one row a record."""
+        """Return a column, one row a record."""
 
     def of_dims(self, *dims: str) -> Mapping[str, Quantity]:
-        """The columns of some dimensions."""
+        """Return the columns with these dimensions."""
 
     def block(self, which: int | str) -> Self:
-        """One block of a duty cycle as a history."""
+        """Return one block of a duty cycle as a history."""

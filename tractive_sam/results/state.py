@@ -1,4 +1,4 @@
-"""A solved contact: fields, resultants, and how well it is solved."""
+"""A solved contact: fields, resultants, and the quality of the solution."""
 
 import math
 from collections.abc import Mapping
@@ -11,20 +11,20 @@ import numpy as np
 from tractive_sam.description import text_table
 from tractive_sam.mechanics import Frame
 from tractive_sam.optional import xarray
-from tractive_sam.results.edges import covered, extent
+from tractive_sam.results.edges import contact_extent, covered_elements
 from tractive_sam.results.figure_table import html_with_figure
-from tractive_sam.results.grid import Grid, widened
+from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
 
 ON_THE_BOUND = 1e-5
 """Distance from the friction bound, over the peak pressure, below which an element slips: well
-above the residual of any solution that is worth keeping."""
+above the residual of any useful solution."""
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
-    """A contact was not solved; `contact` holds what was reached.
+    """Raised for a contact without solution; `contact` is the last iterate.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
         self.contact = contact
 
     def __reduce__(self):
-        """Pickle by the contact, so that it crosses between processes."""
+        """Pickle the error by its contact, so that it can be sent between processes."""
         return NotConverged, (self.contact,)
 
 
@@ -58,7 +58,7 @@ class State:
     Attributes
     ----------
     scene : Scene
-        What was asked.
+        The solved scene.
     grid : Grid
         The mesh.
     pressure : ndarray
@@ -66,67 +66,67 @@ class State:
     traction : ndarray
         (p_x, p_y) on body A, MPa.
     slip : ndarray
-        (s_x, s_y)/V at the centres of the elements, dimensionless; zero outside the contact. The
-        mean slip of the leading and the trailing face of an element, by which it wears and
-        dissipates. An element sticks where its leading face does, so one that sticks ahead of one
-        that slips shows half its slip, and a leading one half of what the surfaces slip ahead of
-        the contact. Where slip turns round from one face to the next, the mean of an element that
-        slides may even go along its traction: the more elements, the less of the power. ``slip =
+        (s_x, s_y)/V at the centres of the elements, dimensionless; zero outside the contact. It is
+        the mean slip of the leading and the trailing face of an element, which determines wear and
+        dissipation. An element sticks if its leading face does. So a sticking element ahead of a
+        slipping one shows half its slip, and a leading one half the slip of the surfaces ahead of
+        the contact. If slip reverses from one face to the next, the mean of a sliding element may
+        point along its traction; its share of the power falls with the element size. ``slip =
         "upwind"`` gives the slip of the leading face.
     gap : ndarray
         Separation of the deformed surfaces, mm.
     wear : ndarray
         Depth worn off both bodies together, mm.
     approach : float
-        Rigid-body approach from the first touch of the unworn bodies, mm. Of a line contact it is
+        Rigid-body approach from the first touch of the unworn bodies, mm. In a line contact it is
         relative to the points of the surface one combined radius R_x away, or two lengths of the
-        mesh where that is more: relative to distant points it is infinite.
+        mesh if that is more: relative to distant points it is infinite.
     xi_x, xi_y, spin : float
         Longitudinal and lateral creepage; spin in 1/mm.
     rolling_resistance : float
         Work of the pressure per distance rolled, the integral of p_n dh/dx over the gap h of the
-        undeformed, worn bodies, N; zero for bodies of equal material. By differences in which
-        `work_supplied` is what friction dissipates on any mesh (`contact.steady`).
+        undeformed, worn bodies, N; zero for bodies of equal material. Its differences make
+        `work_supplied` equal to the dissipation on any mesh (`contact.steady`).
     sliding : ndarray of bool
         Elements in contact whose traction has reached the friction bound.
     status : Status
-        CONVERGED, or why not.
+        CONVERGED, or the reason of the failure.
     note : str
-        What else there is to say of a solution; what to try where it is none. See `message`.
+        Remark on a solution, or what to try without one. See `message`.
     residual : float
         Relative natural residual of all contact conditions.
     cost : Cost
         Applications of operators and preconditioners.
     trace : tuple of str
-        Steps that led to the solution.
+        Steps of the solution method.
     error_bars : mapping of str to float or mapping
-        Of scenes with [accuracy]: how far numbers may be from those on an infinitely fine mesh, by
-        their recorded names and in their units, of "von_mises_max" by body; and "relative", the
-        widest relative one of those that the tolerance bounds.
+        For scenes with [accuracy]: estimated distance of numbers from those on an infinitely fine
+        mesh, by their recorded names and in their units, for "von_mises_max" by body; and
+        "relative", the widest relative error bar that the tolerance bounds.
     revolution : int
         Revolutions rolled.
     volumes : mapping of str to float, optional
-        `worn_volume` as its history tells it; by default it follows from `wear`.
+        `worn_volume` of the history; by default it follows from `wear`.
     jacobian : xarray.DataArray or None
-        Of ``solve(scene, jacobian=True)``: derivatives of Qx, Qy, Mz and approach (rows, "result")
-        by xi_x, xi_y, spin, P, mu1 and mu2 (columns, "parameter"), all else held, the mesh too.
-        Where a force is given, it is a column and its creepage a row; where the approach is given,
-        it is a column and P a row. A line contact has no column of spin, a friction law of one's
-        own none of mu. Of isotropic friction the derivative by mu is the sum of both; of one that
-        falls mu is that at rest, what is left of it at great speed in proportion. Attributes:
-        `units` of every row and column (an entry has those of its row over those of its column),
-        and `operator_applications`. On a given mesh it is exact while no element changes between
-        stick, slip and out of contact, to 1e-6 (`contact.jacobian`). Pickling does not carry it,
-        nor do results files.
+        From ``solve(scene, jacobian=True)``: derivatives of Qx, Qy, Mz and approach (rows,
+        "result") by xi_x, xi_y, spin, P, mu1 and mu2 (columns, "parameter"), with everything else
+        constant, including the mesh. A prescribed force is a column and its creepage a row; a
+        prescribed approach is a column and P a row. A line contact has no column for spin, and a
+        user-defined friction law none for mu. For isotropic friction the derivative by mu is the
+        sum of both; for a law that falls with speed mu is the static coefficient, with the kinetic
+        one in proportion. Attributes: `units` of rows and columns (an entry has the unit of its row
+        over that of its column), and `operator_applications`. On a given mesh it is exact to 1e-6
+        while no element changes between stick, slip and no contact (`contact.jacobian`). Pickles
+        and results files do not contain it.
     heat : FlashTemperature or None
-        Of scenes with [heat]: temperatures of both surfaces, and the heat that goes into them.
+        For scenes with [heat]: temperatures of both surfaces, and the heat flux into them.
     frame : Frame or None
         Scaled tribological frame of the friction law; None without friction.
     traction_bound : ndarray or None
-        Largest ||p_t||_mu that friction allows in every element under its slip, MPa; None where
-        that is the pressure itself, as of Coulomb's law.
+        Largest ||p_t||_mu that friction allows in each element under its slip, MPa; None if it is
+        the pressure itself, as for Coulomb's law.
     laws : Laws or mapping of str to LawRecord
-        Laws it was solved with; of a contact read from a file the laws that replaced those of its
+        Laws of the solution; for a contact read from a file the laws that replaced those of its
         scene (`History.law_records`).
 
     Examples
@@ -176,7 +176,7 @@ class State:
         return html_with_figure(self._summary(), "pressure", self)
 
     def _summary(self) -> dict[str, str]:
-        """Rows of a label and a text."""
+        """Return rows of a label and a text."""
         unit = self.scene.contact_type.unit
         wide = {"a": self.half_width_x, "b": self.half_width_y}
         widths = [f"{name} = {half:.4g} mm" for name, half in wide.items() if math.isfinite(half)]
@@ -194,12 +194,12 @@ class State:
         }
 
     def __getstate__(self) -> dict[str, Any]:
-        """Without the Jacobian: who reads it may not have xarray."""
+        """Pickle without the Jacobian: the reader may not have xarray."""
         return self.__dict__ | {"jacobian": None}
 
     @property
     def message(self) -> str:
-        """What the status means and, where it is not converged, what to try."""
+        """Meaning of the status and, without convergence, what to try."""
         if self.converged:
             return f"contact conditions hold to {self.residual:.1e}{self.note}"
         return self.note
@@ -211,7 +211,7 @@ class State:
 
     @property
     def at_edge(self) -> tuple[bool, bool]:
-        """Whether the contact reaches the edge of the mesh in x, and in y: a line has none."""
+        """Whether the contact reaches the edge of the mesh in x and in y; a line has none in y."""
         rows, columns = self.touching.any(axis=1), self.touching.any(axis=0)
         sides = bool(columns[0] or columns[-1]) and columns.size > 1
         return bool(rows[0] or rows[-1]), sides
@@ -220,27 +220,30 @@ class State:
     def elements_across(self) -> tuple[int, ...]:
         """Elements of the contact in x, and in y; of a line contact in x alone."""
         directions = range(self.grid.directions)
-        found = (self.touching.any(axis=1 - axis).sum() for axis in directions)
-        return tuple(map(int, found))
+        counts = (self.touching.any(axis=1 - axis).sum() for axis in directions)
+        return tuple(map(int, counts))
 
     def on(self, grid: Grid) -> "State":
-        """The same contact on a wider mesh of the same elements, as a first guess there.
+        """Return the contact on a wider mesh with its elements, as an initial guess.
 
         Raises
         ------
         ValueError
-            If the wider mesh does not add the same number of elements on either side.
+            If the wider mesh does not add the same number of elements on both sides.
         """
         same_sides = np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9)
         if not same_sides or grid.centre != self.grid.centre:
             raise ValueError(f"{self.grid} is not the middle of {grid}")
         changes = {
-            name: widened(getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0)
+            name: widen_field(
+                getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0
+            )
             for name in ("pressure", "traction", "slip", "gap", "wear", "sliding")
         }
         if self.traction_bound is not None:
-            changes["traction_bound"] = widened(self.traction_bound, grid.elements)
-        return replace(self, grid=grid, heat=None, **changes)  # how warm it is there nobody asked
+            changes["traction_bound"] = widen_field(self.traction_bound, grid.elements)
+        # The temperatures on the wider mesh are not computed.
+        return replace(self, grid=grid, heat=None, **changes)
 
     @cached_property
     def touching(self) -> np.ndarray:
@@ -261,7 +264,7 @@ class State:
 
     @property
     def bound(self) -> np.ndarray:
-        """Largest `utilisation` that friction allows in every element under its slip, MPa."""
+        """Largest `utilisation` that friction allows in each element under its slip, MPa."""
         return self.pressure if self.traction_bound is None else self.traction_bound
 
     def with_convolutions(self, number: float) -> "State":
@@ -270,15 +273,15 @@ class State:
 
     @property
     def friction_varies(self) -> bool:
-        """Whether the bound of the traction is not the pressure in every element.
+        """Whether the bound of the traction differs from the pressure in some elements.
 
-        Files that were written before the bound was stored have it from their scene.
+        For files written before the bound was stored it follows from the scene.
         """
         friction = self.scene.friction
         return self.traction_bound is not None or (friction is not None and friction.varies)
 
     def with_sliding_by_traction(self) -> "State":
-        """Return the contact with `sliding` where the traction is on its bound."""
+        """Return the contact with `sliding` where the traction reaches its bound."""
         margin = ON_THE_BOUND * self.pressure.max()
         return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 
@@ -313,11 +316,12 @@ class State:
 
     @cached_property
     def p_95(self) -> float:
-        """Pressure that 5 % of the load exceeds, MPa: a peak that hinges on no element.
+        """Pressure that 5 % of the load exceeds, MPa: a peak that depends on no single element.
 
-        In Hertz contacts 0.95^(1/3) = 0.983 of the peak contact pressure, in line contacts 0.999.
-        Where the rim of a worn contact carries a spike as wide as an element, the peak contact
-        pressure rises and falls with every element that comes into contact, this one does not.
+        In Hertz contacts it is 0.95^(1/3) = 0.983 of the peak contact pressure, in line contacts
+        0.999. At the rim of a worn contact the pressure may have a spike as wide as an element;
+        then the peak contact pressure jumps with each element that comes into contact, and this
+        pressure does not.
         """
         pressures = np.sort(self.pressure[self.touching])[::-1]
         if not pressures.size:
@@ -327,7 +331,7 @@ class State:
 
     @cached_property
     def p_max_at(self) -> tuple[float, float]:
-        """Where the pressure is largest, (x, y) in mm; nan without contact."""
+        """Place of the largest pressure, (x, y) in mm; nan without contact."""
         if not self.pressure.any():
             return math.nan, math.nan
         i, j = np.unravel_index(np.argmax(self.pressure), self.pressure.shape)
@@ -337,30 +341,30 @@ class State:
     def half_width_x(self) -> float:
         """Half the extent of the contact in x, mm.
 
-        From edge to edge, which are where the squared pressure extrapolates to zero
-        (`results.edges`), of all rows of elements together.
+        The extent is from edge to edge over all rows of elements. At an edge the squared pressure
+        extrapolates to zero (`results.edges`).
         """
-        return 0.5 * self.grid.dx * extent(self.pressure)
+        return 0.5 * self.grid.dx * contact_extent(self.pressure)
 
     @cached_property
     def half_width_y(self) -> float:
-        """Half the extent of the contact in y, mm, as in x; inf of a line contact."""
+        """Half the extent of the contact in y, mm; inf for a line contact."""
         if self.grid.directions == 1:
             return math.inf
-        return 0.5 * self.grid.dy * extent(self.pressure.T)
+        return 0.5 * self.grid.dy * contact_extent(self.pressure.T)
 
     @cached_property
     def area(self) -> float:
-        """Contact area within these edges, mm²; of a line contact its width, mm."""
-        return self.grid.element_area * covered(self.pressure)
+        """Contact area within its edges, mm²; for a line contact its width, mm."""
+        return self.grid.element_area * covered_elements(self.pressure)
 
     @cached_property
     def stick_fraction(self) -> float:
         """Share of the contact area that sticks.
 
-        What the traction lacks of its bound nears zero where stick ends as the pressure does at the
-        edge of the contact, so both areas end there between the centres of elements. Where the
-        bound of what slides is not the pressure, it may drop there: then elements are counted.
+        Where stick ends, the distance of the traction from its bound falls to zero as the pressure
+        does at the edge of the contact. So both areas end there between the centres of elements.
+        If the bound is not the pressure, the distance may jump there: then elements are counted.
         """
         if not self.sticking.any():
             return 0.0
@@ -370,7 +374,7 @@ class State:
         if not slides.any() or np.abs(lacks[slides]).max() > margin:
             return float(np.count_nonzero(self.sticking) / np.count_nonzero(self.touching))
         reserve = np.where(self.sticking & (lacks > 0.0), lacks, 0.0)
-        return min(1.0, self.grid.element_area * covered(reserve) / self.area)
+        return min(1.0, self.grid.element_area * covered_elements(reserve) / self.area)
 
     @property
     def dissipation(self) -> float:
@@ -379,7 +383,7 @@ class State:
 
     @property
     def work_supplied(self) -> float:
-        """Work per unit distance rolled that drives the bodies, N; what friction dissipates.
+        """Work per unit distance rolled that drives the bodies, N; it equals the dissipation.
 
         -(Q_x xi_x + Q_y xi_y + M_z phi) and, for dissimilar bodies, the rolling resistance. The
         elastic displacements do no work in a cycle: their operators are antisymmetric.
@@ -401,15 +405,15 @@ class State:
 
     @property
     def creepage_found(self) -> tuple[float, float]:
-        """Longitudinal and lateral creepage where a force is prescribed; nan where it is given."""
+        """Longitudinal and lateral creepage for prescribed forces; nan for prescribed creepages."""
         forced_x, forced_y = self.scene.has_prescribed_force
         return self.xi_x if forced_x else math.nan, self.xi_y if forced_y else math.nan
 
     @cached_property
     def worn_volume(self) -> dict[str, float]:
-        """Volume worn off the bodies "A" and "B" since they were new, mm³; nan of a flat one.
+        """Volume worn off the bodies "A" and "B" since they were new, mm³; nan for a flat body.
 
-        Worn cross section times the circumference 2 pi R_x; of a line contact per length, mm².
+        Worn cross section times the circumference 2 pi R_x; for a line contact per length, mm².
         """
         if self.volumes is not None:
             return dict(self.volumes)
@@ -417,7 +421,7 @@ class State:
         return self.volumes_of({body: turns.worn(body, entering, leaving) for body in "AB"})
 
     def volumes_of(self, around: Mapping[str, np.ndarray]) -> dict[str, float]:
-        """Volume of mean depths all around the bodies "A" and "B", shape (n_y,), mm³."""
+        """Return the volume of mean depths around the bodies "A" and "B", shape (n_y,), mm³."""
         volumes = {}
         for body, depth in around.items():
             length = 2.0 * math.pi * abs(getattr(self.scene.body, body).radius_x)
@@ -439,4 +443,4 @@ class State:
 
 
 Contact = State
-"""Its former name."""
+"""Former name of `State`."""

@@ -1,4 +1,4 @@
-"""How a solve ended, and what it cost."""
+"""The status and the cost of a solve."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -22,14 +22,14 @@ class Cost:
     Attributes
     ----------
     applications : float
-        Applications of the displacement, slip or coupled operator; those on coarser meshes count
-        by their share of the elements.
+        Applications of the displacement, slip or coupled operator; those on coarser meshes are
+        weighted by their share of the elements.
     preconditioner : float
         Applications of circulant inverses and, within a step of a transient, of the operators on a
-        shorter period, counted alike; each has as many transforms, of a quarter to half the size.
+        shorter period; each has as many transforms, of a quarter to half the size.
     convolutions : float
-        All padded transforms of the solve, of operators and preconditioners alike, over those of
-        one application of the tangential operator on the mesh (`operators.meter`).
+        All padded transforms of the solve, of operators and preconditioners, over those of one
+        application of the tangential operator on the mesh (`operators.meter`).
     """
 
     applications: float = 0.0
@@ -44,7 +44,7 @@ class Cost:
         )
 
     def scaled(self, share: float) -> "Cost":
-        """The cost in units of a mesh on which this one is ``share`` of the elements."""
+        """Return the cost in units of a mesh that has 1/``share`` times the elements."""
         return Cost(
             share * self.applications, share * self.preconditioner, share * self.convolutions
         )

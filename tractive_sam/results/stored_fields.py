@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.mechanics import VON_MISES
-from tractive_sam.results.quantity import Quantity, by_name
+from tractive_sam.results.quantity import Quantity, index_by_name
 from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
 
@@ -20,16 +20,16 @@ def read_component(field: str, k: int, contact: State) -> np.ndarray:
 
 
 def read_number(name: str, contact: State) -> Any:
-    """1 where it holds, else 0."""
+    """Return 1 where a condition of a contact holds, else 0."""
     return 1.0 * getattr(contact, name)
 
 
 def read_heat(name: str, contact: State, none: Any = math.nan) -> Any:
-    """What the `heat` of a contact says."""
+    """Return an attribute of the `heat` of a contact; `none` without heat."""
     return none if contact.heat is None else getattr(contact.heat, name)
 
 
-FIELDS = by_name(
+FIELDS = index_by_name(
     (
         Quantity("pressure", "MPa", "contact pressure", attrgetter("pressure")),
         Quantity(
@@ -66,7 +66,7 @@ FIELDS = by_name(
         ),
     )
 )
-"""A function of x and y, kept at chosen revolutions; all that rolling goes on from."""
+"""Functions of x and y, stored at chosen revolutions; resuming needs all of them."""
 
 BOUND = Quantity(
     "traction_bound",
@@ -74,18 +74,18 @@ BOUND = Quantity(
     "largest traction that friction allows, in the norm of its law",
     attrgetter("traction_bound"),
 )
-"""Kept beside `FIELDS` where it is not the pressure, as it is under Coulomb's law."""
+"""Stored with `FIELDS` if it differs from the pressure, which it does not for Coulomb's law."""
 
-BEFORE = by_name(
+BEFORE = index_by_name(
     (
         Quantity("before_pressure", "MPa", "pressure a step before"),
         Quantity("before_x", "MPa", "longitudinal traction on body A a step before"),
         Quantity("before_y", "MPa", "lateral traction on body A a step before"),
     )
 )
-"""What a transient goes on from beside `FIELDS`: kept of the last contact only."""
+"""Fields that resuming a transient needs in addition: stored for the last contact only."""
 
-WARM = by_name(
+HEAT_FIELDS = index_by_name(
     (
         Quantity("temperature_A", "degC", "temperature of the surface of body A",
                  partial(read_heat, "temperature_A"), needs=("heat",)),
@@ -95,29 +95,29 @@ WARM = by_name(
                  partial(read_heat, "into_A"), needs=("heat",)),
     )
 )  # fmt: skip
-"""What is kept beside `FIELDS` of scenes with [heat]; rolling goes on without."""
+"""Fields stored for scenes with [heat]; resuming does not need them."""
 
 
 _SHIFTED = (
     ("slip_x", "longitudinal slip of A over B in the step"),
     ("slip_y", "lateral slip of A over B in the step"),
 )
-"""Slip of a shift, which rolls no distance that it could be divided by."""
+"""Slip of a shift, in mm: a shift has no rolling distance to divide by."""
 
 
-def kept_fields(scene: Scene) -> dict[str, Quantity]:
-    """Return the functions of x and y that may be kept of a scene, by name."""
+def storable_fields(scene: Scene) -> dict[str, Quantity]:
+    """Return the functions of x and y that the history of a scene may store, by name."""
     slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in _SHIFTED)
-    shifted = by_name(slipped) if scene.schedule.shifts else {}
-    warm = {name: one for name, one in WARM.items() if one.applies(scene)}
+    shifted = index_by_name(slipped) if scene.schedule.shifts else {}
+    warm = {name: quantity for name, quantity in HEAT_FIELDS.items() if quantity.applies(scene)}
     return FIELDS | shifted | warm | {BOUND.name: BOUND}
 
 
-OUTSIDE = {"gap": math.inf} | dict.fromkeys(WARM, math.nan)
-"""What a field is beside the mesh, where that is not zero: nothing touches there, how wide the
-gap is only the next contact tells, and how warm it is there nobody asked."""
+OUTSIDE = {"gap": math.inf} | dict.fromkeys(HEAT_FIELDS, math.nan)
+"""Value of a field outside the mesh, if it is not zero: there is no contact, and gap and
+temperature are not computed."""
 
-STRESS = by_name(
+STRESS = index_by_name(
     (
         Quantity(VON_MISES.name, VON_MISES.unit, VON_MISES.long_name),
         Quantity("xx", "MPa", "normal stress in x"),
@@ -128,10 +128,10 @@ STRESS = by_name(
         Quantity("yz", "MPa", "shear stress yz"),
     )
 )
-"""A function on a plane below the surface, kept with the fields."""
+"""Functions on a plane below the surface, stored with the fields."""
 
 
-CYCLES = by_name(
+FATIGUE_FIELDS = index_by_name(
     (
         Quantity(
             "utilisation", "1", "equivalent stress of the cycle over its limit", dims=("y", "depth")
@@ -152,4 +152,4 @@ CYCLES = by_name(
         Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
     )
 )
-"""What rolling does to a body, over its section, kept with the fields."""
+"""Functions over the section of a body, from fatigue, stored with the fields."""

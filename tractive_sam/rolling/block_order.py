@@ -1,21 +1,21 @@
 """Effect of the order of blocks on the damage of a duty cycle that is rolled as its mean.
 
-On the mean every revolution of a cycle of n does the damage sum of w_b d_b, w_b = n_b/n. In its
+In the mean every revolution of a cycle of n has the damage sum of w_b d_b, w_b = n_b/n. In its
 order a block b does all of its damage at one time of the cycle, tau_b revolutions after the middle,
-and at the wear of that time, e_b more than on the mean:
+and at the wear of that time, e_b more than in the mean:
 
     sum over a jump of w_b (tau_b d(d_b)/dN + (d_b(zeta - E - e_b; E + e_b) - d_b(zeta - E; E))),
 
 by Taylor in tau_b. The first term adds up to the change of the damage of a pass: it does not grow
-with the number of cycles. The second one is in proportion to the wear of a cycle, and has two
+with the number of cycles. The second term is proportional to the wear of a cycle, and has two
 causes. The material lies e_b less deep. And where more is worn the rows carry less load, J_b e_b of
-their wear in a pass with the response J_b (`rolling.response`): so the stress is another one.
+their wear in a pass with the response J_b (`rolling.response`), which changes the stress.
 
-For the same reason a cycle wears another profile than its mean: its difference eps obeys
+For that reason a cycle also wears another profile than its mean: the difference eps obeys
 
     d(eps)/dN = J eps + c,    J = sum of w_b J_b,    c = sum of w_b J_b e_b,
 
-and short waves of it settle at -J^-1 c within tens of revolutions. It adds to every e_b.
+and its short waves settle at -J^-1 c within tens of revolutions. It adds to every e_b.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,7 +28,7 @@ from tractive_sam.scene import Spectrum
 
 @dataclass(frozen=True, eq=False)
 class BlockOrder:
-    """When the blocks of a cycle are rolled, and how worn one body is then.
+    """Times of the blocks in a cycle, and the wear of one body at these times.
 
     Attributes
     ----------
@@ -37,12 +37,12 @@ class BlockOrder:
     delay : ndarray, shape (blocks,)
         Mean time of each block after the middle of the cycle, revolutions.
     wear : ndarray, shape (blocks, n_y)
-        Mean depth worn off by then, less that of a cycle that wears evenly, mm.
+        Mean depth worn off by then, minus that of a cycle with constant wear, mm.
     loads, changes : ndarray, shape (blocks, n_y), optional
-        Load of each row in each block, and by how much the wear of the order changes it, both as
-        depth that a pass wears, mm. Without them loads do not change.
+        Load of each row in each block, and its change by the wear of the order, both as depth that
+        a pass wears, mm. None: loads do not change.
     offset : ndarray, shape (n_y,)
-        Depth worn off before the last revolution, less that of a cycle that wears evenly, mm.
+        Depth worn off before the last revolution, minus that of a cycle with constant wear, mm.
     """
 
     shares: np.ndarray
@@ -56,7 +56,7 @@ class BlockOrder:
     def from_spectrum(
         cls, spectrum: Spectrum, rates: np.ndarray, revolution: int = 1
     ) -> "BlockOrder":
-        """Follow one cycle.
+        """Return the order of one cycle.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class BlockOrder:
         rates : ndarray, shape (blocks, n_y)
             Wear of a revolution of each block, mm.
         revolution : int
-            The last one.
+            Last revolution.
         """
         shares = np.array(spectrum.revolutions) / spectrum.cycle
         uneven = rates - np.tensordot(shares, rates, axes=1)
@@ -73,7 +73,7 @@ class BlockOrder:
         start, worn, place = 0.0, np.zeros(rates.shape[1]), (revolution - 1) % spectrum.cycle
         offset = worn
         for count, block in zip(spectrum.each, spectrum.places, strict=True):
-            # Mean over the revolutions of the block, each with what is worn before it.
+            # Mean over the revolutions of the block, each with the wear before it.
             part, middle = count / spectrum.revolutions[block], 0.5 * (count - 1)
             delay[block] += part * (start + middle - 0.5 * (spectrum.cycle - 1))
             wear[block] += part * (worn + middle * uneven[block])
@@ -83,19 +83,19 @@ class BlockOrder:
         return cls(shares, delay, wear, offset)
 
     def drift(self, responses: Sequence[np.ndarray], revolution: int) -> np.ndarray:
-        """Return the profile that the order wears, less that of the mean, shape (n_y,), mm.
+        """Return the profile that the order wears, minus that of the mean, shape (n_y,), mm.
 
         Parameters
         ----------
         responses : sequence of ndarray, shape (n_y, n_y)
             Response of the wear of a revolution of each block to the profile, 1/revolution.
         revolution : int
-            Revolutions since both profiles were the same.
+            Revolutions since both profiles were equal.
         """
         blocks = list(zip(self.shares, responses, self.wear, strict=True))
         source = sum(share * response @ wear for share, response, wear in blocks)
         mean = sum(share * response for share, response, _ in blocks)
-        # One step of the implicit Euler formula: t c at first, -J^-1 c at last.
+        # One step of the implicit Euler formula: first t c, finally -J^-1 c.
         return np.linalg.solve(np.eye(source.size) / revolution - mean, source)
 
     def load_factors(
@@ -103,15 +103,16 @@ class BlockOrder:
     ) -> np.ndarray:
         """Return the factor on the stress by the changed loads of rows, shape (blocks, n_y, n).
 
-        At a depth z that of the rows around, by the pressure below a line load on an elastic
-        half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface that of the row. From 0 to 2.
+        At a depth z the loads of the rows around count by the pressure below a line load on an
+        elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface that of the row alone. The factor
+        is between 0 and 2.
 
         Parameters
         ----------
         y, depth : ndarray, shapes (n_y,) and (n,)
             Rows, equally spaced, and depths, mm.
         negligible : float
-            Load over the largest one whose relative change means nothing.
+            Load over the largest one below which its relative change is ignored.
         """
         factors = np.ones((self.shares.size, y.size, depth.size))
         if self.loads is None:
@@ -119,8 +120,8 @@ class BlockOrder:
         for k, z in enumerate(depth):
             spread = _spread(y, z)
             load, change = self.loads @ spread, self.changes @ spread
-            known = load > negligible * self.loads.max(axis=1, keepdims=True)
-            factors[:, :, k] += np.divide(change, load, out=np.zeros_like(load), where=known)
+            loaded = load > negligible * self.loads.max(axis=1, keepdims=True)
+            factors[:, :, k] += np.divide(change, load, out=np.zeros_like(load), where=loaded)
         return np.clip(factors, 0.0, 2.0)
 
     def damage_error(
@@ -133,14 +134,14 @@ class BlockOrder:
     ) -> np.ndarray:
         """Return the error of the damage of one pass a revolution over a jump, shape (n_y, m).
 
-        The absolute value of what all blocks do together, and those of each: that they cancel is
-        not certain, and elements that come into contact or begin to slip change more than loads do.
+        It is the absolute value of the sum of all blocks, plus those of each block: they may not
+        cancel, and elements that come into contact or begin to slip change more than loads do.
 
         Parameters
         ----------
         damage : callable
-            Damage (n_y, m) of a pass in the material, by utilisation (n_y, n) and the worn depth
-            (n_y,), mm.
+            Damage (n_y, m) of a pass in the material, from utilisation (n_y, n) and the worn
+            depth (n_y,), mm.
         used : tuple of ndarray, shape (blocks, n_y, n)
             Utilisation in each block at both ends of the jump.
         worn : tuple of ndarray, shape (n_y,)
@@ -152,20 +153,20 @@ class BlockOrder:
         """
         middle = 0.5 * (worn[0] + worn[1])
         factors = np.ones((self.shares.size, 1, 1)) if factors is None else factors
-        total, apart = np.zeros(1), np.zeros(1)
+        total, separate = np.zeros(1), np.zeros(1)
         for b, share in enumerate(self.shares):
             change = damage(used[1][b], worn[1]) - damage(used[0][b], worn[0])
             mean = 0.5 * (used[0][b] + used[1][b])
             shifted = damage(mean * factors[b], middle + self.wear[b]) - damage(mean, middle)
             error = share * (self.delay[b] * change + length * shifted)
-            total, apart = total + error, apart + abs(error)
-        return abs(total) + apart
+            total, separate = total + error, separate + abs(error)
+        return abs(total) + separate
 
 
 def block_orders(
     spectrum: Spectrum, rates: np.ndarray, responses: Sequence[np.ndarray], revolution: int
 ) -> tuple[BlockOrder, ...]:
-    """Return the order of A and of B, with what it changes of the wear and of the loads of rows.
+    """Return the order for A and for B, with its effects on the wear and on the loads of rows.
 
     Parameters
     ----------
@@ -174,34 +175,35 @@ def block_orders(
     rates : ndarray, shape (blocks, 2, n_y)
         Wear of each body in a revolution of each block, mm.
     responses : sequence of ndarray, shape (n_y, n_y)
-        Response of the wear of both in each block to the profile of both, 1/revolution.
+        Response of the wear of both bodies in each block to their total profile, 1/revolution.
     revolution : int
+        Last revolution, at least 1.
         The last one; at least 1.
     """
     loads = rates.sum(axis=1)
     both = BlockOrder.from_spectrum(spectrum, loads, revolution)
     drift = both.drift(responses, revolution)
-    changes = [one @ (wear + drift) for one, wear in zip(responses, both.wear, strict=True)]
+    changes = [block @ (wear + drift) for block, wear in zip(responses, both.wear, strict=True)]
     mean = np.tensordot(both.shares, loads, axes=1)
     orders = []
     for body in range(rates.shape[1]):
-        one = BlockOrder.from_spectrum(spectrum, rates[:, body], revolution)
-        own = np.tensordot(one.shares, rates[:, body], axes=1)
-        part = drift * np.divide(own, mean, out=np.zeros_like(mean), where=mean > 0.0)
-        wear, offset = one.wear + part, one.offset + part
+        order = BlockOrder.from_spectrum(spectrum, rates[:, body], revolution)
+        of_body = np.tensordot(order.shares, rates[:, body], axes=1)
+        part = drift * np.divide(of_body, mean, out=np.zeros_like(mean), where=mean > 0.0)
+        wear, offset = order.wear + part, order.offset + part
         orders.append(
-            replace(one, wear=wear, offset=offset, loads=loads, changes=np.array(changes))
+            replace(order, wear=wear, offset=offset, loads=loads, changes=np.array(changes))
         )
     return tuple(orders)
 
 
 def _spread(y: np.ndarray, z: float) -> np.ndarray:
-    """Share (n_y, n_y) of the load of each row in the pressure at a depth below each other one."""
+    """Return the share (n_y, n_y) of the load of each row in the pressure below each row."""
     if z == 0.0 or y.size == 1:
         return np.eye(y.size)
 
     def integral(at: np.ndarray) -> np.ndarray:
         return (z * at / (z**2 + at**2) + np.arctan(at / z)) / np.pi
 
-    apart, half = y[:, None] - y, 0.5 * (y[1] - y[0])
-    return integral(apart + half) - integral(apart - half)
+    distance, half = y[:, None] - y, 0.5 * (y[1] - y[0])
+    return integral(distance + half) - integral(distance - half)

@@ -1,9 +1,9 @@
-"""How far the next step goes: error control, wrapped by the stops that it has to meet.
+"""Length of the next step: error control, wrapped by the stops that it has to reach.
 
-A step that was refused and one cut short by a stop are two things. After the first, the next one
-is shorter; the second says little about the next one, which goes as far as the error allowed
-before. What is stepped over may be any coordinate that grows: revolutions, or a distance rolled;
-its stops may be what is saved, the end, or the blocks of a duty cycle.
+A step that was refused differs from one that was cut short by a stop. After a refusal, the next
+step is shorter. A cut says little about the next step, which is as long as the error allowed
+before. The coordinate may be revolutions, or a distance rolled; its stops may be points to save,
+the end, or the blocks of a duty cycle.
 """
 
 from bisect import bisect_right
@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from math import ceil, isfinite
 
 SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
-"""Of error control; with variable steps the two-step formula of `rolling.adaptive` is stable up to
-a growth by 2.4."""
+"""Safety factor and bounds of the change of a step. With variable steps the two-step formula of
+`rolling.adaptive` is stable up to a growth by 2.4."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +22,11 @@ class Trial:
     Attributes
     ----------
     length : float
-        How far it goes.
+        Length of the step.
     wish : float
-        How far error control would go.
+        Length that error control allows without stops.
     refused : bool
-        Whether a longer one was refused; `wish` is then as short as this one.
+        Whether a longer step was refused; `wish` is then the length of this one.
     """
 
     length: float
@@ -43,19 +43,19 @@ class ErrorControl:
     order : int
         Power of the length with which the error of a step grows.
     unit : float
-        Steps are whole multiples of it.
+        Unit of length: steps are integer multiples of it.
     """
 
     order: int
     unit: float = 1
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """The next try, after one was refused for its error, over the tolerated one."""
+        """Return the next trial after one whose error, over the tolerated one, was refused."""
         length = self._whole(min(step.length * self._change(error), step.length - self.unit))
         return Trial(length, length, refused=True)
 
     def next(self, step: Trial, error: float) -> float:
-        """The length of the next step, after one was accepted; no longer if it was refused."""
+        """Return the length of the next step, after one was accepted; no longer after a refusal."""
         change = self._change(error)
         return self._whole(step.length * (min(change, 1.0) if step.refused else change))
 
@@ -69,14 +69,14 @@ class ErrorControl:
 
 @dataclass(frozen=True)
 class Stops:
-    """Error control that meets stops, in shorter steps on the way there.
+    """Error control that ends steps at stops, with shorter steps ahead of them.
 
     Parameters
     ----------
     control : ErrorControl
-        What is wrapped.
+        Error control of the steps.
     stops : tuple of float
-        Where to stop, ascending.
+        Places at which a step must end, ascending.
     approach : float
         Longest step over the distance to the next stop.
     """
@@ -86,22 +86,22 @@ class Stops:
     approach: float = 1.0
 
     def first(self, here: float, wish: float, settled: float) -> Trial:
-        """The first try from a place; steps up to `settled` may go right to a stop."""
+        """Return the first trial from a place; steps up to `settled` may reach a stop directly."""
         distance = self.stops[bisect_right(self.stops, here)] - here
         unit = self.control.unit
         nearer = max(unit, settled, ceil(self.approach * distance / unit) * unit)
         return Trial(min(wish, distance, nearer), wish)
 
     def accepts(self, error: float) -> bool:
-        """Whether a step of this error, over the tolerated one, is accepted."""
+        """Return whether a step with this error, over the tolerated one, is accepted."""
         return error <= 1.0
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """As of `ErrorControl`."""
+        """See `ErrorControl.shorter`."""
         return self.control.shorter(step, error)
 
     def next(self, step: Trial, error: float) -> float:
-        """As of `ErrorControl`; what was cut short for a stop goes on as wished."""
+        """See `ErrorControl.next`; after a step cut short by a stop, its wish counts again."""
         after = self.control.next(step, error)
         return max(after, step.wish) if step.length < step.wish else after
 
@@ -110,13 +110,13 @@ class Stops:
 class FixedSteps:
     """One step to each stop, whatever its error.
 
-    The steps do not depend on the solution, so that results are smooth functions of the entries of
-    a scene: differences give their derivatives.
+    The steps do not depend on the solution, so results are smooth functions of the entries of a
+    scene, and finite differences give their derivatives.
 
     Parameters
     ----------
     stops : tuple of float
-        Where steps end, ascending.
+        Places at which steps end, ascending.
     """
 
     stops: tuple[float, ...]
@@ -127,11 +127,11 @@ class FixedSteps:
         return Trial(distance, distance)
 
     def accepts(self, error: float) -> bool:
-        """Whether the step was solved."""
+        """Return whether the step was solved."""
         return isfinite(error)
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return half of a step that was not solved."""
+        """Return half of a step that could not be solved."""
         length = max(1, int(0.5 * step.length))
         return Trial(length, length, refused=True)
 

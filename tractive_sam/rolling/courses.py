@@ -1,4 +1,4 @@
-"""Courses of a transient: what is prescribed over the distance, between its knots."""
+"""Courses of a transient: prescribed quantities over the distance, linear between knots."""
 
 from collections.abc import Mapping
 from itertools import pairwise
@@ -8,19 +8,19 @@ from typing import Any
 from tractive_sam.scene import Scene
 
 PARTS = 10
-"""Steps of a stretch of shifts, by default."""
+"""Default number of steps of a stretch of shifts."""
 
 CLOSE = 1e-6
-"""Part of a step by which it may be longer rather than leave a rest."""
+"""Part of a step by which a step may be longer, instead of leaving a shorter one."""
 
 
 class Courses:
-    """What a scene prescribes over the distance.
+    """The quantities that a scene prescribes over the distance.
 
     Parameters
     ----------
     scene : Scene
-        With a [transient].
+        Scene with a [transient].
     """
 
     def __init__(self, scene: Scene):
@@ -47,29 +47,29 @@ class Courses:
 
     @property
     def stretches(self) -> int:
-        """Their number."""
+        """Number of stretches between knots."""
         return len(self.knots) - 1
 
-    def jumps_after(self, stretch: int, distance: float) -> bool:
-        """Whether a shift follows at once."""
+    def is_followed_by_shift(self, stretch: int, distance: float) -> bool:
+        """Return whether a shift follows immediately after a distance."""
         at_end = distance == self.knots[stretch + 1]
         return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
 
     def at(self, distance: float, stretch: int) -> dict[str, float | None]:
-        """Everything asked for at a distance, by dotted keys; at a jump, what the stretch says."""
+        """Return the prescribed quantities at a distance of a stretch, by dotted key."""
         first, last = self.knots[stretch], self.knots[stretch + 1]
         share = (distance - first) / (last - first) if last > first else 1.0
-        found = dict(self._constant)
+        values_at = dict(self._constant)
         for key, values in self._courses.items():
-            found[key] = (1.0 - share) * values[stretch] + share * values[stretch + 1]
-        return found
+            values_at[key] = (1.0 - share) * values[stretch] + share * values[stretch + 1]
+        return values_at
 
     def first(self) -> dict[str, float | None]:
-        """The same at the first knot, before any jump there."""
+        """Return the prescribed quantities at the first knot, before any jump there."""
         return self._constant | {key: values[0] for key, values in self._courses.items()}
 
     def shifted(self, stretch: int) -> bool:
-        """Whether it is a jump, and takes a shift."""
+        """Return whether a stretch is a jump that takes a shift."""
         return self.knots[stretch] == self.knots[stretch + 1] and any(
             values[stretch] != values[stretch + 1]
             for key, values in self._courses.items()
@@ -77,30 +77,30 @@ class Courses:
         )
 
     def jump(self, stretch: int) -> tuple[float, ...]:
-        """By how much the shifts jump over a stretch."""
+        """Return the change of the three shifts over a stretch."""
         none = (0.0,) * len(self.knots)
         courses = (self._courses.get(key, none) for key in CREEPAGES)
         return tuple(values[stretch + 1] - values[stretch] for values in courses)
 
-    def weakening(self, asked: Mapping[str, float | None]) -> float:
-        """Return the factor on the coefficients of friction in what is asked for."""
-        return asked["friction.mu"] / self.scene.friction.mu[0]
+    def friction_factor(self, inputs: Mapping[str, float | None]) -> float:
+        """Return the factor on the coefficients of friction in prescribed quantities."""
+        return inputs["friction.mu"] / self.scene.friction.mu[0]
 
-    def scene_at(self, asked: Mapping[str, float | None]) -> Scene:
-        """The steady scene of what is asked for at a moment."""
+    def scene_at(self, inputs: Mapping[str, float | None]) -> Scene:
+        """Return the steady scene with the quantities prescribed at a moment."""
         scene, friction = self.scene, self.scene.friction
-        factor = self.weakening(asked)
+        factor = self.friction_factor(inputs)
         changes: dict[str, Any] = {"transient": None, "wear": None}
         for key in friction.entries().keys() & {"mu", "static", "kinetic"}:
-            changes[f"friction.{key}"] = tuple(factor * one for one in getattr(friction, key))
+            changes[f"friction.{key}"] = tuple(factor * mu for mu in getattr(friction, key))
         for key in ("load.normal", "load.approach"):
             if key in self._courses:
-                changes[key] = asked[key]
+                changes[key] = inputs[key]
         for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
-            forced = asked[f"load.{force}"] is not None
+            forced = inputs[f"load.{force}"] is not None
             key = f"load.{force}" if forced else f"creepage.{creepage}"
-            changes[key] = asked[key]
-        changes["creepage.spin"] = asked["creepage.spin"]
+            changes[key] = inputs[key]
+        changes["creepage.spin"] = inputs["creepage.spin"]
         return scene.replace(**changes)
 
 
@@ -108,7 +108,7 @@ CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
 
 def expected_steps(scene: Scene, dx: float) -> int:
-    """Return the number of records on elements so long, mm; of adaptive steps, about."""
+    """Return the number of records for an element size dx, mm; approximate for adaptive steps."""
     courses, count = Courses(scene), 1
     for stretch, (first, end) in enumerate(pairwise(courses.knots)):
         if first == end:

@@ -1,4 +1,4 @@
-"""How many contacts a roll still takes, from the steps that it took."""
+"""Estimate the remaining contacts of a roll from the steps already rolled."""
 
 from bisect import bisect_right
 from math import ceil, inf, sqrt
@@ -10,39 +10,39 @@ from tractive_sam.rolling.control import LONGEST_GROWTH
 from tractive_sam.scene import Scene
 
 GROWTH = 0.4
-"""Power of the revolutions rolled with which jumps grow once wear shapes the contact."""
+"""Exponent of the growth of jumps with the revolutions rolled, once wear shapes the contact."""
 
 UNHINDERED = 0.5
-"""Jump over the revolutions rolled from which nothing limits it but its own growth, or a stop."""
+"""Jump over the revolutions rolled above which only its own growth or a stop limits it."""
 
 SHAPED = 0.02
-"""Wear depth over the approach of the bodies from which wear shapes the contact: jumps of spheres
-and twin discs cease to double at .0145 to .018 of it (runs of tests/rolling/test_forecast.py)."""
+"""Wear depth over the approach of the bodies above which wear shapes the contact: jumps of spheres
+and twin discs stop doubling at .0145 to .018 (runs of tests/rolling/test_forecast.py)."""
 
 RECENT = 20
-"""Records whose time per contact is that of those to come."""
+"""Number of records whose time per contact is used for the remaining ones."""
 
 LONGEST = 100_000
-"""Steps that are foreseen one by one; of more, the rest goes in steps as long as the last one."""
+"""Steps that are predicted one by one; further steps have the length of the last one."""
 
 
 class Forecast:
-    """What is done of a roll and what is left, told record by record.
+    """The completed and the remaining part of a roll, updated record by record.
 
-    Jumps grow with the revolutions rolled, and shorten before every stop: they are foreseen one by
-    one, by the rule that `rolling.control` goes by.
+    Jumps grow with the revolutions rolled, and shorten before every stop: they are predicted one by
+    one, by the rule of `rolling.control`.
 
     Parameters
     ----------
     scene : Scene
-        What is rolled.
+        Scene that is rolled.
 
     Attributes
     ----------
     done, left : float
-        Contacts solved, and to be solved.
+        Contacts solved, and contacts to solve.
     end : float
-        Where it ends.
+        Coordinate of the end.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -51,33 +51,33 @@ class Forecast:
         self._adaptive = schedule.adaptive
         self._wish, self._spent = 0.0, list[tuple[float, float]]()
         self._here, self._step = 0.0, 1.0
-        # Longest step that may go right to a stop: until one was seen to be cut, the last one that
-        # wear did not hinder, as both go with the time in which waves of the profile decay.
+        # Longest step that may reach a stop directly: until a step was cut, the last one that wear
+        # did not limit, as both depend on the time in which waves of the profile decay.
         self._settled, self._unhindered = 0.0, 1.0
         self.done = self.left = 0.0
 
     def add(
         self, place: float, jump: float, solves: float, seconds: float, worn: float = 0.0
     ) -> None:
-        """Take a record: its place, such as revolutions, and its columns of these names.
+        """Add a record: its place, such as revolutions, and its columns with these names.
 
         `worn` is its wear depth over the approach of the bodies.
         """
         if self._adaptive and self._wish and place > self._here:
-            self._learn(place - self._here, self._distance(self._here), self._wish)
+            self._learn(place - self._here, self._distance_to_stop(self._here), self._wish)
         step = place - self._here
         self._step = step if step > 0.0 else self._step
         before, self._here, self._wish = self._wish, place, jump
         self._spent = [*self._spent[1 - RECENT :], (solves, seconds)]
         self.done += solves
-        left = (self.end - place) / self._step
+        steps = (self.end - place) / self._step
         if self._adaptive:
-            left = self._foreseen(jump, before or jump, worn)
-        self.left = left * float(np.mean([solves for solves, _ in self._spent]))
+            steps = self._count_steps(jump, before or jump, worn)
+        self.left = steps * float(np.mean([solves for solves, _ in self._spent]))
 
     @property
     def seconds_left(self) -> float:
-        """Time that is left, as the last records took theirs; the first one compiles."""
+        """Estimated remaining time, from that of the last records; the first one compiles."""
         if not self._spent:
             return 0.0
         first = 1 if 1 < len(self._spent) < RECENT else 0
@@ -85,7 +85,7 @@ class Forecast:
         return self.left * seconds / solves if solves else 0.0
 
     def _learn(self, step: float, distance: float, wish: float) -> None:
-        """See from a step how short one has to be that may go right to a stop."""
+        """Learn from a step how short steps must be to reach a stop directly."""
         nearer, longest = ceil(SETTLING * distance), min(wish, distance)
         if nearer < step < longest:
             self._settled = step
@@ -94,12 +94,12 @@ class Forecast:
         elif step > nearer and self._settled:
             self._settled = max(self._settled, step)
 
-    def _distance(self, here: float) -> float:
-        """To the next stop."""
+    def _distance_to_stop(self, here: float) -> float:
+        """Return the distance to the next stop."""
         return self._stops[bisect_right(self._stops, here)] - here
 
-    def _foreseen(self, jump: float, before: float, worn: float) -> float:
-        """Steps, by the last two wishes for one: a single one may be lucky."""
+    def _count_steps(self, jump: float, before: float, worn: float) -> float:
+        """Return the number of remaining steps, by the mean of the last two wishes."""
         here, shaped, count = self._here, self._here, 0
         wish = sqrt(jump * before)
         if worn < SHAPED and jump >= UNHINDERED * here:
@@ -107,7 +107,7 @@ class Forecast:
             self._unhindered = jump * shaped / max(here, 1.0)
         settled = self._settled or self._unhindered
         while here < self.end:
-            distance = self._distance(here)
+            distance = self._distance_to_stop(here)
             nearer = ceil(SETTLING * distance)
             step = max(1.0, min(wish, distance, max(settled, nearer)))
             if count == LONGEST:

@@ -1,4 +1,4 @@
-"""Observers: what follows the steps of a process without changing them."""
+"""Observers follow the steps of a process without changing them."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
@@ -7,17 +7,19 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from tractive_sam.contact import Model
+from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import Row
 from tractive_sam.results import BodyFatigue, PlaneStress, Quantity, State
 from tractive_sam.scene import Scene
 
 
+@renamed_attributes(asked_by="applies_to")
 class Observer(ABC):
-    """What an observer knows after a step of a process, with its parameters.
+    """The values of an observer after a step of a process, and its parameters.
 
-    It owns its columns, its stored fields, its description and what it needs to resume. An object
-    never changes: `begin`, `after` and `restore` return another one. The steps of a process do not
-    depend on it, but may be made shorter where it misses too much.
+    It defines its columns, stored fields and description, and the state that it needs to resume.
+    An object never changes: `begin`, `after` and `restore` return another one. The steps of a
+    process do not depend on it, but may become shorter if its error is too large.
 
     Examples
     --------
@@ -45,15 +47,15 @@ class Observer(ABC):
     """
 
     name: ClassVar[str]
-    """Name under which steps have it; its state is stored under names that begin with it."""
+    """Name in `Step.observed`; the names of its stored state begin with it."""
     key: ClassVar[str] = ""
-    """Its table of the scene; empty where a scene names it in [[observer]]."""
+    """Table of the scene that adds it; empty if a scene names it in [[observer]]."""
     unsolved: ClassVar[bool] = False
-    """Whether it also follows steps whose contacts were not solved."""
+    """Whether it also follows steps with contacts that were not solved."""
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """Columns that it records besides those of the package."""
+        """Columns that it records in addition to those of the package."""
         return ()
 
     @property
@@ -62,12 +64,12 @@ class Observer(ABC):
         return ()
 
     @classmethod
-    def asked_by(cls, scene: Scene) -> bool:
-        """Whether the scene has its table."""
+    def applies_to(cls, scene: Scene) -> bool:
+        """Return whether the scene has its table."""
         return bool(cls.key) and scene.has(cls.key)
 
     def describe(self, model: Model) -> Iterable[Row]:
-        """Return the rows that `explain` prints of it; by default the first line of its docstring.
+        """Return the rows that `explain` prints for it; by default the first line of its docstring.
 
         They are printed below its table of the scene, or below "Observers".
         """
@@ -75,49 +77,49 @@ class Observer(ABC):
         return [Row(self.name, summary)]
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory that it takes besides what is stored with records, bytes."""
+        """Return the memory that it takes in addition to its stored records, bytes."""
         return 0.0
 
     @abstractmethod
     def begin(self, step: Any, model: Model) -> Self:
-        """Return what is known after the first step."""
+        """Return the observer after the first step."""
 
     @abstractmethod
     def after(self, step: Any, model: Model) -> Self:
-        """Return what is known after a later step, perhaps on a wider mesh."""
+        """Return the observer after a later step, which may be on a wider mesh."""
 
     @abstractmethod
     def restore(self, step: Any, stored: Any) -> Self:
-        """Return what was known after a stored step.
+        """Return the observer after a stored step.
 
         Parameters
         ----------
         step : Step
-            The step, perhaps on a wider mesh than when it was stored.
+            The step, possibly on a wider mesh than the stored one.
         stored : StoredStep
             Its record; `stored.state_of(self)` has the arrays of `state`.
 
         Raises
         ------
         LookupError
-            If something is missing, with its name.
+            If an array or a column is missing, with its name.
         """
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to resume from, by name; of at least one dimension."""
+        """Arrays to resume from, by name; each has at least one dimension."""
         return {}
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block to record, with what only the observer knows of it."""
+        """Return the contact of a block to record, completed by results of the observer."""
         return contact
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the values of its columns, given what the contact recorded."""
+        """Return the values of its columns, given the values recorded from the contact."""
         return {}
 
     def record_block(self, block: int) -> Mapping[str, Any]:
-        """Return the values of the columns that each block of a duty cycle has."""
+        """Return the values of the columns that exist for each block of a duty cycle."""
         return {}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
@@ -134,9 +136,9 @@ class Observer(ABC):
         return ()
 
     def missed(self, model: Model) -> float:
-        """Return what the last step missed over what the scene tolerates."""
+        """Return the error of the last step over the error that the scene tolerates."""
         return 0.0
 
     def remark(self, model: Model) -> str:
-        """Return what the message of a history has to add; begins with a semicolon."""
+        """Return an addition to the message of a history; it begins with a semicolon."""
         return ""

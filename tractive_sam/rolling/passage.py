@@ -1,7 +1,7 @@
-"""One revolution: the contacts of a cycle and the wear that happens in them.
+"""One revolution: the contacts of a cycle and their wear.
 
-A cycle is the contact of a scene, or those of the blocks of its [[duty]]. What a cycle wears is
-made of one pass for each block; of the worn bodies a pass knows the profile with which material
+A cycle is the contact of a scene, or those of the blocks of its [[duty]]. The wear of a cycle is
+that of one pass for each block. The state of the worn bodies is the profile with which material
 enters.
 """
 
@@ -18,18 +18,18 @@ from tractive_sam.rolling.process import Step, StepRecord
 CORRECTIONS = 20
 
 SHARPER = 1e-3
-"""Residual that a contact may leave, over that which the wear of its pass may leave: no jump or
-correction is told apart from its error by so little."""
+"""Residual of the solver over that allowed for the wear of a pass: so small that it does not affect
+the error of a jump or of a correction."""
 
 
 @dataclass(frozen=True, eq=False)
 class ProfilePoint:
-    """A revolution that later ones extrapolate from.
+    """A revolution from which later ones are extrapolated.
 
     Attributes
     ----------
     revolution : int
-        Its number.
+        Number of the revolution.
     profile : ndarray, shape (n_y,)
         Depth with which material enters, mm.
     rate : ndarray, shape (n_y,)
@@ -46,20 +46,20 @@ class ProfilePoint:
         return self.profile + 0.5 * self.rate
 
     def on(self, elements: int) -> "ProfilePoint":
-        """The same on a mesh of more elements in y."""
+        """Return the point on a mesh of more elements in y."""
         more = (elements - self.profile.size) // 2
         return ProfilePoint(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
 
 
 @dataclass(frozen=True, eq=False)
 class Passage(Step):
-    """State after a revolution; all that the next one needs.
+    """State after a revolution, with all that the next revolution needs.
 
     Attributes
     ----------
     contacts : tuple of State
-        The contact of each block during the last revolution; its `wear` includes what it wore
-        itself. Of a scene without [[duty]] there is one.
+        The contact of each block during the last revolution; its `wear` includes its own pass. A
+        scene without [[duty]] has one.
     revolution : int
         Revolutions rolled so far.
     solves : int
@@ -67,19 +67,18 @@ class Passage(Step):
     jump : int
         Revolutions that adaptive stepping takes next.
     course : tuple of ProfilePoint
-        The last two revolutions of adaptive stepping, this one last; one only where it begins.
+        The last two revolutions of adaptive stepping, this one last; at its beginning only one.
     weights : tuple of float
-        Share of each block in this revolution: that in a cycle, or one for the block that is
-        rolled.
+        Share of each block in this revolution: that in a cycle, or 1 for the rolled block.
     turns : tuple of Turns
-        What lasts of the pass of each block, as the law of wear shares it between the bodies;
-        empty: as the scene says.
+        Lasting part of the pass of each block, as the law of wear shares it between the bodies;
+        empty: according to the scene.
     began : Worn, optional
-        Worn bodies with which the roll began; None of new ones.
+        Worn bodies with which the roll began; None for new ones.
     parts : ndarray, shape (blocks, 2, n_y), optional
-        Depth with which A and B enter, worn by each block, mm; None where the turns tell it.
+        Depth with which A and B enter, worn by each block, mm; None if it follows from the turns.
     responses : sequence of ndarray, shape (n_y, n_y)
-        How the wear of each block answers the profile, 1/revolution; empty where no jump led here.
+        Response of the wear of each block to the profile, 1/revolution; empty without a jump.
     """
 
     revolution: int
@@ -103,13 +102,13 @@ class Passage(Step):
 
     @property
     def rolled(self) -> int | None:
-        """Which block this revolution is of; None where it is the mean of a cycle."""
+        """Block of this revolution; None if it is the mean of a cycle."""
         (blocks,) = np.nonzero(self.weights)
         return int(blocks[0]) if blocks.size == 1 else None
 
     @property
     def contact(self) -> State:
-        """The contact of this revolution: of several one that was not solved, or the first."""
+        """The contact of this revolution; of several, one that was not solved, or the first."""
         failed = [contact for contact in self.contacts if not contact.converged]
         return failed[0] if failed else self.contacts[self.rolled or 0]
 
@@ -125,9 +124,9 @@ class Passage(Step):
         # The adaptive stepping has corrected the profile with which the material enters.
         entering = self.course[-1].profile
         shift = entering - contact.wear[-1]
-        volumes = contact.volumes_of({body: self.around(body) for body in "AB"})
+        volumes = contact.volumes_of({body: self.mean_depth(body) for body in "AB"})
         worn = replace(contact, wear=contact.wear + shift, volumes=volumes)
-        given = {
+        values = {
             "revolution": self.revolution,
             "jump": self.jump,
             "solves": self.solves,
@@ -137,41 +136,41 @@ class Passage(Step):
             "wear_profile": self.leaving,
             "entering_profile": entering,
             "wear_per_revolution": self.course[-1].rate,
-            "wear_profile_A": self.behind("A"),
-            "wear_profile_B": self.behind("B"),
+            "wear_profile_A": self.depth_behind("A"),
+            "wear_profile_B": self.depth_behind("B"),
         }
         if self.parts is not None:
-            given[PARTS.name] = self.parts
-        return StepRecord(contact, given)
+            values[PARTS.name] = self.parts
+        return StepRecord(contact, values)
 
     def on(self, grid: Grid) -> "Passage":
-        """The same on a wider mesh of the same elements."""
+        """Return the passage on a wider mesh of the same elements."""
         before = self.grid
         course = tuple(point.on(grid.elements[1]) for point in self.course)
-        if self.began is not None:  # it is known beside the mesh, too
-            beside = self.began.on(grid).sum(axis=0)
-            beside[np.isin(np.arange(len(grid.y)), _middle(before, grid))] = 0.0
-            course = tuple(replace(one, profile=one.profile + beside) for one in course)
+        if self.began is not None:  # the initial wear is also defined outside the mesh
+            margin = self.began.on(grid).sum(axis=0)
+            margin[np.isin(np.arange(len(grid.y)), _middle_rows(before, grid))] = 0.0
+            course = tuple(replace(point, profile=point.profile + margin) for point in course)
         contacts = tuple(contact.on(grid.shifted(contact.grid.shift)) for contact in self.contacts)
         more = (grid.elements[1] - before.elements[1]) // 2
         turns = tuple(
-            replace(one, share={k: _wider(v, more, "edge") for k, v in one.share.items()})
-            for one in self.turns
+            replace(turn, share={k: _pad_rows(v, more, "edge") for k, v in turn.share.items()})
+            for turn in self.turns
         )
-        parts = _wider(self.parts, more, "constant")
+        parts = _pad_rows(self.parts, more, "constant")
         return replace(self, contacts=contacts, course=course, turns=turns, parts=parts)
 
     @property
     def entering(self) -> np.ndarray:
         """Depth with which material enters the contact, shape (n_y,), mm.
 
-        After a jump it is corrected by what the contact told; `contact` is the one before.
+        After a jump it is corrected by the rate of its contact; `contact` is not.
         """
         return self.course[-1].profile
 
     @property
     def leaving(self) -> np.ndarray:
-        """Depth behind the contact, of a cycle on the mean, shape (n_y,), mm."""
+        """Depth behind the contact, for a cycle the mean, shape (n_y,), mm."""
         if self.rolled is None:
             return self.entering + self.worn
         contact = self.contacts[self.rolled]
@@ -179,130 +178,135 @@ class Passage(Step):
 
     @property
     def worn(self) -> np.ndarray:
-        """Depth that the pass wears off both bodies, of a cycle on the mean, shape (n_y,), mm."""
-        return _mean(self.weights, map(_worn, self.contacts))
+        """Depth that the pass wears off both bodies, for a cycle the mean, shape (n_y,), mm."""
+        return _weighted_mean(self.weights, map(_depth_of_pass, self.contacts))
 
     @property
     def gained(self) -> np.ndarray:
         """Depth by which this revolution deepens the entering profile, shape (n_y,), mm.
 
-        Of what each pass wears the part that is in the way again, as the bodies come round (see
-        `Turns`).
+        It is the part of the wear of each pass that returns to the contact (see `Turns`).
         """
-        gained = (one.gain * _worn(c) for one, c in zip(self.turns, self.contacts, strict=True))
-        return _mean(self.weights, gained)
+        contacts = zip(self.turns, self.contacts, strict=True)
+        gained = (turns.gain * _depth_of_pass(contact) for turns, contact in contacts)
+        return _weighted_mean(self.weights, gained)
 
     @property
-    def gained_by(self) -> np.ndarray:
-        """The same of each body in each block, shape (blocks, 2, n_y), mm."""
+    def gained_by_block(self) -> np.ndarray:
+        """Depth that each block adds to each body in this revolution, (blocks, 2, n_y), mm."""
         each = zip(self.weights, self.turns, self.contacts, strict=True)
         return np.array(
             [
-                [w * one.per_count[body] * one.share[body] * _worn(c) for body in "AB"]
-                for w, one, c in each
+                [w * turns.per_count[body] * turns.share[body] * _depth_of_pass(c) for body in "AB"]
+                for w, turns, c in each
             ]
         )
 
-    def _before(self, body: str | None = None) -> np.ndarray | float:
-        """Depth with which the roll began, of one body or of both, mm."""
+    def _initial_depth(self, body: str | None = None) -> np.ndarray | float:
+        """Return the depth with which the roll began, of one body or of both, mm."""
         if self.began is None:
             return 0.0
         both = self.began.on(self.grid)
         return both.sum(axis=0) if body is None else both["AB".index(body)]
 
     @property
-    def lost(self) -> np.ndarray:
-        """As `parts`, where the turns tell it, too."""
+    def worn_parts(self) -> np.ndarray:
+        """The `parts`; if there are none, they are computed from the turns."""
         if self.parts is not None:
             return self.parts
-        turns, since = self.turns[0], self.entering - self._before()
+        turns, since = self.turns[0], self.entering - self._initial_depth()
         return np.array(
             [[turns.share[body] * turns.per_count[body] / turns.gain * since for body in "AB"]]
         )
 
     def _entering_of(self, body: str) -> np.ndarray:
-        """Depth of one body before the contact, shape (n_y,), mm; where parts are known."""
-        return self._before(body) + self.parts[:, "AB".index(body)].sum(axis=0)
+        """Return the depth of one body before the contact, shape (n_y,), mm; needs parts."""
+        return self._initial_depth(body) + self.parts[:, "AB".index(body)].sum(axis=0)
 
-    def off(self, body: str) -> tuple[np.ndarray, np.ndarray]:
-        """Depth (n_y,) worn off one body before this revolution, and in it, mm; 0 of a flat one."""
+    def worn_depths(self, body: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return the depths (n_y,) worn off one body before and in this revolution, mm."""
         if self.parts is not None:
-            return self._entering_of(body), self.gained_by[:, "AB".index(body)].sum(axis=0)
+            return self._entering_of(body), self.gained_by_block[:, "AB".index(body)].sum(axis=0)
         lasting = self.turns[0].share_of_entering(body)
-        here = lasting * (self.entering - self._before())
-        return self._before(body) + here, lasting * self.course[-1].rate
+        here = lasting * (self.entering - self._initial_depth())
+        return self._initial_depth(body) + here, lasting * self.course[-1].rate
 
-    def behind(self, body: str) -> np.ndarray:
-        """Depth of one body behind the contact, mm; of a flat one what a single pass wears."""
+    def depth_behind(self, body: str) -> np.ndarray:
+        """Return the depth of one body behind the contact, mm; for a flat one that of one pass."""
         if self.parts is None:
-            depths = (depth - self._before() for depth in (self.entering, self.leaving))
-            return self._before(body) + self.turns[0].of_body(body, *depths)
+            depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
+            return self._initial_depth(body) + self.turns[0].of_body(body, *depths)
         each = zip(self.turns, self.contacts, strict=True)
-        return self._entering_of(body) + _mean(
-            self.weights, (one.share[body] * _worn(contact) for one, contact in each)
+        return self._entering_of(body) + _weighted_mean(
+            self.weights, (turns.share[body] * _depth_of_pass(contact) for turns, contact in each)
         )
 
-    def around(self, body: str) -> np.ndarray:
-        """Mean depth worn off one body all around after this revolution, mm (see `Turns.worn`)."""
+    def mean_depth(self, body: str) -> np.ndarray:
+        """Return the mean depth worn off one body around its circumference, mm (`Turns.worn`)."""
         if self.parts is None:
-            depths = (depth - self._before() for depth in (self.entering, self.leaving))
-            return self._before(body) + self.turns[0].worn(body, *depths)
-        return self._entering_of(body) + self.gained_by[:, "AB".index(body)].sum(axis=0)
+            depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
+            return self._initial_depth(body) + self.turns[0].worn(body, *depths)
+        return self._entering_of(body) + self.gained_by_block[:, "AB".index(body)].sum(axis=0)
 
 
-def _worn(contact: State) -> np.ndarray:
-    """Depth that a pass of a contact wears off both bodies, shape (n_y,), mm."""
+def _depth_of_pass(contact: State) -> np.ndarray:
+    """Return the depth that a pass of a contact wears off both bodies, shape (n_y,), mm."""
     return contact.wear[0] - contact.wear[-1]
 
 
-def _mean(weights: Sequence[float], values) -> np.ndarray:
-    """Mean by the weights; of one it is itself."""
+def _weighted_mean(weights: Sequence[float], values) -> np.ndarray:
+    """Return the weighted mean; a single value with weight 1 is returned unchanged."""
     return sum(w * value for w, value in zip(weights, values, strict=True) if w)
 
 
-def _wider(values, more: int, mode: str):
-    """Values over y with more elements on either side; a number is the same everywhere."""
+def _pad_rows(values, more: int, mode: str):
+    """Return values over y with more elements on both sides; numbers stay numbers."""
     if not isinstance(values, np.ndarray):
         return values
     return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(more, more)], mode=mode)
 
 
-def _middle(narrow: Grid, wide: Grid) -> np.ndarray:
-    """Rows of a mesh that are those of a narrower one."""
+def _middle_rows(narrow: Grid, wide: Grid) -> np.ndarray:
+    """Return the rows of a mesh that a narrower one has."""
     more = (wide.elements[1] - narrow.elements[1]) // 2
     return np.arange(more, more + narrow.elements[1])
 
 
-def unworn(model: Model) -> Passage:
-    """Revolution zero: the bodies as they are."""
-    return begun(model, tuple(equilibrium(one, one.worn_before) for one in model.blocks))
+def first_passage(model: Model) -> Passage:
+    """Return revolution zero: the bodies before rolling."""
+    return start_passage(
+        model, tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
+    )
 
 
-def begun(model: Model, contacts: tuple[State, ...]) -> Passage:
-    """Revolution zero, of solved contacts."""
-    return Passage(contacts, 0, len(contacts), **_of_model(model, contacts))
+def start_passage(model: Model, contacts: tuple[State, ...]) -> Passage:
+    """Return revolution zero, from solved contacts."""
+    return Passage(contacts, 0, len(contacts), **_from_model(model, contacts))
 
 
-def adopted(model: Model, last: Passage) -> Passage:
-    """Return a passage that was stored, with what its model knows of it."""
-    known = _of_model(model, last.contacts, last.rolled)
-    return replace(last, **known | {"parts": last.parts if "parts" in known else None})
+def complete_passage(model: Model, last: Passage) -> Passage:
+    """Return a passage that was stored, completed by values of its model."""
+    values = _from_model(model, last.contacts, last.rolled)
+    return replace(last, **values | {"parts": last.parts if "parts" in values else None})
 
 
-def _of_model(model: Model, contacts: tuple[State, ...], rolled: int | None = None) -> dict:
-    """What a passage takes from its model; `rolled` is the only block of the revolution."""
-    turns = tuple(_turns(*one) for one in zip(model.blocks, contacts, strict=True))
-    known = {"turns": turns, "began": model.began, "weights": model.weights}
+def _from_model(model: Model, contacts: tuple[State, ...], rolled: int | None = None) -> dict:
+    """Return the attributes of a passage that follow from its model.
+
+    `rolled` is the only block of the revolution, if there is one.
+    """
+    turns = tuple(_lasting_part(*pair) for pair in zip(model.blocks, contacts, strict=True))
+    values = {"turns": turns, "began": model.began, "weights": model.weights}
     if rolled is not None:
-        known["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
-    apart = any(isinstance(share, np.ndarray) for one in turns for share in one.share.values())
-    if apart or len(contacts) > 1:
-        known["parts"] = np.zeros((len(contacts), 2, contacts[0].grid.elements[1]))
-    return known
+        values["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
+    shares = [share for turn in turns for share in turn.share.values()]
+    if len(contacts) > 1 or any(isinstance(share, np.ndarray) for share in shares):
+        values["parts"] = np.zeros((len(contacts), 2, contacts[0].grid.elements[1]))
+    return values
 
 
-def _turns(model: Model, contact: State) -> Turns:
-    """What of a pass lasts, as the law of wear shares its depth between the bodies."""
+def _lasting_part(model: Model, contact: State) -> Turns:
+    """Return the lasting part of a pass, as the law of wear shares its depth between the bodies."""
     law, turns = model.wear_law, contact.scene.turns
     if law is None:
         return turns
@@ -312,31 +316,31 @@ def _turns(model: Model, contact: State) -> Turns:
     return turns if shares is None else replace(turns, share=dict(zip("AB", shares, strict=True)))
 
 
-def credited(last: Passage, now: Passage) -> Passage:
-    """The next passage, with what each body lost in each block since the one before.
+def attribute_wear(last: Passage, now: Passage) -> Passage:
+    """Return the next passage with the wear of each body by each block since the last one.
 
-    The profile tells how much that is together; it is shared as the rates are, over a jump as they
-    are on the mean of its ends.
+    The profile determines the total. It is shared in proportion to the rates; over a jump to the
+    mean of the rates at its ends.
     """
     if last.parts is None:
         return now
-    by = last.gained_by
+    by = last.gained_by_block
     if now.revolution > last.revolution + 1:
-        by = by + now.gained_by
-    whole, together = by.sum(), by.sum(axis=(0, 1))
-    share = by.sum(axis=2, keepdims=True) / whole if whole else np.zeros((*by.shape[:2], 1))
-    share = np.where(together > 0.0, by / np.where(together > 0.0, together, 1.0), share)
+        by = by + now.gained_by_block
+    total, rows = by.sum(), by.sum(axis=(0, 1))
+    share = by.sum(axis=2, keepdims=True) / total if total else np.zeros((*by.shape[:2], 1))
+    share = np.where(rows > 0.0, by / np.where(rows > 0.0, rows, 1.0), share)
     return replace(now, parts=last.parts + share * (now.entering - last.entering))
 
 
 def next_passage(model: Model, last: Passage) -> Passage:
-    """Roll one more revolution (paper, section 7); with [[duty]] that of the block in turn."""
+    """Roll one more revolution (paper, section 7); with [[duty]] that of the next block."""
     k = last.rolled or 0
     entering = last.turns[k].next(last.entering, last.leaving)
     tolerance, revolution = model.scene.solver.tolerance, last.revolution + 1
     rolled = model.block_at(revolution)
     now = passage_at(model, revolution, entering, last.contacts, tolerance, rolled=rolled)
-    return credited(last, now)
+    return attribute_wear(last, now)
 
 
 def passage_at(
@@ -348,7 +352,7 @@ def passage_at(
     grown: np.ndarray | float = 1.0,
     rolled: int | None = None,
 ) -> Passage:
-    """Roll through the contacts of a cycle with a given profile.
+    """Roll through the contacts of a cycle with a prescribed profile.
 
     Parameters
     ----------
@@ -359,27 +363,29 @@ def passage_at(
     entering : ndarray, shape (n_y,)
         Depth with which material enters, mm.
     start : State, or a sequence of one for each block
-        Contacts nearby, as first guess.
+        Contacts nearby, as initial guess.
     tolerance : float
-        Residual that the wear within the pass may leave in the contact conditions.
+        Residual of the contact conditions that the wear within the pass may leave.
     grown : ndarray, shape (n_y,), or float
         Depth that the pass is expected to add, over that of `start`.
     rolled : int, optional
-        The only block to roll through; the contacts of the others stay as they are, at no cost.
+        The only block to roll through; the contacts of the others are returned at no cost.
     """
     contacts = [start] if isinstance(start, State) else list(start)
     solves = 0
     for k, block in enumerate(model.blocks):
         if rolled in (None, k):
-            contacts[k], taken = _pass(block, revolution, entering, contacts[k], tolerance, grown)
+            contacts[k], taken = _solve_pass(
+                block, revolution, entering, contacts[k], tolerance, grown
+            )
             solves += taken
         else:
             contacts[k] = replace(contacts[k], cost=Cost())
-    of_model = _of_model(model, tuple(contacts), rolled)
+    of_model = _from_model(model, tuple(contacts), rolled)
     return Passage(tuple(contacts), revolution, solves, **of_model)
 
 
-def _pass(
+def _solve_pass(
     model: Model,
     revolution: int,
     entering: np.ndarray,
@@ -387,7 +393,7 @@ def _pass(
     tolerance: float,
     grown: np.ndarray | float,
 ) -> tuple[State, int]:
-    """What a pass wears, and the contacts solved for it; arguments as of `passage_at`.
+    """Return the contact after a pass, and the contacts solved for it; see `passage_at`.
 
     The wear of a pass is part of the gap of that pass, and depends on its pressure, traction and
     slip. With ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V).
@@ -430,7 +436,7 @@ def _pass(
 
 
 def _given_key(model: Model) -> str:
-    """Key by which the scene gives how much wears."""
+    """Return the key by which the scene sets the amount of wear."""
     wear = model.scene.wear
     if not wear.together or wear.named_law:
         return "law"
@@ -438,13 +444,13 @@ def _given_key(model: Model) -> str:
 
 
 def _with_lag(contact: State, missed: float) -> State:
-    """The contact with the residual that its own wear leaves, where that is the larger one."""
+    """Return the contact with the residual due to its own wear, if that is larger."""
     larger = contact.converged and missed > contact.residual
     return replace(contact, residual=missed) if larger else contact
 
 
 def _residual(model: Model, contact: State, change: np.ndarray) -> float:
-    """Natural residual of the normal contact that a change of the wear leaves, relative."""
+    """Return the relative natural residual of the normal contact due to a change of the wear."""
     if not contact.touching.any():
         return 0.0
     gap = np.where(contact.touching, change, 0.0) / model.units.gap

@@ -1,8 +1,8 @@
 """Processes: how the contacts of a scene follow each other, record by record.
 
 A process makes steps: the first one, and from every step the next ones, up to the end of the
-schedule or to a contact that is not solved. A step knows its contacts, what its record tells of
-them, and all that the next step needs, also after it was stored.
+schedule or to a contact that is not solved. A step has its contacts, the values of its record, and
+all that the next step needs; it can be stored and restored.
 """
 
 from abc import ABC, abstractmethod
@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.contact import Gap, Model, across, grown
+from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import Row
 from tractive_sam.results import (
     COORDINATE,
@@ -27,25 +28,25 @@ from tractive_sam.results import (
     Record,
     State,
     Status,
-    fields,
+    restart_fields,
 )
 from tractive_sam.rolling.observer import Observer
 from tractive_sam.scene import Scene
 
 GROWTHS = 16
-"""Most enlargements of a mesh: to 35 times its width."""
+"""Largest number of enlargements of a mesh: to 35 times its width."""
 
 
 class StepRecord(NamedTuple):
-    """What a step gives to its record.
+    """The part of a record that its step provides.
 
     Attributes
     ----------
     contact : State
         The contact to record.
     values : dict
-        Columns that only the process knows, by name; and those of the package that the contact
-        alone does not know.
+        Columns that only the process computes, by name; and columns of the package that the contact
+        alone does not determine.
     may_store : bool
         Whether fields may be stored.
 
@@ -62,23 +63,23 @@ class StepRecord(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Step(ABC):
-    """One record of a process, and all that the next one needs.
+    """One record of a process, with all that the next one needs.
 
     Attributes
     ----------
     contacts : tuple of State
-        Those of the different blocks of [[duty]]; one without.
+        Contacts of the different blocks of [[duty]]; one without blocks.
     observed : mapping of str to Observer
-        Observers after it, by their names.
+        Observers after the step, by their names.
     continues : bool
-        Whether the process continues from it.
+        Whether the process may continue from it.
 
     Examples
     --------
     >>> class Stroke(ts.Step):
     ...     place = 1
     ...     def on(self, grid):
-    ...         return Stroke(tuple(one.on(grid) for one in self.contacts))
+    ...         return Stroke(tuple(contact.on(grid) for contact in self.contacts))
     ...     def record(self, block=None):
     ...         return ts.StepRecord(self.contact, {"stroke": self.place})
     >>> Stroke((contact,)).converged
@@ -96,11 +97,11 @@ class Step(ABC):
 
     @abstractmethod
     def on(self, grid: Grid) -> Self:
-        """Return the same on a wider mesh of the same elements."""
+        """Return the step on a wider mesh of the same elements."""
 
     @abstractmethod
     def record(self, block: int | None = None) -> StepRecord:
-        """Return what is recorded of the step, or of one of its blocks."""
+        """Return the part of the record that the step, or one of its blocks, provides."""
 
     @property
     def weights(self) -> tuple[float, ...]:
@@ -109,7 +110,7 @@ class Step(ABC):
 
     @property
     def contact(self) -> State:
-        """The contact that decides how it ended."""
+        """The contact that determines how the step ended."""
         return self.contacts[0]
 
     @property
@@ -129,20 +130,20 @@ class Step(ABC):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to continue from besides the fields of the contacts, by name."""
+        """Arrays to continue from in addition to the fields of the contacts, by name."""
         return {}
 
 
 @dataclass(frozen=True, eq=False)
 class StoredStep:
-    """The record of a history from which a process is to continue.
+    """The record of a history from which a process continues.
 
     Attributes
     ----------
     history : History
         All records.
     row : int
-        Which of them.
+        Row of the record.
     state : mapping of str to ndarray
         Fields of its contacts, `Step.own_state` and the state of the observers.
     """
@@ -152,42 +153,42 @@ class StoredStep:
     state: Mapping[str, np.ndarray] = field(repr=False)
 
     @property
-    def earlier(self) -> int:
-        """Row of the record before it from which the process could continue; its own if none."""
+    def earlier_row(self) -> int:
+        """Row of the last record before from which the process could continue; else its own row."""
         return max((k for k in continuing_rows(self.history) if k < self.row), default=self.row)
 
     def contact(self, scene: Scene) -> State:
-        """Return the contact, of a scene that may ask for more records than the history has."""
-        found = self.history.contact(self.row, dict(self.state))
-        return replace(found, scene=scene, cost=Cost())
+        """Return the contact, in a scene that may store more records than the history has."""
+        contact = self.history.contact(self.row, dict(self.state))
+        return replace(contact, scene=scene, cost=Cost())
 
     def state_of(self, observer: Observer) -> Mapping[str, np.ndarray]:
-        """Return the `state` of an observer as it was stored, by the names that it gave.
+        """Return the stored `state` of an observer, by the names that the observer uses.
 
         Raises
         ------
         LookupError
-            By the mapping, if there is none of a name.
+            When a name is looked up that was not stored.
         """
         start = f"{observer.name}_"
-        found = {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
-        return _StateOf(found, start, self.state)
+        arrays = {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
+        return _ObserverState(arrays, start, self.state)
 
     def require(self, names: Iterable[str], before: int = 0) -> None:
         """Raise a LookupError if a column is not finite in this record or some before it."""
         rows = slice(max(self.row - before, 0), self.row + 1)
-        lost = [name for name in names if not np.isfinite(self.history[name][rows]).all()]
-        if lost:
-            raise LookupError(", ".join(lost))
+        missing = [name for name in names if not np.isfinite(self.history[name][rows]).all()]
+        if missing:
+            raise LookupError(", ".join(missing))
 
 
-class _StateOf(dict[str, np.ndarray]):
-    """Arrays of an observer by the names that it gave; in older files these are the whole names."""
+class _ObserverState(dict[str, np.ndarray]):
+    """Stored arrays of an observer by the names that it uses; older files have no prefix."""
 
     def __init__(
-        self, found: Mapping[str, np.ndarray], start: str, state: Mapping[str, np.ndarray]
+        self, arrays: Mapping[str, np.ndarray], start: str, state: Mapping[str, np.ndarray]
     ) -> None:
-        super().__init__(found)
+        super().__init__(arrays)
         self._start, self._state = start, state
 
     def __missing__(self, name: str) -> np.ndarray:
@@ -204,11 +205,11 @@ def continuing_rows(history: History) -> np.ndarray:
     return np.flatnonzero(continues)
 
 
-class ErrorEstimator(Protocol):
-    """Gives steps their error bars, by the same steps on coarser meshes."""
+class ErrorBarSource(Protocol):
+    """Estimates the error bars of steps from the same steps on coarser meshes."""
 
     missed: str
-    """Which of them was last too wide, and what to do; or empty."""
+    """Which error bar was last too wide, and what to do; or empty."""
 
     def __call__(self, step: Any, block: int = 0) -> Mapping[str, Any]:
         """Return the error bars of `State` for the contact of a block."""
@@ -216,19 +217,19 @@ class ErrorEstimator(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Recorder:
-    """What goes into every record besides what its step knows.
+    """Additions to every record besides the values of its step.
 
     Attributes
     ----------
     estimator : ErrorEstimator, optional
-        Gives the error bars; by default they are those of the contact.
+        Estimates the error bars; by default they are those of the contact.
     columns : tuple of Quantity
-        Columns besides those of the package.
+        Columns in addition to those of the package.
     measured : Gap, optional
         The measured separation of the scene.
     """
 
-    estimator: ErrorEstimator | None = None
+    estimator: ErrorBarSource | None = None
     columns: tuple[Quantity, ...] = ()
     measured: Gap | None = None
 
@@ -236,6 +237,7 @@ class Recorder:
 AnyStep = TypeVar("AnyStep", bound=Step)
 
 
+@renamed_attributes(followed_by="with_observers")
 class Process(ABC, Generic[AnyStep]):
     """The contacts of a scene on a mesh, one after the other.
 
@@ -249,42 +251,42 @@ class Process(ABC, Generic[AnyStep]):
     >>> class Drive(ts.Process):
     ...     "Strokes forth and back."
     ...     columns = (ts.Quantity("stroke", "1", "strokes", role="coordinate"),)
-    >>> sorted(Drive.__abstractmethods__)  # what is left to write
+    >>> sorted(Drive.__abstractmethods__)  # the methods to write
     ['advance', 'begin', 'expected_records', 'restore']
     """
 
     columns: ClassVar[tuple[Quantity, ...]] = ()
-    """Columns that it records besides those of the package; one of the role "coordinate" takes the
-    place of the revolutions."""
+    """Columns that it records in addition to those of the package; a column of the role
+    "coordinate" replaces the revolutions."""
     observers: ClassVar[tuple[type[Observer], ...]] = ()
-    """Observers of the package that may follow it, where the scene has their table."""
+    """Observers of the package that follow it if the scene has their table."""
 
     def __init__(self, model: Model):
         self.model = model
-        self.further: tuple[Observer, ...] = ()
+        self.further_observers: tuple[Observer, ...] = ()
 
     @cached_property
     def following(self) -> tuple[Observer, ...]:
-        """All observers that follow it, as they are before the first step."""
-        kinds = (kind for kind in self.observers if kind.asked_by(self.model.scene))
-        return (*(kind() for kind in kinds), *self.further)
+        """All observers of the process, before the first step."""
+        kinds = (kind for kind in self.observers if kind.applies_to(self.model.scene))
+        return (*(kind() for kind in kinds), *self.further_observers)
 
-    def followed_by(self, further: Iterable[Observer]) -> Self:
-        """Return the same with other further observers."""
+    def with_observers(self, further: Iterable[Observer]) -> Self:
+        """Return the process with further observers."""
         return self._with(self.model, tuple(further))
 
     def _with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
-        found = type(self)(model, **self.parameters)
-        found.further = self.further if further is None else further
-        return found
+        process = type(self)(model, **self.parameters)
+        process.further_observers = self.further_observers if further is None else further
+        return process
 
     @property
     def coordinate(self) -> Quantity | None:
-        """Its own coordinate; None where it is that of the scene."""
-        return next((one for one in self.columns if one.role == COORDINATE), None)
+        """Coordinate of the process; None if the scene determines it."""
+        return next((column for column in self.columns if column.role == COORDINATE), None)
 
     def describe(self) -> Iterable[Row]:
-        """Return the rows that `explain` prints of it besides those of its table."""
+        """Return the rows that `explain` prints for it, in addition to those of its table."""
         summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
         return [Row("process", summary)]
 
@@ -299,26 +301,26 @@ class Process(ABC, Generic[AnyStep]):
     @classmethod
     @abstractmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> AnyStep:
-        """Return the step of a stored record; `adopt` adds what only the model knows.
+        """Return the step of a stored record; `adopt` completes it with its model.
 
         Raises
         ------
         LookupError
-            If something is missing, with its name.
+            If an array or a column is missing, with its name.
         """
 
     @classmethod
     @abstractmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records on elements so long, mm; of adaptive steps, about."""
+        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
 
     def on(self, grid: Grid) -> Self:
-        """Return the same on another mesh."""
+        """Return the process on another mesh."""
         return self._with(self.model.on(grid))
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Arguments of the class besides the model."""
+        """Arguments of the class in addition to the model."""
         return {}
 
     def begin_fitted(self) -> tuple[Self, AnyStep]:
@@ -326,33 +328,33 @@ class Process(ABC, Generic[AnyStep]):
         return self, self.begin()
 
     def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
-        """Return a restored step with what the model and the observers know of it."""
-        return replace(
-            step, observed={one.name: one.restore(step, stored) for one in self.following}
-        )
+        """Return a restored step completed by the model and the observers."""
+        observers = {observer.name: observer.restore(step, stored) for observer in self.following}
+        return replace(step, observed=observers)
 
     def observe(self, step: AnyStep, before: AnyStep | None = None) -> AnyStep:
-        """Return a step with its observers; most are as before if it was not solved."""
+        """Return a step with its observers; most do not change if it was not solved."""
         observed = {} if before is None else dict(before.observed)
-        for one in self.following:
-            if step.converged or one.unsolved:
-                follow = observed[one.name].after if one.name in observed else one.begin
-                observed[one.name] = follow(step, self.model)
+        for observer in self.following:
+            if step.converged or observer.unsolved:
+                last = observed.get(observer.name)
+                follow = observer.begin if last is None else last.after
+                observed[observer.name] = follow(step, self.model)
         return replace(step, observed=observed)
 
     def steps(self, last: AnyStep | None = None) -> Iterator[AnyStep]:
         """Yield the steps after one; by default all of them.
 
-        A mesh that the scene leaves open grows with the contact; the steps from there on are on
-        the wider mesh.
+        Unless the scene fixes the mesh, it grows with the contact; the following steps are on the
+        wider mesh.
         """
         process, growths = self, 0
         if last is None:
             last = self.observe(self.begin())
             yield last
         while True:
-            for found in process.advance(last):
-                step = found if found.observed else process.observe(found, last)
+            for advanced in process.advance(last):
+                step = advanced if advanced.observed else process.observe(advanced, last)
                 if step.off_grid and not self.model.scene.has_fixed_domain and growths < GROWTHS:
                     growths += 1
                     wider = grown(process.model.grid, step.contact.at_edge)
@@ -367,27 +369,27 @@ class Process(ABC, Generic[AnyStep]):
     def state(self, step: AnyStep) -> dict[str, np.ndarray]:
         """Return all arrays to continue from after a step, by name.
 
-        Fields of its contact, what it and what its observers need besides.
+        The fields of its contact, and the states of the step and of its observers.
         """
-        return fields(step.contact) | self._state_besides_fields(step)
+        return restart_fields(step.contact) | self._state_besides_fields(step)
 
     @staticmethod
     def _state_besides_fields(step: AnyStep) -> dict[str, np.ndarray]:
-        found = dict(step.own_state)
-        for seen in step.observed.values():
-            found |= {f"{seen.name}_{name}": values for name, values in seen.state.items()}
-        return found
+        state = dict(step.own_state)
+        for observer in step.observed.values():
+            state |= {f"{observer.name}_{name}": array for name, array in observer.state.items()}
+        return state
 
     def record(self, step: AnyStep, recorder: Recorder) -> Record:
         """Return the record of a step.
 
-        Fields, and the stress on the planes of the scene, are part of it where the scene saves
-        them, and of a contact that was not solved; columns of observers are part of every record.
+        It contains fields, and the stress on the planes of the scene, if the scene saves them or
+        the contact was not solved. Columns of observers are in every record.
         """
         record = self._record_contact(step, step.record(), recorder)
         observed = {}
-        for one in self._recording(step):
-            values = one.record(self.model, record.values)
+        for observer in self._recording(step):
+            values = observer.record(self.model, record.values)
             observed |= {name: values[name] for name in values if name in record.columns}
         stored = self._cycles(step) if record.fields else ()
         return replace(record, values={**record.values, **observed}, cycles=stored)
@@ -395,17 +397,17 @@ class Process(ABC, Generic[AnyStep]):
     @staticmethod
     def _recording(step: AnyStep) -> list[Observer]:
         """Return the observers that followed a step to its end."""
-        return [one for one in step.observed.values() if step.converged or one.unsolved]
+        return [seen for seen in step.observed.values() if step.converged or seen.unsolved]
 
     @staticmethod
     def _cycles(step: AnyStep) -> tuple[BodyFatigue, ...]:
-        return tuple(one for seen in step.observed.values() for one in seen.cycles)
+        return tuple(cycle for observer in step.observed.values() for cycle in observer.cycles)
 
     def _record_contact(
-        self, step: AnyStep, given: StepRecord, recorder: Recorder, block: int = 0
+        self, step: AnyStep, provided: StepRecord, recorder: Recorder, block: int = 0
     ) -> Record:
-        """Return the record of one contact, that of a block in a duty cycle."""
-        contact, values, may_store = given
+        """Return the record of one contact, for a duty cycle that of a block."""
+        contact, values, may_store = provided
         store = (may_store and step.place in contact.scene.schedule) or not step.converged
         if recorder.estimator is not None:
             contact = replace(contact, error_bars=recorder.estimator(step, block))
@@ -421,11 +423,11 @@ class Process(ABC, Generic[AnyStep]):
             values |= seen.record_block(block)
             columns += seen.columns
             if store:
-                found = seen.record_fields(block)
-                of_fields |= {one: found[one.name] for one in seen.fields}
+                arrays = seen.record_fields(block)
+                of_fields |= {quantity: arrays[quantity.name] for quantity in seen.fields}
                 stress += seen.record_stress(block)
-        own = {"own": columns, "own_fields": of_fields}
-        return Record.of(contact, values, **own, with_fields=store, stress=stress)
+        user_defined = {"own": columns, "own_fields": of_fields}
+        return Record.of(contact, values, **user_defined, with_fields=store, stress=stress)
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
         """Return status and message of a history that ends with a step.
@@ -433,12 +435,12 @@ class Process(ABC, Generic[AnyStep]):
         Parameters
         ----------
         step : Step
-            The last one.
+            The last step.
         half_widths : ndarray, shape (2,)
             The largest half widths of the contact in all records, mm.
         """
         contact = step.contact
-        remarks = "".join(one.remark(self.model) for one in step.observed.values())
+        remarks = "".join(observer.remark(self.model) for observer in step.observed.values())
         message = f"{self._describe_place(step)}{contact.message}{remarks}"
         return "done" if contact.converged else str(contact.status), message
 

@@ -1,4 +1,4 @@
-"""Which process a scene takes."""
+"""Choose the process of a scene, and its observers."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any
@@ -15,7 +15,7 @@ from tractive_sam.schema import Fault, SceneError, build_law, load_law_class
 
 
 def process_type(scene: Scene) -> type[Process[Any]]:
-    """Return the process that a scene names, or that its schedule and its blocks ask for.
+    """Return the process that a scene names, or that follows from its schedule and its blocks.
 
     Raises
     ------
@@ -43,16 +43,17 @@ def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
         process = build_law("process.name", scene.process.name, Process, {"model": model})
     else:
         process = process_type(scene)(model)
-    if Damage.asked_by(scene) and all(kind.key != Damage.key for kind in process.observers):
+    if Damage.applies_to(scene) and all(kind.key != Damage.key for kind in process.observers):
         cure = f"nothing: {type(process).__name__} has no Damage among its observers"
         raise SceneError([Fault(Damage.key, "with this process", cure)])
-    stress = (LargestStress(),) if LargestStress.asked_by(scene) else ()
+    stress = (LargestStress(),) if LargestStress.applies_to(scene) else ()
     named = (
-        build_law(f"observer[{k}].name", one.name, Observer) for k, one in enumerate(scene.observer)
+        build_law(f"observer[{k}].name", table.name, Observer)
+        for k, table in enumerate(scene.observer)
     )
-    return process.followed_by((*stress, *named, *further))
+    return process.with_observers((*stress, *named, *further))
 
 
 def steps(model: Model, start: Step | None = None) -> Iterator[Any]:
-    """Yield the steps of a model after one; by default all of them."""
+    """Yield the steps of a model after a given one; by default all of them."""
     return process_of(model).steps(start)

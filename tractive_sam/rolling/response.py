@@ -1,4 +1,4 @@
-"""How the wear of a revolution answers the profile worn so far, linearised."""
+"""Linear response of the wear of a revolution to the profile worn so far."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from tractive_sam.rolling.passage import Passage
 
 
 def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
-    """How what a cycle wears for good answers its profile: `wear_response` summed over its blocks.
+    """Return the response of the lasting wear of a cycle to its profile: a sum over its blocks.
 
     Parameters
     ----------
@@ -18,14 +18,14 @@ def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.n
     passage : Passage
         The contacts at the profile.
     closing : float
-        As of `wear_response`.
+        See `wear_response`.
     """
     each = zip(passage.weights, block_responses(model, passage, closing), strict=True)
     return sum(weight * response for weight, response in each)
 
 
 def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
-    """Return the response of what a revolution of each block wears for good; see `cycle_response`.
+    """Return the response of the lasting wear of a revolution of each block.
 
     Returns
     -------
@@ -40,13 +40,13 @@ def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> lis
 
 
 def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
-    """Approximate Jacobian of the wear of a pass with respect to the entering profile.
+    """Return the approximate Jacobian of the wear of a pass with respect to the entering profile.
 
-    Material worn deeper carries less pressure, by the compliance between rows at constant load,
-    and wears less: waves of the profile decay at a rate proportional to their wave number, up to
-    i |s| a E* q per revolution. That makes rolling stiff. Slip, contact area and the traction over
-    the pressure are taken as they are; the method that uses this is of second order for any
-    approximation.
+    Material that is worn deeper carries less pressure, by the compliance between rows at constant
+    load, and wears less: waves of the profile decay at a rate proportional to their wave number, up
+    to i |s| a E* q per revolution. That makes rolling stiff. Slip, contact area and the ratio of
+    traction to pressure are assumed constant; the method that uses the response is of second order
+    for any approximation.
 
     Parameters
     ----------
@@ -55,8 +55,8 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
     contact : State
         The contact at the profile.
     closing : float
-        Elements whose gap is no wider than this count as in contact, mm: those that are about to
-        be. A row that comes into contact during a jump is as stiff as those beside it.
+        Elements with a gap up to this count as in contact, mm: they will soon be. A row that comes
+        into contact during a jump is as stiff as its neighbours.
 
     Returns
     -------
@@ -80,7 +80,7 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 
 
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
-    """Depth worn by each row per MPa summed over its elements, mm; beyond the rim as at the rim."""
+    """Return the depth worn by each row per MPa summed over it, mm; constant beyond the rim."""
     count = contact.touching.sum(axis=0)
     rate = wear_law_in(model, contact).per_load(contact.pressure, contact.traction, contact.slip)
     per_pressure = rate.sum(axis=0)

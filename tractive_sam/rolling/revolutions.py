@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.contact import fitted_blocks, with_heat
+from tractive_sam.contact import solve_blocks_on_fitted_mesh, with_heat
 from tractive_sam.results import (
     BOUND,
     FIELDS,
@@ -17,31 +17,38 @@ from tractive_sam.results import (
     Record,
     State,
     cycle_record,
-    fields,
+    restart_fields,
 )
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.damage import Damage
-from tractive_sam.rolling.passage import Passage, ProfilePoint, adopted, begun, next_passage, unworn
+from tractive_sam.rolling.passage import (
+    Passage,
+    ProfilePoint,
+    complete_passage,
+    first_passage,
+    next_passage,
+    start_passage,
+)
 from tractive_sam.rolling.process import Process, Recorder, StoredStep
 from tractive_sam.scene import Scene, Spectrum, block_label
 
 GROWING = 14
-"""Jumps of adaptive stepping while the revolutions rolled grow e-fold (benchmarks/wear.py)."""
+"""Jumps of adaptive stepping per e-fold growth of the revolutions rolled (benchmarks/wear.py)."""
 
 
 class Revolutions(Process[Passage]):
-    """Rolls revolution by revolution, or in adaptive jumps; without [wear] unworn bodies alone."""
+    """Rolls revolution by revolution, or in adaptive jumps; without [wear] only unworn bodies."""
 
     observers = (Damage,)
 
     def begin(self) -> Passage:
-        """See `Process.begin`: revolution zero, the bodies as they are."""
-        return unworn(self.model)
+        """See `Process.begin`: revolution zero, the bodies before rolling."""
+        return first_passage(self.model)
 
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
         """See `Process.begin_fitted`."""
-        model, contacts = fitted_blocks(self.model)
-        return self._with(model), begun(model, contacts)
+        model, contacts = solve_blocks_on_fitted_mesh(self.model)
+        return self._with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
         """See `Process.advance`."""
@@ -62,7 +69,7 @@ class Revolutions(Process[Passage]):
             return 1 + len(scene.schedule.stops)
         if not scene.schedule.adaptive:
             return 1 + end
-        # Jumps grow in proportion to the revolutions rolled, and little with a loose tolerance.
+        # Jumps grow in proportion to the revolutions rolled, and slightly with the tolerance.
         jumps = GROWING * max(1.0, (1e-3 / scene.wear.tolerance) ** 0.3) * np.log1p(end)
         return 1 + min(end, int(jumps))
 
@@ -79,14 +86,14 @@ class Revolutions(Process[Passage]):
                 history["wear_per_revolution"][k],
             )
             for k in (row - 1, row)
-            if k > 0  # unworn bodies have no course
+            if k > 0  # the unworn bodies cannot be extrapolated
         )
         jump = history["jump"][row]
         if not jump >= 1.0:  # "not" rather than "<": nan must fail, too
             raise LookupError("jump")
         contacts = cls._restore_contacts(scene, stored)
-        known = cls._restore_blocks(scene, stored, len(contacts))
-        return Passage(contacts, int(history["revolution"][row]), 0, int(jump), course, **known)
+        blocks = cls._restore_blocks(scene, stored, len(contacts))
+        return Passage(contacts, int(history["revolution"][row]), 0, int(jump), course, **blocks)
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
@@ -94,14 +101,14 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """Return what is known of each block: the wear by it, and its weight."""
+        """Return the wear by each block, and its weight."""
         history = stored.history
         parts = history[PARTS.name][stored.row] if PARTS.name in history.columns else None
         return {"parts": parts, "weights": (1.0,) * blocks}
 
     def adopt(self, step: Passage, stored: StoredStep) -> Passage:
         """See `Process.adopt`."""
-        return super().adopt(adopted(self.model, step), stored)
+        return super().adopt(complete_passage(self.model, step), stored)
 
 
 _FINITE = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
@@ -116,13 +123,13 @@ class DutyCycle(Revolutions):
         return self.model.scene.spectrum
 
     def state(self, step: Passage) -> dict[str, np.ndarray]:
-        """See `Process.state`: of each block in order."""
-        each = [fields(step.contacts[k]) for k in self.spectrum.places]
-        stacked = {name: np.stack([one[name] for one in each]) for name in each[0]}
+        """See `Process.state`: arrays of each block in order."""
+        each = [restart_fields(step.contacts[k]) for k in self.spectrum.places]
+        stacked = {name: np.stack([fields[name] for fields in each]) for name in each[0]}
         return stacked | self._state_besides_fields(step)
 
     def record(self, step: Passage, recorder: Recorder) -> Record:
-        """See `Process.record`: put together of the records of the blocks (`results.cycle`)."""
+        """See `Process.record`: combined from the records of the blocks (`results.cycle`)."""
         spectrum = self.spectrum
         records = [
             self._record_contact(step, step.record(k), recorder, k)
@@ -130,21 +137,23 @@ class DutyCycle(Revolutions):
         ]
         values = step.record().values
         for seen in self._recording(step):
-            found, of_blocks = seen.record(self.model, {}), seen.record_block(0)
-            values |= {name: found[name] for name in found if name not in of_blocks}
+            columns, of_blocks = seen.record(self.model, {}), seen.record_block(0)
+            values |= {name: columns[name] for name in columns if name not in of_blocks}
         del values["wear_max"]
-        values["seconds"] = math.nan  # of the cycle, measured where it is recorded
-        lost = np.stack((step.lost, step.lost + step.gained_by))[:, list(spectrum.places)]
-        lost *= _share_of_alike(spectrum)
+        values["seconds"] = math.nan  # of the cycle, measured by its recording
+        lost = np.stack((step.worn_parts, step.worn_parts + step.gained_by_block))[
+            :, list(spectrum.places)
+        ]
+        lost *= _share_among_equal(spectrum)
         values[PARTS.name] = lost[0]
         sections = lost[1].sum(axis=(1, 2))
         values[SHARE.name] = sections / (sections.sum() or 1.0)
         values[ROLLED.name] = -1 if step.rolled is None else step.rolled
         each = [records[k] for k in spectrum.places]
-        of_observers = [one for seen in self._recording(step) for one in seen.columns]
+        of_observers = [column for seen in self._recording(step) for column in seen.columns]
         own = (*recorder.columns, *self.columns, *of_observers, PARTS, ROLLED, SHARE)
-        put = cycle_record(each, spectrum.each, values, self.model.scene, own)
-        return replace(put, cycles=self._cycles(step) if put.fields else ())
+        record = cycle_record(each, spectrum.each, values, self.model.scene, own)
+        return replace(record, cycles=self._cycles(step) if record.fields else ())
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
@@ -153,24 +162,24 @@ class DutyCycle(Revolutions):
         names = [name for name in (*FIELDS, BOUND.name) if name in stored.state]
         of_blocks = {k: {name: stored.state[name][k] for name in names} for k in first}
         return tuple(
-            replace(history.block(k).contact(stored.row, of_blocks[k]), scene=one, cost=Cost())
-            for k, one in zip(first, spectrum.scenes, strict=True)
+            replace(history.block(k).contact(stored.row, of_blocks[k]), scene=block, cost=Cost())
+            for k, block in zip(first, spectrum.scenes, strict=True)
         )
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """See `Revolutions._restore_blocks`; blocks that are alike are one."""
+        """See `Revolutions._restore_blocks`; equal blocks are combined."""
         parts, spectrum = stored.history[PARTS.name][stored.row], scene.spectrum
-        together = np.zeros((blocks, *parts.shape[1:]))
-        np.add.at(together, list(spectrum.places), parts)
-        known = {"parts": together, "weights": (1.0,) * blocks}
+        combined = np.zeros((blocks, *parts.shape[1:]))
+        np.add.at(combined, list(spectrum.places), parts)
+        restored = {"parts": combined, "weights": (1.0,) * blocks}
         rolled = int(stored.history[ROLLED.name][stored.row])
         if rolled >= 0:
-            known["weights"] = tuple(float(k == rolled) for k in range(blocks))
-        return known
+            restored["weights"] = tuple(float(k == rolled) for k in range(blocks))
+        return restored
 
     def _describe_place(self, step: Passage) -> str:
-        """With the block whose contact was not solved."""
+        """Describe the place, with the block whose contact was not solved."""
         place = super()._describe_place(step)
         if step.converged or len(step.contacts) == 1:
             return place
@@ -178,8 +187,8 @@ class DutyCycle(Revolutions):
         return f"{place}{block_label(self.model.scene, block)}: "
 
 
-def _share_of_alike(spectrum: Spectrum) -> np.ndarray:
-    """Part of each block in what those that are alike wear together."""
+def _share_among_equal(spectrum: Spectrum) -> np.ndarray:
+    """Return the share of each block in the wear of all blocks equal to it."""
     each = zip(spectrum.each, spectrum.places, strict=True)
     share = [n / spectrum.revolutions[k] for n, k in each]
     return np.reshape(share, (-1, 1, 1))

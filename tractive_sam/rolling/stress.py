@@ -1,4 +1,4 @@
-"""The largest stress in the bodies, and stress on the planes of a scene, of every step."""
+"""The largest stress in the bodies, and stress on the planes of a scene, for every step."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from tractive_sam.subsurface import stress_maxima, stress_on_planes
 class LargestStress(Observer):
     """Largest equivalent stress of each body in every record, and stress on planes.
 
-    It is computed when it is recorded: a step that is tried and refused takes no time.
+    It is computed when it is recorded, so steps that are refused take no time.
 
     Attributes
     ----------
     contacts : tuple of State
-        Those of the last step, one for each block.
+        Contacts of the last step, one for each block.
     model : Model
         The scene in numbers.
     """
@@ -40,7 +40,7 @@ class LargestStress(Observer):
         return LargestStress(step.contacts, model)
 
     def restore(self, step: Any, stored: Any) -> "LargestStress":
-        """See `Observer.restore`: nothing is left of earlier steps."""
+        """See `Observer.restore`: it does not depend on earlier steps."""
         return self
 
     def describe(self, model: Model) -> Iterator[Row]:
@@ -50,7 +50,7 @@ class LargestStress(Observer):
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """See `Observer.columns`: those of the criterion of the laws."""
+        """See `Observer.columns`: the columns of the criterion of the laws."""
         return () if self.model is None else stress_columns(self.model.blocks[0].laws.criterion)
 
     @cached_property
@@ -63,14 +63,15 @@ class LargestStress(Observer):
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
         """See `Observer.record_block`."""
-        found = ("value", "interior", "surface", "at")
+        names = ("value", "interior", "surface", "at")
+        maxima = self.maxima[block].items()
         return {
-            column.name: {body: getattr(one, name) for body, one in self.maxima[block].items()}
-            for column, name in zip(self.columns, found, strict=False)
+            column.name: {body: getattr(maximum, name) for body, maximum in maxima}
+            for column, name in zip(self.columns, names, strict=False)
         }
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """See `Observer.record_stress`: on the planes of the scene."""
+        """See `Observer.record_stress`: stress on the planes of the scene."""
         if self.model is None:
             return ()
         laws = self.model.blocks[block].laws

@@ -1,7 +1,7 @@
-"""Fatigue of a transient: what its course does to the material of both bodies.
+"""Fatigue of a transient: the effect of its course on the material of both bodies.
 
 The stress of every point follows from the tractions of the steps, and only these are stored. It is
-computed where it is recorded: with the stored fields, and at the end. The course counts as one
+computed when it is recorded: with the stored fields, and at the end. The course counts as one
 cycle: the damage is that of a single course, and the life is a number of equal courses.
 """
 
@@ -16,26 +16,26 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.description import Row
 from tractive_sam.mechanics import Woehler
-from tractive_sam.results import BodyFatigue, State, widened
+from tractive_sam.results import BodyFatigue, State, widen_field
 from tractive_sam.rolling.courses import expected_steps
 from tractive_sam.rolling.damage import cycle_columns, shakedown_remark
 from tractive_sam.rolling.observer import Observer
 from tractive_sam.subsurface import Course, course_fatigue, cycle_depths
 
 Fields = tuple[np.ndarray, ...]
-"""Pressure, traction in x and y, and where it slides, each of shape (n_x, n_y)."""
+"""Pressure, traction in x and y, and sliding elements, each of shape (n_x, n_y)."""
 
 
 @dataclass(frozen=True, eq=False)
 class StressHistory(Observer):
-    """Fatigue by the stress of every point of the material, from the start of the course on.
+    """Fatigue by the stress of every point of the material since the start of the course.
 
     Attributes
     ----------
     places : tuple of float
-        Distances of the steps so far, from transient.cycle_start on.
-    fields : tuple of tuple of ndarray
-        Pressure, tractions and where it slides in each of these steps, shape (n_x, n_y).
+        Distances of the steps so far, starting at transient.cycle_start.
+    loads : tuple of tuple of ndarray
+        Pressure, tractions and sliding elements in each of these steps, shape (n_x, n_y).
     contact : State, optional
         The last contact; None before the first step.
     model : Model, optional
@@ -62,7 +62,7 @@ class StressHistory(Observer):
         yield Row("memory of the history", room)
 
     def bytes_needed(self, model: Model) -> float:
-        """See `Observer.bytes_needed`: tractions as they are and as they are stored, and layers."""
+        """See `Observer.bytes_needed`: tractions, their stored copies, and layers."""
         scene, elements = model.scene, math.prod(model.grid.elements)
         steps = expected_steps(scene, model.grid.dx)
         layers = 2 * 6 * 2 * len(scene.fatigue.bodies)  # twice as long as the mesh
@@ -73,7 +73,7 @@ class StressHistory(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "StressHistory":
-        """See `Observer.after`; before the cycle begins only the last step is kept."""
+        """See `Observer.after`; before the cycle begins only the last step is stored."""
         contact, place = step.contact, step.place
         load = (contact.pressure, *contact.traction, 1.0 * contact.sliding)
         places, loads = (*self.places, place), (*self.loads, load)
@@ -85,43 +85,40 @@ class StressHistory(Observer):
     def state(self) -> Mapping[str, np.ndarray]:
         """See `Observer.state`."""
         grid = self._contact.grid
-        loads = [[widened(one, grid.elements) for one in load] for load in self.loads]
+        loads = [[widen_field(field, grid.elements) for field in load] for load in self.loads]
         return {"places": np.array(self.places), "loads": np.array(loads)}
 
     def restore(self, step: Any, stored: Any) -> "StressHistory":
         """See `Observer.restore`."""
-        known = stored.state_of(self)
-        loads = tuple(tuple(load) for load in known["loads"])
-        return replace(
-            self, places=tuple(known["places"].tolist()), loads=loads, contact=step.contact
-        )
+        state = stored.state_of(self)
+        loads = tuple(tuple(load) for load in state["loads"])
+        places = tuple(state["places"].tolist())
+        return replace(self, places=places, loads=loads, contact=step.contact)
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
         """See `Observer.cycles`."""
-        return tuple(cycled for cycled, _ in self._found.values())
+        return tuple(cycle for cycle, _ in self._fatigue.values())
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """See `Observer.record`: of records with stored fields, and of the last one."""
+        """See `Observer.record`: for records with stored fields, and for the last one."""
         schedule = model.scene.schedule
         if self.places[-1] not in (*schedule.save, schedule.end):
             return {}
-        columns, life = (
-            cycle_columns({cycled.body: cycled for cycled in self.cycles}),
-            model.laws.life,
-        )
+        columns = cycle_columns({cycle.body: cycle for cycle in self.cycles})
+        life = model.laws.life
         columns["utilisation_at"] = {
-            body: _with_x(columns["utilisation_at"][body], cycled, x)
-            for body, (cycled, x) in self._found.items()
+            body: _with_x(columns["utilisation_at"][body], cycle, x)
+            for body, (cycle, x) in self._fatigue.items()
         }
         if life is None:
             return columns
-        for body, (cycled, x) in self._found.items():
-            damage, at = cycled.damage_max
-            error = 0.0 if cycled.criterion is None else cycled.criterion.path_error
+        for body, (cycle, x) in self._fatigue.items():
+            damage, at = cycle.damage_max
+            error = 0.0 if cycle.criterion is None else cycle.criterion.path_error
             each = {
                 "damage": damage,
-                "damage_at": _with_x(at, cycled, x),
+                "damage_at": _with_x(at, cycle, x),
                 "damage_error": damage * life.relative_error(error),
                 "fatigue_life": 1.0 / damage if damage > 0.0 else math.inf,
             }
@@ -131,7 +128,7 @@ class StressHistory(Observer):
 
     def remark(self, model: Model) -> str:
         """See `Observer.remark`: stress above shakedown."""
-        return shakedown_remark({cycled.body: cycled for cycled in self.cycles})
+        return shakedown_remark({cycle.body: cycle for cycle in self.cycles})
 
     @property
     def _contact(self) -> State:
@@ -140,44 +137,42 @@ class StressHistory(Observer):
         return self.contact
 
     @cached_property
-    def _found(self) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-        """By body: what the material went through so far, and the places x of the worst points."""
+    def _fatigue(self) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
+        """The fatigue of each body so far, and the places x of its worst points."""
         contact, model = self._contact, self.model
         if model is None:
             return {}
         table, rolls = model.scene.transient, model.scene.schedule.rolls
         contacts = []
         for load in self.loads:
-            pressure, x, y, sliding = (widened(one, contact.grid.elements) for one in load)
+            pressure, x, y, sliding = (widen_field(field, contact.grid.elements) for field in load)
             fields = {"pressure": pressure, "traction": np.stack((x, y)), "sliding": sliding > 0.0}
             contacts.append(replace(contact, **fields))
         places = np.array(self.places) if rolls else np.zeros(len(self.places))
         steady = table.start == "steady" and self.places[0] == table.distance[0]
         course = Course(contacts, places, model.laws, rolls, steady)
-        found = course_fatigue(course, cycle_depths(contact))
+        cycles = course_fatigue(course, cycle_depths(contact))
         life = model.laws.life
         if life is None:
-            return found
-        return {body: (_damaged(cycled, life), x) for body, (cycled, x) in found.items()}
+            return cycles
+        return {body: (_with_damage(cycle, life), x) for body, (cycle, x) in cycles.items()}
 
 
-def _damaged(cycled: BodyFatigue, life: Woehler) -> BodyFatigue:
-    """Return the same with the damage of one cycle."""
-    damage = life.damage(cycled.utilisation)
-    return cycled.with_damage(cycled.depth, damage, np.zeros(cycled.y.size))
+def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
+    """Return the fatigue with the damage of one cycle."""
+    damage = life.damage(cycle.utilisation)
+    return cycle.with_damage(cycle.depth, damage, np.zeros(cycle.y.size))
 
 
 def _cycle_start(model: Model) -> float:
-    """Return the distance from which on the history counts."""
+    """Return the distance at which the cycle begins."""
     table = model.scene.transient
     return table.distance[0] if table.cycle_start is None else table.cycle_start
 
 
-def _with_x(at: tuple[float, ...], cycled: BodyFatigue, x: np.ndarray) -> tuple[float, ...]:
+def _with_x(at: tuple[float, ...], cycle: BodyFatigue, x: np.ndarray) -> tuple[float, ...]:
     """Return a place (no x, y, depth) with the x of the worst material there, mm."""
     if not np.isfinite(at[1:]).all():
         return at
-    row, depth = (
-        int(np.argmin(abs(one - k))) for one, k in ((cycled.y, at[1]), (cycled.depth, at[2]))
-    )
+    row, depth = int(np.argmin(abs(cycle.y - at[1]))), int(np.argmin(abs(cycle.depth - at[2])))
     return (float(x[row, depth]), *at[1:])

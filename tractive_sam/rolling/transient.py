@@ -1,13 +1,12 @@
 """Transient rolling: steps through the courses of [transient], one record each.
 
-The distance goes from knot to knot; between them everything asked for is linear. A stretch of no
-length is a jump: of what presses and pulls the bodies it takes a shift, a step of no distance, to
-follow. Steps meet every knot (`rolling.control.Stops`). A distance that is saved between two steps
-is reached by a shorter step from the first of them, from which nothing continues: what is stored
-does not change what is computed.
+Between the knots all prescribed quantities are linear in the distance. A stretch without length is
+a jump: the loads that jump take a shift, a step without distance. Steps end at every knot
+(`rolling.control.Stops`). A distance to save between two steps is reached by a shorter step from
+the first of them, from which nothing continues: what is stored does not change what is computed.
 
-Within a stretch tractions change smoothly, so that they extrapolate: that is where a step starts
-its search from, and, of adaptive steps, how far it missed is what tells their error.
+Within a stretch tractions change smoothly, so they can be extrapolated. A step starts its search at
+the extrapolated tractions; for adaptive steps the error is the difference from them.
 """
 
 from bisect import bisect_left
@@ -40,25 +39,27 @@ LONGEST = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Moment(Step):
-    """A contact on the way, and all that the next step needs.
+    """A contact of the course, with all that the next step needs.
 
     Attributes
     ----------
     distance : float
-        Rolled so far, mm; of shifts the place on their parameter, and so of lengths below.
+        Distance rolled, mm; for shifts their parameter, which then is the unit of lengths below.
     stretch : int
-        The stretch between two knots that it lies in or ends; -1 of the first knot.
-    stepped : StepResult
+        The stretch between two knots that it lies in or ends; -1 at the first knot.
+    result : StepResult
         The contact, and the work of the step to it.
     length : float
-        The step to it, mm; 0 where nothing may be extrapolated from it.
+        Length of the step to it, mm; 0 if it cannot be extrapolated.
     wish : float
-        How far the next step is to go, mm; 0 where a stretch begins.
+        Length of the next step, mm; 0 at the beginning of a stretch.
     shifts : ndarray, shape (3,)
+        Shifts of A over B in x and y, mm, and turn, radians, since the start: without prescribed
+        rolling creepages.
         Shifts of A over B in x and y, mm, and turn, radians, since the start: without the
         creepages that were rolled at, unless these are what is sought.
     before : StepResult, optional
-        The contact a step before.
+        The contact one step before.
     solves : int
         Contacts solved for it.
     friction : float
@@ -66,17 +67,17 @@ class Moment(Step):
     volumes : ndarray, shape (2,)
         Worn off A and B since they were new, mm³.
     deepest : float
-        Largest depth worn off both so far, mm, also where the contact has passed.
+        Largest depth worn off both bodies so far, mm, including the material behind the contact.
     began : Worn, optional
-        Worn bodies with which it began; None of new ones.
+        Worn bodies with which it began; None for new ones.
     earlier : StepResult, optional
-        The contact of the record before, if that lies between two steps.
+        The contact of the record before, if that is between two steps.
     """
 
     contacts: tuple[State, ...] = field(init=False)
     distance: float
     stretch: int
-    stepped: StepResult
+    result: StepResult
     length: float = 0.0
     wish: float = 0.0
     shifts: np.ndarray = field(default_factory=lambda: np.zeros(3))
@@ -89,7 +90,7 @@ class Moment(Step):
     earlier: StepResult | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "contacts", (self.stepped.contact,))
+        object.__setattr__(self, "contacts", (self.result.contact,))
 
     @property
     def place(self) -> float:
@@ -97,33 +98,33 @@ class Moment(Step):
         return self.distance
 
     def on(self, grid: Grid) -> "Moment":
-        """The same on a wider mesh of the same elements; `Transient` finds the gap beside it."""
+        """Return it on a wider mesh of the same elements; `Transient` adds the gap outside."""
         before = None if self.before is None else StepResult(self.before.contact.on(grid))
-        return replace(self, stepped=self.stepped.on(grid), before=before)
+        return replace(self, result=self.result.on(grid), before=before)
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
         """See `Step.own_state`."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
-        found = {
+        state = {
             "before_pressure": before.pressure,
             "before_x": traction[0],
             "before_y": traction[1],
         }
         if self.contact.scene.wear is not None:
-            found |= {"worn": self.stepped.worn, "gained": self.stepped.gained}
-        return found
+            state |= {"worn": self.result.worn, "gained": self.result.gained}
+        return state
 
     def record(self, block: int | None = None) -> StepRecord:
         """See `Step.record`."""
         course, contact = Courses(self.contact.scene), self.contact
-        step = self.stepped.since(self.earlier)
-        way = step.distance
+        step = self.result.since(self.earlier)
+        distance = step.distance
         per_distance: dict[str, Any] = {}
-        if course.rolls and way > 0.0:
-            per_distance["work_supplied"] = step.supplied / way
-            per_distance["dissipation"] = step.friction / way
+        if course.rolls and distance > 0.0:
+            per_distance["work_supplied"] = step.supplied / distance
+            per_distance["dissipation"] = step.friction / distance
         elif step.shifted or not course.rolls:
             # A shift has no creepage, and its work is not per distance.
             of_rolling = ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation")
@@ -132,7 +133,7 @@ class Moment(Step):
         if contact.scene.wear is not None:
             per_distance |= self._worn(course.rolls, step)
             contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
-        given = {
+        values = {
             "distance": self.distance,
             "stretch": self.stretch,
             "next_step": self.wish if self.continues else np.nan,
@@ -146,24 +147,24 @@ class Moment(Step):
             "solves": self.solves,
             **per_distance,
         }
-        may_store = not course.jumps_after(self.stretch, self.distance)
-        return StepRecord(contact, given, may_store)
+        may_store = not course.is_followed_by_shift(self.stretch, self.distance)
+        return StepRecord(contact, values, may_store)
 
     def _worn(self, rolls: bool, step: StepResult) -> dict[str, Any]:
-        """Return what the step and those before have worn."""
-        wear, grid, each = self.contact.wear, self.contact.grid, self.stepped.worn
-        # Of shifts nothing is behind the contact: there it is the deepest of each row of elements.
+        """Return the columns of the wear of the step and of those before."""
+        wear, grid, each = self.contact.wear, self.contact.grid, self.result.worn
+        # Shifts leave no track behind the contact: it is the deepest place of each row of elements.
         at, rows = 0 if rolls else wear.argmax(axis=0), np.arange(grid.elements[1])
         new = np.zeros((2, grid.elements[1])) if self.began is None else self.began.on(grid)
-        found = {
+        columns = {
             "wear_max": self.deepest,
             "wear_profile": wear[at, rows],
             "entering_profile": wear[-1] if rolls else new.sum(axis=0),
             "step_worn": float(step.gained.sum() * grid.element_area),
         }
         for body, before, depth in zip(BODIES, new, each[:, at, rows], strict=True):
-            found[f"wear_profile_{body}"] = before + depth
-        return found if rolls else found | {"worn_area": np.nan}
+            columns[f"wear_profile_{body}"] = before + depth
+        return columns if rolls else columns | {"worn_area": np.nan}
 
 
 _STORED = ("distance", "stretch", "next_step", "approach", "xi_x", "xi_y")
@@ -187,18 +188,18 @@ class Transient(Process[Moment]):
     def restore(cls, scene: Scene, stored: StoredStep) -> Moment:
         """See `Process.restore`."""
         history, row, state = stored.history, stored.row, stored.state
-        found = {name: history[name] for name in _STORED}
+        columns = {name: history[name] for name in _STORED}
         contact = stored.contact(scene)
-        last, before = stored.earlier, None
-        length = found["distance"][row] - found["distance"][last]
+        last, before = stored.earlier_row, None
+        length = columns["distance"][row] - columns["distance"][last]
         if length:
             earlier = replace(
                 contact,
                 pressure=state.get("before_pressure", contact.pressure),
                 traction=np.stack((state["before_x"], state["before_y"])),
-                approach=float(found["approach"][last]),
-                xi_x=found["xi_x"][last],
-                xi_y=found["xi_y"][last],
+                approach=float(columns["approach"][last]),
+                xi_x=columns["xi_x"][last],
+                xi_y=columns["xi_y"][last],
             )
             before = StepResult(earlier)
         none, depths = np.zeros((2, *contact.grid.elements)), {}
@@ -207,14 +208,14 @@ class Transient(Process[Moment]):
             depths = {name: state[name] for name in ("worn", "gained")}
             worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}
         energy = float(history["elastic_energy"][row])
-        stepped = StepResult(contact, energy=energy, **{"worn": none, "gained": none} | depths)
+        result = StepResult(contact, energy=energy, **{"worn": none, "gained": none} | depths)
         shifts = np.array([history[name][row] for name in ("shift_x", "shift_y", "turn")])
         return Moment(
-            float(found["distance"][row]),
-            int(found["stretch"][row]),
-            stepped,
+            float(columns["distance"][row]),
+            int(columns["stretch"][row]),
+            result,
             length,
-            float(found["next_step"][row]),
+            float(columns["next_step"][row]),
             shifts,
             before,
             **worn,
@@ -227,7 +228,7 @@ class Transient(Process[Moment]):
     def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
         """See `Process.end`.
 
-        The bodies may touch and part in a contact of few elements, but not be so small throughout.
+        A contact may have few elements for some time, but not during all of the course.
         """
         contact, grid = step.contact, step.contact.grid
         sides = np.array((grid.dx, grid.dy))
@@ -237,41 +238,41 @@ class Transient(Process[Moment]):
             return str(Status.NOT_RESOLVED), not_resolved(contact, across)
         return super().end(step, half_widths)
 
-    def _asked(
+    def _input(
         self,
         distance: float,
-        now: Mapping[str, float | None],
+        inputs: Mapping[str, float | None],
         creepages: tuple[float, float, float],
         at: float,
-        then: Mapping[str, float | None] | None = None,
+        before: Mapping[str, float | None] | None = None,
     ) -> StepInput:
         return StepInput(
             distance,
             creepages,
-            now["load.normal"],
-            now["load.approach"],
-            (now["load.force_x"], now["load.force_y"]),
-            self.courses.weakening(now),
-            self.courses.weakening(then or now),
+            inputs["load.normal"],
+            inputs["load.approach"],
+            (inputs["load.force_x"], inputs["load.force_y"]),
+            self.courses.friction_factor(inputs),
+            self.courses.friction_factor(before or inputs),
             self._separation(at),
         )
 
     def _separation(self, distance: float) -> np.ndarray | float:
-        """What travelling profiles add to the gap there, mm; a shift moves none."""
+        """Return the gap that moving profiles add at a distance, mm; a shift moves none."""
         return self.model.profile_offset(distance if self.courses.rolls else 0.0)
 
     def begin(self) -> Moment:
-        """See `Process.begin`: the first knot."""
+        """See `Process.begin`: the contact at the first knot."""
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
-            friction = model.friction_law.weakened(self.courses.weakening(first))
-            known = model.measured, model.grid, model.laws.replace(friction=friction)
-            steady = Model(self.courses.scene_at(first), *known, datum=model.datum)
-            worn, depth = model.with_wear_before(0.0), self._separation(at)
+            friction = model.friction_law.weakened(self.courses.friction_factor(first))
+            parts = model.measured, model.grid, model.laws.replace(friction=friction)
+            steady = Model(self.courses.scene_at(first), *parts, datum=model.datum)
+            worn, depth = model.add_initial_wear(0.0), self._separation(at)
             contact = equilibrium(steady, worn + depth, check_resolution=False)
             contact = replace(contact, scene=model.scene, wear=worn, laws=model.laws)
             return self._begun(contact, at)
-        pressed = self.stepper.press(self._asked(0.0, first, (0.0, 0.0, 0.0), at))
+        pressed = self.stepper.press(self._input(0.0, first, (0.0, 0.0, 0.0), at))
         moment = self._begun(pressed, at)
         forced = first["load.force_x"], first["load.force_y"]
         shifts = np.array([first[key] for key in CREEPAGES])
@@ -279,22 +280,22 @@ class Transient(Process[Moment]):
             shifts[:] = 0.0
         if not pressed.converged or not (any(forced) or shifts.any()):
             return moment
-        asked = self._asked(0.0, first, tuple(shifts), at)
-        return self._moment(moment, self.stepper.step(moment.stepped, asked), at, -1, 0.0)
+        inputs = self._input(0.0, first, tuple(shifts), at)
+        return self._moment(moment, self.stepper.step(moment.result, inputs), at, -1, 0.0)
 
     def _begun(self, contact: State, at: float) -> Moment:
-        """The first moment, of bodies that may be worn already; flat ones begin unworn."""
+        """Return the first moment, of bodies that may be worn already; flat ones are unworn."""
         model, volumes = self.model, np.zeros(2)
         if model.began is not None:
             lost = contact.volumes_of(dict(zip(BODIES, model.began.on(model.grid), strict=True)))
             volumes = np.nan_to_num([lost[body] for body in BODIES])
-        stepped, deepest = self.stepper.at_rest(contact), float(contact.wear.max())
-        return Moment(at, -1, stepped, volumes=volumes, deepest=deepest, began=model.began)
+        result, deepest = self.stepper.at_rest(contact), float(contact.wear.max())
+        return Moment(at, -1, result, volumes=volumes, deepest=deepest, began=model.began)
 
     def advance(self, last: Moment) -> Iterator[Moment]:
         """See `Process.advance`."""
         courses, separation = self.courses, self._separation(last.distance)
-        last = replace(last, stepped=self.stepper.with_gap_beside(last.stepped, separation))
+        last = replace(last, result=self.stepper.with_gap_outside(last.result, separation))
         while last.contact.converged:
             if last.distance == courses.knots[last.stretch + 1]:
                 if last.stretch + 1 == courses.stretches:
@@ -309,16 +310,16 @@ class Transient(Process[Moment]):
                     yield last
 
     def _jump(self, last: Moment) -> Moment:
-        """A step of no distance to the other side of a jump."""
+        """Take a step without distance to the other side of a jump."""
         stretch, at = last.stretch, last.distance
         now, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
         if not self.courses.rolls:
             shifts = self.courses.jump(stretch)
-        asked = self._asked(0.0, now, shifts, at)
-        return self._moment(last, self.stepper.step(last.stepped, asked), at, stretch, 0.0)
+        inputs = self._input(0.0, now, shifts, at)
+        return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
     def _along(self, last: Moment) -> Iterator[Moment]:
-        """Steps to the end of a stretch of some length."""
+        """Yield the steps to the end of a stretch that has a length."""
         courses, table = self.courses, self.courses.table
         first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
         saves = tuple(s for s in table.save if first < s < end)
@@ -335,26 +336,26 @@ class Transient(Process[Moment]):
                 yield between[-1]
                 return
             yield from between
-            yield replace(now, earlier=between[-1].stepped if between else None)
+            yield replace(now, earlier=between[-1].result if between else None)
             last = now
 
     def _met(self, now: Moment, saves: tuple[float, ...], unit: float) -> Moment:
-        """Return a moment at the distance to save that it meets but for rounding, if it does."""
+        """Return a moment at a distance to save, if it differs from it only by rounding."""
         near = [s for s in saves if abs(s - now.distance) <= CLOSE * unit]
         at_knot = now.distance in self.courses.knots
         return replace(now, distance=near[0]) if near and not at_knot else now
 
     def _between(self, last: Moment, now: Moment, saves: tuple[float, ...]) -> list[Moment]:
         """Return the moments to save between two steps, up to one that is not solved."""
-        found: list[Moment] = []
+        moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < now.distance):
             moment, _ = self._tried(last, place, None, now)
-            earlier = found[-1].stepped if found else None
+            earlier = moments[-1].result if moments else None
             moment = replace(moment, earlier=earlier, continues=False)
-            found.append(moment)
+            moments.append(moment)
             if not moment.converged:
                 break
-        return found
+        return moments
 
     def _longest(self, adaptive: bool, stretch: float) -> float:
         if not self.courses.rolls:
@@ -369,7 +370,7 @@ class Transient(Process[Moment]):
     def _next(
         self, last: Moment, control: Stops, wish: float, adaptive: bool, end: float
     ) -> Moment:
-        """The step after a moment; of adaptive ones the longest that keeps its error."""
+        """Take the step after a moment; the longest adaptive one that is accurate enough."""
         here, stops = last.distance, control.stops
         stop = stops[bisect_left(stops, here + CLOSE * wish)]
         step, solves = Trial(min(wish, stop - here), wish), 0
@@ -380,7 +381,7 @@ class Transient(Process[Moment]):
             now, error = self._tried(last, at, control if adaptive else None)
             solves += 1
             shortest = step.length <= 1.000001 * control.control.unit
-            unsolved = not now.contact.converged and now.stepped.deep <= 1.0
+            unsolved = not now.contact.converged and now.result.deep <= 1.0
             if error <= 1.0 or shortest or unsolved:
                 break
             step = control.shorter(step, error)
@@ -396,13 +397,13 @@ class Transient(Process[Moment]):
         Parameters
         ----------
         last : Moment
-            Where it begins.
+            Moment at which the step begins.
         at : float
             The distance.
         control : Stops, optional
-            Error control of adaptive steps; without it, as of a first step, the error is zero.
+            Error control of adaptive steps; without it, as for a first step, the error is zero.
         beyond : Moment, optional
-            The end of a longer step, from which the first guess is interpolated.
+            End of a longer step, from which the initial guess is interpolated.
         """
         courses, stretch, contact = self.courses, last.stretch, last.contact
         then, now = courses.at(last.distance, stretch), courses.at(at, stretch)
@@ -412,42 +413,42 @@ class Transient(Process[Moment]):
             share * (then[key] + now[key]) if courses.rolls else now[key] - then[key]
             for key in CREEPAGES
         )
-        asked = self._asked(length if courses.rolls else 0.0, now, creepages, at, then)
+        inputs = self._input(length if courses.rolls else 0.0, now, creepages, at, then)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
         earlier = last.before
         if beyond is not None:
-            earlier, ratio = beyond.stepped, -length / beyond.length
-        stepped = self.stepper.step(last.stepped, asked, earlier, ratio)
-        moment = self._moment(last, stepped, at, stretch, length)
+            earlier, ratio = beyond.result, -length / beyond.length
+        result = self.stepper.step(last.result, inputs, earlier, ratio)
+        moment = self._moment(last, result, at, stretch, length)
         error = 0.0
-        # What was foreseen before a knot tells no error beyond it.
+        # An extrapolation from before a knot gives no error beyond it.
         judged = control is not None and last.wish > 0.0
         if judged and ratio > 0.0 and moment.contact.converged:
             traction, before = moment.contact.traction, last.before.contact.traction
             expected = contact.traction + ratio * (contact.traction - before)
             missed, size = np.linalg.norm(traction - expected), np.linalg.norm(traction)
             error = float(missed / size / courses.table.tolerance) if size > 0.0 else 0.0
-        if control is not None and stepped.deep > 1.0:
-            error = max(error, stepped.deep**2)  # half the way wears half as deep
+        if control is not None and result.deep > 1.0:
+            error = max(error, result.deep**2)  # half the distance wears half as deep
         return moment, error
 
     def _moment(
         self,
         last: Moment,
-        stepped: StepResult,
+        result: StepResult,
         at: float,
         stretch: int,
         length: float,
     ) -> Moment:
-        contact = stepped.contact
+        contact = result.contact
         by = np.array([contact.xi_x, contact.xi_y, contact.spin])
-        shifts = last.shifts + by * (stepped.distance if stepped.distance else 1.0)
-        before, gained = last.stepped if length else None, stepped.gained.sum(axis=(1, 2))
+        shifts = last.shifts + by * (result.distance if result.distance else 1.0)
+        before, gained = last.result if length else None, result.gained.sum(axis=(1, 2))
         return replace(
             last,
             distance=at,
             stretch=stretch,
-            stepped=stepped,
+            result=result,
             length=length,
             wish=0.0,
             shifts=shifts,
@@ -455,7 +456,7 @@ class Transient(Process[Moment]):
             observed={},
             before=before,
             solves=1,
-            friction=last.friction + stepped.friction,
+            friction=last.friction + result.friction,
             volumes=last.volumes + gained * contact.grid.element_area,
             deepest=max(last.deepest, float(contact.wear.max())),
         )

@@ -2,16 +2,16 @@
 
 from . import explain as explain
 from . import memory as memory
+from .argument_checks import read_measured_gap as read_measured_gap
 from .export import export_surface as export_surface
 from .export import export_volume as export_volume
 from .gap_notes import warn_of_gap as warn_of_gap
-from .given import measured_gap as measured_gap
-from .many import InTurn as InTurn
-from .many import nearby as nearby
-from .many import snake as snake
+from .many import SequentialRuns as SequentialRuns
+from .many import neighbouring_places as neighbouring_places
+from .many import solve_from_nearby as solve_from_nearby
 from .many import solve_many as solve_many
-from .many import under as under
+from .many import with_creepages as with_creepages
 from .pipeline import roll as roll
 from .pipeline import solve as solve
-from .progress import progress_shown as progress_shown
-from .resume import what_differs as what_differs
+from .progress import show_progress as show_progress
+from .resume import describe_differences as describe_differences

@@ -1,4 +1,4 @@
-"""Stress in a volume, and the surface over a history, into files for ParaView."""
+"""Export the stress in a volume, and the surface over a history, to files for ParaView."""
 
 from collections.abc import Iterator
 from os import PathLike
@@ -14,7 +14,7 @@ from tractive_sam.store import Image, check_volume, write_surface, write_volume
 from tractive_sam.subsurface import stress_volume
 
 DEFAULT = Subsurface(planes=("y=0",))
-"""Depth and points of a scene without [subsurface]."""
+"""Depth and points for a scene without [subsurface]."""
 
 
 def export_volume(
@@ -43,13 +43,13 @@ def export_volume(
     body : "A" or "B"
         The body concerned.
     revolution : float, optional
-        Of a history: one of its `saved`, whatever its coordinate; the last by default.
+        For a history: one of its `saved`, in the unit of its coordinate; the last by default.
     depth : float, optional
-        Depth in units of the semi-axis a of the unworn contact, or of the half width in x where
-        Hertz does not apply; by default that of the scene's [subsurface], or 1.5.
+        Depth in units of the semi-axis a of the unworn contact, or of the half width in x if Hertz
+        does not apply; by default that of the scene's [subsurface], or 1.5.
     elements : int, optional
         Points over the depth; by default those of the scene's [subsurface], or 64.
-    overwrite : bool
+    Whether to replace a file that this function wrote.
         Whether a file of this function may be replaced.
     threads : int
         Threads to use.
@@ -62,7 +62,7 @@ def export_volume(
     Raises
     ------
     ValueError
-        If there is no such body, depth or number of points, or no contact.
+        If the body, the depth or the number of points is not allowed, or the bodies do not touch.
     LookupError
         If the history stored no fields of the revolution; the message lists what it stored.
     ResultsError
@@ -95,8 +95,8 @@ def export_surface(
 ) -> Path:
     """Write pressure, traction, slip, wear and gap into a file that ParaView plays (VTKHDF).
 
-    Points are the centres of the elements. Of a history there is a step for each of its `saved`,
-    which ParaView takes for times.
+    Points are the centres of the elements. Each of the `saved` of a history is a step, which
+    ParaView shows as a time.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def export_surface(
     path : path-like
         The file, with the suffix ``.vtkhdf``.
     overwrite : bool
-        Whether a file of this function or of `export_volume` may be replaced.
+        Whether to replace a file that this function or `export_volume` wrote.
 
     Returns
     -------
@@ -115,7 +115,7 @@ def export_surface(
     Raises
     ------
     ValueError
-        If the history stored no fields, or it is of a line contact.
+        If the history stored no fields, or its contact is a line contact.
     ResultsError
         If the file cannot be written.
 
@@ -133,18 +133,18 @@ def export_surface(
         steps, states = np.zeros(1), iter([source])
     if not steps.size:
         raise ValueError(
-            f"the history stored no fields; {source.scene.schedule.save_key} tells when"
+            f"the history stored no fields; set {source.scene.schedule.save_key} to store them"
         )
     grid = source.grid
     if source.scene.line:
         raise ValueError("a line contact has no map: tractive-sam plot draws its sections")
     origin = (float(grid.x[0]), float(grid.y[0]), 0.0)
     image = Image((*grid.elements, 1), origin, (grid.dx, grid.dy, 1.0))
-    write_surface(path, image, steps, map(_surface, states), source.scene, overwrite)
+    write_surface(path, image, steps, map(_surface_fields, states), source.scene, overwrite)
     return path
 
 
-def _surface(state: State) -> dict[str, np.ndarray]:
+def _surface_fields(state: State) -> dict[str, np.ndarray]:
     interrupt.raise_if_interrupted()
     return {
         "pressure": state.pressure,
@@ -157,9 +157,9 @@ def _surface(state: State) -> dict[str, np.ndarray]:
 
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
     """Equally spaced depths from 0, mm."""
-    asked = source.scene.subsurface or DEFAULT
-    depth = asked.depth if depth is None else depth
-    elements = asked.elements if elements is None else elements
+    settings = source.scene.subsurface or DEFAULT
+    depth = settings.depth if depth is None else depth
+    elements = settings.elements if elements is None else elements
     if not 0.0 < depth < np.inf:
         raise ValueError(f"depth: a positive number of semi-axes a is needed, not {depth}")
     if elements < 2:
@@ -169,7 +169,7 @@ def _depths(source: State, depth: float | None, elements: int | None) -> np.ndar
 
 
 def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
-    """Points of the volume, z ascending."""
+    """Return the points of the volume, z ascending."""
     lowest = 0.0 if body == "A" else -float(depths[-1])
     return Image(
         points=(*grid.elements, depths.size),
@@ -180,4 +180,4 @@ def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
 
 def _arrays(layers: Iterator[tuple[float, np.ndarray]]) -> Iterator[dict[str, np.ndarray]]:
     for _, stress in layers:
-        yield {"stress": stress} | {name: one(stress) for name, one in CRITERIA.items()}
+        yield {"stress": stress} | {name: invariant(stress) for name, invariant in CRITERIA.items()}

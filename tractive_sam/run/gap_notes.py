@@ -1,4 +1,4 @@
-"""Notes on what a mesh and steady rolling make of a measured map."""
+"""Notes on measured maps: what the mesh does not resolve, and what steady rolling leaves out."""
 
 import math
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from tractive_sam.schema import warn
 
 
 def warn_of_gap(model: Model) -> None:
-    """Warn of what the mesh of a model leaves out of its maps, and of what does not roll."""
+    """Warn of what the mesh of a model does not resolve of its maps, and of what does not roll."""
     for note in gap_notes(model):
         warn(note)
 
@@ -28,23 +28,23 @@ def gap_notes(model: Model) -> Iterator[str]:
     if short:
         yield (
             f"gap: the measured separation covers less than the grid in {' and '.join(short)}; "
-            "beyond its edge it is continued as a constant. Measure further, or lessen "
+            "beyond its edge it is continued as a constant. Measure a larger area, or reduce "
             "grid.half_length"
         )
-    for table, one in rough_maps(model.scene, measured, model.profiles, grid.half_length):
-        if any(one.unresolved(grid)):
-            yield f"{table}: {unresolved_note(model, one)}"
+    for table, roughness in rough_maps(model.scene, measured, model.profiles, grid.half_length):
+        if any(roughness.unresolved(grid)):
+            yield f"{table}: {unresolved_note(model, roughness)}"
     rolls = model.transmits or bool(model.scene.schedule.end)
     if measured is not None and rolls and (rest := standing_roughness(measured, grid)):
         yield (
-            f"gap: it varies along x by {rest:.2g} mm rms beside a round form. In steady rolling a "
-            "gap stands still in space: asperities do not travel through the contact, nor do "
-            "waves around a body. Only ridges along x are those of bodies that turn"
+            f"gap: it varies along x by {rest:.2g} mm rms in addition to a round form. In steady "
+            "rolling a gap is fixed in space: asperities and waves do not travel through the "
+            "contact. Only ridges along x belong to bodies that turn"
         )
 
 
 def unresolved_note(model: Model, map_: Roughness) -> str:
-    """Describe what the mesh leaves out of a map, and what it costs to resolve it."""
+    """Describe what the mesh does not resolve of a map, and the cost to resolve it."""
     grid, parts, finer = model.grid, map_.left_out(model.grid), map_.resolving(model.grid)
     axes = [k for k, n in enumerate(grid.elements) if n > 1]
     sides, shortest = (grid.dx, grid.dy), (finer.dx, finer.dy)
@@ -53,11 +53,11 @@ def unresolved_note(model: Model, map_: Roughness) -> str:
     height = math.hypot(*(part.height for part in parts))
     pressure = math.hypot(*map(map_.flattening, parts))
     more = math.prod(finer.elements) / math.prod(grid.elements)
-    mib = memory.of_contact(model) * more / 2**20
+    mib = memory.contact_bytes(model) * more / 2**20
     resolved = " x ".join(f"{2.0 * shortest[k]:.2g}" for k in axes)
     return (
         f"an element has {samples} samples of it, and the mesh resolves no waves shorter than two "
-        f"elements, {waves} mm: it misses the map by {height:.2g} mm rms, which take "
+        f"elements, {waves} mm: it misses {height:.2g} mm rms of the map, which take "
         f"{pressure:.2g} MPa to flatten, {pressure / map_.pressure:.2g} times the pressure of the "
         "contact. The gap is sampled at the centres of elements, so that p_max and the contact "
         f"area depend on the mesh. {as_asked(finer)} resolves waves of {resolved} mm: "

@@ -1,4 +1,4 @@
-"""Many similar contacts at the cost of their Newton steps."""
+"""Solve many similar contacts, each from the solution of a neighbouring one."""
 
 import math
 import warnings
@@ -10,22 +10,28 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.contact import Model, check_jacobian, equilibrium, fitted, jacobian_of
+from tractive_sam.contact import (
+    Model,
+    check_jacobian,
+    equilibrium,
+    jacobian_of,
+    solve_on_fitted_mesh,
+)
 from tractive_sam.extras import check_extra
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.optional import xarray
 from tractive_sam.results import History, Quantity, State, Status, columns
-from tractive_sam.rolling import begun, process_of
-from tractive_sam.run import given, memory
+from tractive_sam.rolling import process_of, start_passage
+from tractive_sam.run import argument_checks, memory
+from tractive_sam.run.argument_checks import read_measured_gap
 from tractive_sam.run.gap_notes import warn_of_gap
-from tractive_sam.run.given import measured_gap
 from tractive_sam.run.pipeline import roll
 from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, shorten
 
 CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
-"""What changes nothing but the rigid slip: a scene is checked, and operators are made, once."""
+"""Entries that change the rigid slip alone: operators are made, and a scene is checked, once."""
 
 
 @one_blas_thread()
@@ -41,7 +47,7 @@ def solve_many(
     Parameters
     ----------
     scene : Scene
-        What does not vary; its [wear] and [[duty]] are not rolled.
+        Scene whose other entries do not vary; its [wear] and [[duty]] are not rolled.
     over : mapping of str to sequence
         Values by dotted key, ``{"creepage.longitudinal": [-1e-3, -2e-3], "friction.mu": [0.2]}``.
     jacobian : bool
@@ -50,21 +56,21 @@ def solve_many(
     Returns
     -------
     xarray.Dataset
-        Over the keys: forces, creepages and all other recorded numbers of a contact, nan where it
-        was not solved, and ``converged``, ``status`` and ``message`` of each case. Units and
-        descriptions are attributes.
+        Dimensions: the keys of `over`. Variables: forces, creepages and all other recorded numbers
+        of a contact, nan for cases that were not solved; ``converged``, ``status`` and ``message``
+        of each case. Units and descriptions are attributes.
 
     Raises
     ------
     TypeError
-        If `scene` is no Scene.
+        If `scene` is not a Scene.
     SceneError
         With the faults of the entries and their values; if no mesh can be chosen, or the memory
         does not suffice.
     ValueError
-        If the scene has [accuracy], or a Jacobian is asked for without friction.
+        If the scene has [accuracy], or `jacobian` is True for a scene without friction.
     ImportError
-        Without xarray, which comes with the extra ``study``.
+        If xarray is not installed; the extra ``study`` installs it.
     GapError
         If the measured gap cannot be read.
 
@@ -72,37 +78,37 @@ def solve_many(
     --------
     >>> import tractive_sam as ts
     >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
-    >>> found = ts.solve_many(coarse, {"creepage.longitudinal": [-1e-3, -2e-3, -3e-3]})
-    >>> found["Qx"].dims, bool(found["converged"].all())
+    >>> results = ts.solve_many(coarse, {"creepage.longitudinal": [-1e-3, -2e-3, -3e-3]})
+    >>> results["Qx"].dims, bool(results["converged"].all())
     (('creepage.longitudinal',), True)
-    >>> bool((found["Qx"].diff("creepage.longitudinal") > 0.0).all())
+    >>> bool((results["Qx"].diff("creepage.longitudinal") > 0.0).all())
     True
     """
     check_extra("xarray", "solve_many")
-    given.check_scene(scene)
+    argument_checks.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
     scene = scene.without_blocks
-    columns_over = _checked(scene, over)
+    columns_over = _check_values(scene, over)
     shape = tuple(map(len, columns_over.values()))
     numbers: dict[str, np.ndarray] = {}
     described: dict[str, Quantity] = {}
-    told = {name: np.full(shape, "", dtype=object) for name in ("status", "message")}
+    texts = {name: np.full(shape, "", dtype=object) for name in ("status", "message")}
     derivatives: dict[tuple[int, ...], Any] = {}
     noted = set[tuple[int, int]]()
-    for place, model, contact in _solved(scene, columns_over, jacobian):
+    for place, model, contact in _solve_cases(scene, columns_over, jacobian):
         if model.grid.elements not in noted:  # once for all loads and creepages on a mesh
             noted.add(model.grid.elements)
             warn_of_gap(model)
-        told["status"][place], told["message"][place] = str(contact.status.value), contact.message
+        texts["status"][place], texts["message"][place] = str(contact.status.value), contact.message
         if not contact.converged:
             continue
-        for name, one in columns(contact.scene).items():
-            if one.of is None or one.dims:
+        for name, quantity in columns(contact.scene).items():
+            if quantity.of is None or quantity.dims:
                 continue
             if name not in numbers:
-                numbers[name], described[name] = np.full(shape, math.nan), one
-            numbers[name][place] = one.of(contact)
+                numbers[name], described[name] = np.full(shape, math.nan), quantity
+            numbers[name][place] = quantity.of(contact)
         if jacobian:
             derivatives[place] = jacobian_of(model, contact)
 
@@ -110,9 +116,9 @@ def solve_many(
     variables: dict[str, Any] = {
         name: (dims, values, _attributes(described[name])) for name, values in numbers.items()
     }
-    solved = told["status"] == Status.CONVERGED.value
+    solved = texts["status"] == Status.CONVERGED.value
     variables["converged"] = (dims, solved.astype(bool))
-    variables |= {name: (dims, texts.astype(str)) for name, texts in told.items()}
+    variables |= {name: (dims, values.astype(str)) for name, values in texts.items()}
     coordinates: dict[str, Any] = {
         key: (key, _as_array(values), {"long_name": Scene.find_field(key).title or key})
         for key, values in columns_over.items()
@@ -120,8 +126,8 @@ def solve_many(
     if derivatives:
         first = next(iter(derivatives.values()))
         values = np.full((*shape, *first.shape), math.nan)
-        for place, one in derivatives.items():
-            values[place] = one.values
+        for place, derivative in derivatives.items():
+            values[place] = derivative.values
         variables["jacobian"] = ([*dims, *first.dims], values)
         coordinates |= {name: first[name].values for name in first.dims}
     return xarray.Dataset(variables, coordinates, {"title": scene.title})
@@ -132,16 +138,16 @@ def _attributes(quantity: Quantity) -> dict[str, str]:
 
 
 def _as_array(values: tuple[Any, ...]) -> np.ndarray:
-    numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
-    return np.array(values if numbers else [str(one) for one in values])
+    numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
+    return np.array(values if numbers else [str(value) for value in values])
 
 
-def _checked(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
-    """The values by key, each of them valid beside the first ones of the others."""
+def _check_values(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
+    """Check each value with the first values of the other keys, and return all values by key."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
         raise SceneError([Fault("over", shorten(over), allowed)])
-    faults, found = [], {}
+    faults, values_by_key = [], {}
     for key, values in over.items():
         if isinstance(values, str | Mapping) or not np.iterable(values) or not list(values):
             faults.append(Fault(f"over.{key}", shorten(values), "a list of at least one value"))
@@ -151,24 +157,25 @@ def _checked(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple
         except SceneError as error:
             faults += error.faults
             continue
-        found[key] = tuple(v.item() if isinstance(v, np.generic) else v for v in values)
+        values_by_key[key] = tuple(v.item() if isinstance(v, np.generic) else v for v in values)
     if faults:
         raise SceneError(faults)
-    with warnings.catch_warnings():  # they come again where the case is made
+    with warnings.catch_warnings():  # they are issued again when the case is made
         warnings.simplefilter("ignore")
-        _replaced(scene, found, [{key: one} for key, values in found.items() for one in values])
-    return found
+        cases = [{key: value} for key, values in values_by_key.items() for value in values]
+        _scenes_of_cases(scene, values_by_key, cases)
+    return values_by_key
 
 
-def _replaced(
+def _scenes_of_cases(
     scene: Scene, over: Mapping[str, tuple[Any, ...]], cases: Sequence[Mapping[str, Any]]
 ) -> list[Scene]:
-    """The scene of each case; what that does not change has its first value.
+    """Return the scene of each case; keys that a case does not set have their first value.
 
     Raises
     ------
     SceneError
-        With the faults of all of them, and the values that led to those of other entries.
+        With the faults of all cases, each with the values that led to it.
     """
     first = {key: values[0] for key, values in over.items()}
     scenes, faults = [], list[Fault]()
@@ -176,47 +183,49 @@ def _replaced(
         try:
             scenes.append(scene.replace(**first | case))
         except SceneError as error:
-            faults += [_told_with(case, first, one) for one in error.faults]
+            faults += [_add_values(case, first, fault) for fault in error.faults]
     if faults:
         raise SceneError([*dict.fromkeys(faults)])
     return scenes
 
 
-def _told_with(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault) -> Fault:
-    """A fault with the other values that led to it, unless it is of the only one of the case."""
+def _add_values(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault) -> Fault:
+    """Add the other values that led to a fault; not if the case sets only the faulty key."""
     if len(case) == 1 and any(key in fault.key for key in case):
         return fault
     others = {key: value for key, value in (first | case).items() if key not in fault.key}
-    told = ", ".join(f"{key} = {shorten(value)}" for key, value in others.items())
-    return replace(fault, given=f"{fault.given} with {told}") if told else fault
+    note = ", ".join(f"{key} = {shorten(value)}" for key, value in others.items())
+    return replace(fault, given=f"{fault.given} with {note}") if note else fault
 
 
-def _solved(
+def _solve_cases(
     scene: Scene, over: dict[str, tuple[Any, ...]], jacobian: bool
 ) -> Iterator[tuple[tuple[int, ...], Model, State]]:
-    """Every case by its place, neighbours one after another."""
+    """Yield every case: its place, model and contact; neighbours follow one another."""
     keys = [*over]
     moving = [key for key in keys if key in CREEPAGES]
     others = [key for key in keys if key not in CREEPAGES]
-    places = list(snake(tuple(len(over[key]) for key in others)))
-    cases = [{key: over[key][k] for key, k in zip(others, one, strict=True)} for one in places]
+    places = list(neighbouring_places(tuple(len(over[key]) for key in others)))
+    cases = [{key: over[key][k] for key, k in zip(others, place, strict=True)} for place in places]
     start = None
-    for outer, changed in zip(places, _replaced(scene, over, cases), strict=True):
-        chosen = Model(changed, measured_gap(changed))
+    for outer, changed in zip(places, _scenes_of_cases(scene, over, cases), strict=True):
+        chosen = Model(changed, read_measured_gap(changed))
         memory.check_solve(chosen)
         if jacobian:
             check_jacobian(chosen)
-        for inner in snake(tuple(len(over[key]) for key in moving)):
+        for inner in neighbouring_places(tuple(len(over[key]) for key in moving)):
             interrupt.raise_if_interrupted()
             creepages = {key: over[key][k] for key, k in zip(moving, inner, strict=True)}
-            model, contact = nearby(under(chosen, creepages), start)  # maybe on a wider mesh
+            model, contact = solve_from_nearby(
+                with_creepages(chosen, creepages), start
+            )  # the mesh may be wider
             start = contact if contact.converged else None
             at = dict(zip(others, outer, strict=True)) | dict(zip(moving, inner, strict=True))
             yield tuple(at[key] for key in keys), model, contact
 
 
-def under(model: Model, creepages: Mapping[str, float]) -> Model:
-    """A model under other creepages, by their dotted keys; it shares all that they do not change.
+def with_creepages(model: Model, creepages: Mapping[str, float]) -> Model:
+    """Return a model under other creepages, by their dotted keys; it shares the operators.
 
     The values are not checked.
     """
@@ -224,51 +233,51 @@ def under(model: Model, creepages: Mapping[str, float]) -> Model:
         return model
     values = {key.rpartition(".")[2]: float(value) for key, value in creepages.items()}
     moved = model.scene.creepage.model_copy(update=values)
-    return _of_scene(model, model.scene.model_copy(update={"creepage": moved}))
+    return _share_operators(model, model.scene.model_copy(update={"creepage": moved}))
 
 
 SHARED = ("undeformed_gap", "operators", "units")
-"""What of a model costs time and does not change with the creepages."""
+"""Parts of a model that are expensive and do not depend on the creepages."""
 
 
-def _of_scene(model: Model, scene: Scene) -> Model:
-    """A model of a scene that differs from its own by creepages alone."""
-    other = Model(scene, model.measured, model.grid, model.laws)
+def _share_operators(model: Model, scene: Scene) -> Model:
+    """Return the model of a scene that differs only by its creepages, with the same operators."""
+    shared = Model(scene, model.measured, model.grid, model.laws)
     for name in SHARED:
-        other.__dict__[name] = getattr(model, name)
-    return other
+        shared.__dict__[name] = getattr(model, name)
+    return shared
 
 
-def nearby(model: Model, start: State | None) -> tuple[Model, State]:
-    """Solve from a contact nearby, and from none where that leads nowhere.
+def solve_from_nearby(model: Model, start: State | None) -> tuple[Model, State]:
+    """Solve from the contact of a similar model; without it if that does not converge.
 
-    Nor where there may be several solutions, of which the first guess would choose.
+    Nor from it if there may be several solutions, since the initial guess would choose one.
     """
     several = model.scene.heat is not None or model.friction_law.falls
     if start is not None and start.grid == model.grid and not several:
-        contact = equilibrium(model, model.worn_before, start)
+        contact = equilibrium(model, model.initial_wear, start)
         if contact.converged:
             return model, contact
-    return fitted(model)
+    return solve_on_fitted_mesh(model)
 
 
-def snake(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """All places of an array, each beside the one before it."""
+def neighbouring_places(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Yield all indices of an array in an order in which successive ones are neighbours."""
     if not shape:
         yield ()
         return
-    inner = list(snake(shape[1:]))
+    inner = list(neighbouring_places(shape[1:]))
     for k in range(shape[0]):
         yield from ((k, *rest) for rest in (reversed(inner) if k % 2 else inner))
 
 
-class InTurn:
+class SequentialRuns:
     """Rolls scenes in memory, one after another, each from the contact before it.
 
-    Scenes that differ by creepages alone share mesh, gap and operators. Where the mesh is the same,
-    the contact solved before is the first guess. What is found is that of `roll` to the tolerance
-    of the solver: the mesh is always the one that the scene has by itself, and a scene whose
-    solution might hang on its first guess, or that is rolled on, begins from none.
+    Scenes that differ only by creepages share mesh, gap and operators. If the mesh does not change,
+    the previous contact is the initial guess. Results agree with those of `roll` to the tolerance
+    of the solver: the mesh is always the one that the scene alone would have. A scene that is
+    rolled further, or whose solution might depend on the initial guess, starts without one.
     """
 
     def __init__(self) -> None:
@@ -277,26 +286,26 @@ class InTurn:
 
     @one_blas_thread()
     def roll(self, scene: Scene) -> History:
-        """The history of a scene, as of `roll` without a file."""
+        """Return the history of a scene, as `roll` does without a file."""
         if not _is_one_contact(scene):
             return roll(scene, progress=False)
         began = perf_counter()
         chosen = self._model_of(scene)
         memory.check_roll(chosen, in_memory=True)
-        model, contact = nearby(chosen, self._contact)
+        model, contact = solve_from_nearby(chosen, self._contact)
         self._model, self._contact = chosen, contact if contact.converged else None
         run = Recording(scene, chosen.measured, Model, None, False, None, (), began)
-        return run.begun(process_of(model), begun(model, (contact,)))
+        return run.begin(process_of(model), start_passage(model, (contact,)))
 
     def _model_of(self, scene: Scene) -> Model:
         if self._model is not None:
             before = self._model.scene
             if scene == before.model_copy(update={"creepage": scene.creepage}):
-                return _of_scene(self._model, scene)
-        return Model(scene, measured_gap(scene))
+                return _share_operators(self._model, scene)
+        return Model(scene, read_measured_gap(scene))
 
 
 def _is_one_contact(scene: Scene) -> bool:
-    """Whether nothing is rolled or refined."""
-    asked = scene.wear, scene.accuracy, scene.transient, scene.spectrum
-    return all(one is None for one in asked)
+    """Return whether nothing is rolled or refined."""
+    tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum
+    return all(table is None for table in tables)

@@ -1,6 +1,6 @@
 """Rows of an explanation that need the model of a scene: its mesh, method and laws.
 
-What a table itself knows is described by `Table.describe`; `MODEL_ROWS` adds to that.
+`Table.describe` describes a table alone; `MODEL_ROWS` adds to its rows.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -11,7 +11,7 @@ from tractive_sam.description import Row
 from tractive_sam.operators import STEPS_FROM
 from tractive_sam.results import columns
 from tractive_sam.rolling import process_of
-from tractive_sam.run.accuracy.steady import Refined
+from tractive_sam.run.accuracy.steady import RefinedContact
 from tractive_sam.scene import Heat, Solver
 
 
@@ -21,7 +21,7 @@ def _creepage(_table: Any, model: Model) -> Iterator[Row]:
     if model.elasticity.coupled and model.transmits:
         coupling = (
             "of unlike bodies: pressure makes the surfaces slip and tractions lift them, so both "
-            f"are solved at once (K = {K:.4g}, 0 of like ones)"
+            f"is solved at once (K = {K:.4g}, 0 for like bodies)"
         )
     elif model.elasticity.coupled:
         coupling = (
@@ -76,16 +76,16 @@ MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
 
 
 def describe_laws_of_packages(model: Model) -> Iterator[Row]:
-    """Yield what laws of other packages say of themselves, see `Law.describe`."""
+    """Yield the rows that laws of other packages give, see `Law.describe`."""
     for name, law in model.laws.differences_from(model.scene).items():
         yield Row(name, law.text)
 
 
-def describe_refinement(found: Refined) -> Iterator[Row]:
-    """Yield the error bars of the unworn bodies on the mesh that [accuracy] takes."""
-    contact = found.contact
-    if found.missed:
-        yield Row("not reached", found.missed)
+def describe_refinement(refinement: RefinedContact) -> Iterator[Row]:
+    """Yield the error bars of the unworn bodies on the mesh found for [accuracy]."""
+    contact = refinement.contact
+    if refinement.missed:
+        yield Row("not reached", refinement.missed)
     for name in ("Qx", "Qy", "Mz", "p_max"):
         if name in contact.error_bars:
             bar, unit = contact.error_bars[name], columns(contact.scene)[name].unit
@@ -93,8 +93,8 @@ def describe_refinement(found: Refined) -> Iterator[Row]:
             yield Row(f"{name} of the unworn bodies", value)
 
 
-def describe_mesh(model: Model, refinement: Refined | None) -> Iterator[Row]:
-    """Yield the elements, domain and element size of the mesh, and where they come from."""
+def describe_mesh(model: Model, refinement: RefinedContact | None) -> Iterator[Row]:
+    """Yield rows on the elements, domain and element size of the mesh, and their origin."""
     grid, hertz = model.grid, model.scene.hertz
     sides, half = grid.sides, grid.half_length[: grid.directions]
     origin = "found by refinement" if refinement else _describe_origin(model)
@@ -111,7 +111,7 @@ def describe_mesh(model: Model, refinement: Refined | None) -> Iterator[Row]:
 
 
 def _describe_origin(model: Model) -> str:
-    """Describe which part of the mesh is given, and whether it is refined for a measured map."""
+    """Describe the origin of the mesh, and whether it is refined for a measured map."""
     scene, grid = model.scene, model.grid
     origin = "chosen from the contact" if scene.grid is None else scene.grid.origin
     if model.measured is None and not model.profiles:

@@ -1,4 +1,4 @@
-"""From a scene to its results: the two front doors, `solve` and `roll`."""
+"""The two entry points from a scene to its results, `solve` and `roll`."""
 
 from __future__ import annotations
 
@@ -12,17 +12,28 @@ from time import perf_counter
 
 from numpy.typing import ArrayLike
 
-from tractive_sam.contact import Laws, check_jacobian, equilibrium, fitted, jacobian_of
+from tractive_sam.contact import (
+    Laws,
+    check_jacobian,
+    equilibrium,
+    jacobian_of,
+    solve_on_fitted_mesh,
+)
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import Observer
-from tractive_sam.run import accurately, given, memory
+from tractive_sam.run import argument_checks, memory, refined_runs
+from tractive_sam.run.argument_checks import read_measured_gap
 from tractive_sam.run.gap_notes import warn_of_gap
-from tractive_sam.run.given import measured_gap
-from tractive_sam.run.progress import progress_shown, solving_shown
+from tractive_sam.run.progress import show_progress, show_solving
 from tractive_sam.run.recording import Recording
-from tractive_sam.run.resume import check_measured, check_observed, damaged, last_step
-from tractive_sam.run.start import started_as, told_of, worn_bodies
+from tractive_sam.run.resume import (
+    check_measured,
+    check_observers_in_file,
+    last_step,
+    report_damage,
+)
+from tractive_sam.run.start import check_start_of_file, describe_origin, worn_bodies
 from tractive_sam.scene import Scene, pressure_notes
 from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.solvers import Solver
@@ -46,13 +57,13 @@ def solve(
     Parameters
     ----------
     scene : Scene
-        What is asked; its [wear] and [[duty]] are not rolled, see `roll`.
+        Scene to solve; its [wear] and [[duty]] are not rolled, see `roll`.
     wear : array_like, shape (n_x, n_y), optional
         Depth worn off both bodies together, mm.
     start : State, optional
-        State of a similar scene on the same mesh, as first guess.
+        State of a similar scene on the same mesh, as initial guess.
     throw : bool
-        Whether to raise where the solve did not converge.
+        Whether to raise an error if the solve did not converge.
     laws : Laws, optional
         Laws of friction and wear in place of the scene's.
     solver : Solver, optional
@@ -62,31 +73,31 @@ def solve(
         Whether to compute the derivatives of forces and approach as well, `State.jacobian`: a
         linear system for each parameter. Needs xarray, which comes with the extra ``study``.
     progress : bool, optional
-        True for a bar, False for none. By default a bar in a terminal or a notebook, of what takes
-        longer than two seconds.
+        True shows a progress bar, False none. By default a bar appears in a terminal or a notebook
+        after two seconds.
 
     Returns
     -------
     State
-        Fields, resultants, residual and cost; of a scene with [accuracy], without `wear` or
-        `start`, on the mesh that it takes, and with error bars.
+        Fields, resultants, residual and cost. With [accuracy], and without `wear` and `start`, the
+        mesh is refined until the accuracy is reached, and the state has error bars.
 
     Raises
     ------
     TypeError
-        If `scene` is no Scene, `start` no State, `laws` no Laws, or `solver` has no method
-        `solve`.
+        If `scene` is not a Scene, `start` not a State, `laws` not a Laws, or `solver` has no
+        method `solve`.
     ValueError
-        If `wear` or `start` do not fit the mesh, or are not finite; or a Jacobian is asked for
-        without friction.
+        If `wear` or `start` do not fit the mesh or are not finite, or `jacobian` is True without
+        friction.
     ImportError
-        If a Jacobian is asked for without xarray.
+        If `jacobian` is True and xarray is not installed.
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     GapError
         If the measured gap cannot be read.
     NotConverged
-        If `throw` and the contact conditions do not hold to the scene's tolerance, or its
+        If `throw` is True, and the contact conditions do not hold to the scene's tolerance or the
         [accuracy] was not reached.
 
     Examples
@@ -97,35 +108,36 @@ def solve(
     >>> faster.Qx < contact.Qx
     True
     """
-    given.check_scene(scene)
+    argument_checks.check_scene(scene)
     scene = scene.without_blocks
-    model_of = given.model_of(laws, solver)
-    measured = measured_gap(scene)
+    model_of = argument_checks.model_of(laws, solver)
+    measured = read_measured_gap(scene)
     model = model_of(scene, measured)
     memory.check_solve(model)
     if jacobian:
         check_jacobian(model)
     if wear is not None:
-        wear = given.depths_of(wear, model.grid)
+        wear = argument_checks.depths_of(wear, model.grid)
     if start is not None:
-        given.check_start(start, model.grid)
-    with solving_shown(progress):
+        argument_checks.check_start(start, model.grid)
+    with show_solving(progress):
         if start is not None or wear is not None:
             contact = equilibrium(model, wear, start)
         elif scene.accuracy is not None:
-            contact = accurately.solved(scene, measured, model_of)
+            contact = refined_runs.solve_accurately(scene, measured, model_of)
         else:
-            _, contact = fitted(model)
+            _, contact = solve_on_fitted_mesh(model)
     if measured is not None:
         warn_of_gap(model_of(scene, measured, contact.grid))
-    contact = _checked(contact, throw)
-    if jacobian and contact.converged:  # on the mesh that it was solved on
+    contact = _warn_or_raise(contact, throw)
+    if jacobian and contact.converged:  # on the mesh of the solution
         model = model_of(scene, measured, contact.grid)
         return replace(contact, jacobian=jacobian_of(model, contact))
     return contact
 
 
-def _checked(contact: State, throw: bool) -> State:
+def _warn_or_raise(contact: State, throw: bool) -> State:
+    """Warn of an implausible pressure, and raise an error for a contact without solution."""
     x, y = contact.p_max_at
     for note in pressure_notes(contact.scene, contact.p_max, f" at ({x:.3g}, {y:.3g}) mm"):
         warn(f"p_max: {note}", PlausibilityWarning)
@@ -148,57 +160,57 @@ def roll(
     columns: Iterable[Quantity] = (),
     observers: Iterable[Observer] = (),
 ) -> History:
-    """Roll a scene through its revolutions; without [wear] that is revolution 0, the unworn bodies.
+    """Roll a scene through its revolutions; without [wear] only revolution 0, the unworn bodies.
 
     Parameters
     ----------
     scene : Scene
-        What is asked.
+        Scene to roll.
     path : path-like, optional
-        Results file (HDF5), to which records are streamed as they are computed; without it they are
-        kept in memory.
+        Results file (HDF5), to which each record is written once it is computed; without it the
+        records stay in memory.
     start : History or State, optional
-        What was rolled before by the same bodies, under another load, say: they begin as its last
-        record left them, and revolutions count anew. What was worn before is in the wear depths,
-        volumes and masses, and `History.started` says where it is from. A flat body begins unworn.
-        Where the mesh is another one, depths are interpolated.
+        Earlier results for the same bodies, under another load for example. The bodies begin as its
+        last record left them; revolutions are counted from 0 again. Wear depths, volumes and masses
+        include the earlier wear, and `History.started` names its source. A flat body begins
+        unworn. On another mesh the depths are interpolated.
     overwrite : bool
-        Whether a results file of this package may be replaced.
+        Whether to replace a results file of this package.
     resume : bool
-        Whether to go on from the last record of the results file, if there is one: of a run that
-        was killed or stopped, or of a finished one that is to be rolled further. The history is
-        that of an uninterrupted run.
+        Whether to continue from the last record of the results file, if it exists. The run may have
+        been killed or stopped, or is to be rolled further. The history is that of an uninterrupted
+        run.
     progress : bool or callable, optional
-        Called with each record; True for a bar, False for none. By default a bar in a terminal or
-        a notebook, of what takes longer than two seconds.
+        Function to call with each record. True shows a progress bar, False none. By default a bar
+        appears in a terminal or a notebook after two seconds.
     laws, solver : Laws and Solver, optional
-        As of `solve`.
+        See `solve`.
     columns : iterable of Quantity, optional
-        Columns to record beside the package's; nan in records that were resumed without them.
+        Columns to record in addition to those of the package; nan in records from before.
     observers : iterable of Observer, optional
-        What is to follow the steps besides the observers of the scene.
+        Observers of the steps, in addition to those of the scene.
 
     Returns
     -------
     History
-        All records. Where a contact was not solved the history ends with it, and `status` and
-        `message` say so; of a scene with [accuracy] they also say where that was not reached.
+        All records. If a contact was not solved, the history ends with it, and `status` and
+        `message` report it. They also report an [accuracy] that was not reached.
 
     Raises
     ------
     TypeError
-        If `scene` is no Scene, `start` neither History nor State, `laws` no Laws, `columns` no
-        Quantities, `observers` no Observers, or `solver` has no method `solve`.
+        If `scene` is not a Scene, `start` neither History nor State, `laws` not a Laws, `columns`
+        not Quantities, `observers` not Observers, or `solver` has no method `solve`.
     ValueError
         If there is no file to resume from, or a column or an observer has a name or dimensions that
-        cannot be.
+        are not allowed.
     SceneError
         If no mesh can be chosen that holds the contact, or the memory does not suffice.
     ResultsError
         If the results file cannot be written, is being written by another run, or holds another
-        scene than the one to resume, or other laws; or `start` is of other bodies.
+        scene or other laws than the run to resume; or `start` has other bodies.
     StorageError
-        If the disk becomes full meanwhile; the file then holds the records up to some moment.
+        If the disk becomes full; the file then holds the records up to some moment.
     GapError
         If the measured gap cannot be read.
 
@@ -214,35 +226,38 @@ def roll(
     True
     """
     began = perf_counter()
-    given.check_scene(scene)
+    argument_checks.check_scene(scene)
     if resume and path is None:
-        raise ValueError("resume: the path of a results file is needed to go on from")
-    own = given.columns_of(columns, laws)
-    worn, started = (None, "") if start is None else (worn_bodies(start, scene), told_of(start))
+        raise ValueError("resume: there is no file to resume from; set path to a results file")
+    own = argument_checks.check_columns(columns, laws)
+    worn, started = (
+        (None, "") if start is None else (worn_bodies(start, scene), describe_origin(start))
+    )
     replaced = overwrite or resume
-    kept = nullcontext() if path is None else results_writer(Path(path), replaced)  # at once
-    with kept, progress_shown(scene, progress) as called:
+    output = nullcontext() if path is None else results_writer(Path(path), replaced)
+    with output, show_progress(scene, progress) as called:
         before = open_history(path) if resume and Path(path).exists() else None
         if before is not None and len(before):
-            worn, started = started_as(before, path, started), before.started
-        model_of, gap = given.model_of(laws, solver, worn), measured_gap(scene)
-        found = None if before is None else last_step(before, path, scene, laws, own, gap)
-        last = None if found is None else found[0]
-        datum = "vertex" if found is None or before is None else before.datum
-        model_of = partial(model_of, profiles=given.travelling(scene), datum=datum)
+            worn, started = check_start_of_file(before, path, started), before.started
+        model_of, gap = argument_checks.model_of(laws, solver, worn), read_measured_gap(scene)
+        stored = None if before is None else last_step(before, path, scene, laws, own, gap)
+        last = None if stored is None else stored[0]
+        datum = "vertex" if stored is None or before is None else before.datum
+        model_of = partial(model_of, profiles=argument_checks.read_profiles(scene), datum=datum)
         about = (own, began, started, tuple(observers))
         run = Recording(scene, gap, model_of, path, replaced, called, *about)
         grid = None if last is None else last.grid
         model = model_of(scene, run.measured, grid)
         memory.check_roll(model, in_memory=path is None)
         process = run.process_of(model)
-        if found is None or before is None:
-            accurate = scene.has("accuracy")
-            return accurately.rolled(run) if accurate else run.begun(*process.begin_fitted())
-        check_measured(before, path, given.hash_of(model))
-        check_observed(before, path, process.following)
-        with damaged(path, found[1].row):
-            last = process.adopt(*found)
+        if stored is None or before is None:
+            if scene.has("accuracy"):
+                return refined_runs.roll_accurately(run)
+            return run.begin(*process.begin_fitted())
+        check_measured(before, path, argument_checks.hash_measurements(model))
+        check_observers_in_file(before, path, process.following)
+        with report_damage(path, stored[1].row):
+            last = process.adopt(*stored)
         if scene.has("accuracy"):
-            return accurately.resumed(run, last, before)
-        return run.resumed(process, last, before)
+            return refined_runs.resume_accurately(run, last, before)
+        return run.resume(process, last, before)

@@ -1,4 +1,4 @@
-"""Bars that show how far a roll is, in a terminal and in a notebook."""
+"""Show the progress of a roll in a terminal or a notebook."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -16,37 +16,37 @@ from tractive_sam.rolling import Forecast
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import report_to
 
-AT_FIRST = 2.0
-"""Seconds before anything is shown, unless it is asked for: most rolls are over by then."""
+DELAY = 2.0
+"""Seconds before a bar appears by default: most rolls are finished by then."""
 
 
 class Bar(Protocol):
-    """A bar somewhere."""
+    """A progress bar in a terminal or a notebook."""
 
     def show(self, text: str, done: float, total: float | None, left: str) -> None:
-        """Show how much is done of a total, where that is known, and the time left."""
+        """Show how much is done of a total, if that is known, and the time left."""
 
     def close(self) -> None:
-        """Take it away."""
+        """Remove the bar."""
 
 
 @contextmanager
-def progress_shown(
+def show_progress(
     scene: Scene,
     progress: bool | Callable[[Record], None] | None = None,
     terminal: Console | None = None,
 ) -> Iterator[Callable[[Record], None] | None]:
-    """What is to be called with each record of a roll.
+    """Show the progress of a roll, and yield the function to call with each record.
 
     Parameters
     ----------
     scene : Scene
         What is rolled.
     progress : bool or callable, optional
-        What to call; True for a bar, False for none. By default, a bar where somebody sees it, of
-        a roll that takes longer.
+        Function to call instead. True shows a bar, False none. By default a bar appears in a
+        terminal or a notebook if the roll takes long.
     terminal : Console, optional
-        Where to; by default the standard error.
+        Terminal for the bar; by default the standard error.
     """
     if callable(progress):
         yield progress
@@ -87,30 +87,30 @@ class _RollProgress:
         """Show how far the roll is, and the time left."""
         forecast = self.forecast
         numbers = (float(record.values.get(name, 1.0)) for name in ("jump", "solves", "seconds"))
-        wear, approach = (float(np.max(record.values[of])) for of in ("wear_max", "approach"))
+        wear, approach = (float(np.max(record.values[name])) for name in ("wear_max", "approach"))
         worn = wear / approach if approach > 0.0 else 0.0
         forecast.add(float(record.at), *numbers, worn=worn)
-        if self.at_once or perf_counter() - self.began > AT_FIRST:
+        if self.at_once or perf_counter() - self.began > DELAY:
             along = record.coordinate
-            place, end = (format(one, along.format) for one in (record.at, forecast.end))
+            place, end = (format(value, along.format) for value in (record.at, forecast.end))
             text = f"{along.name} {place} of {end}"
             if self.scene.has("wear"):
                 text += f", wear {1e3 * wear:.3g} µm"
-            left = duration(forecast.seconds_left)
+            left = format_time_left(forecast.seconds_left)
             self.bar.show(text, forecast.done, forecast.done + forecast.left, left)
 
 
 @contextmanager
-def solving_shown(progress: bool | None = None, terminal: Console | None = None) -> Iterator[None]:
-    """Show how far the contact is that is solved in the block.
+def show_solving(progress: bool | None = None, terminal: Console | None = None) -> Iterator[None]:
+    """Show the progress of the contact that is solved in the block.
 
     Parameters
     ----------
     progress : bool, optional
-        True for a bar, False for none. By default, a bar where somebody sees it, of what takes
-        longer.
+        True shows a bar, False none. By default a bar appears in a terminal or a notebook if the
+        solve takes long.
     terminal : Console, optional
-        Where to; by default the standard error.
+        Terminal for the bar; by default the standard error.
     """
     if progress is False:
         yield
@@ -118,7 +118,7 @@ def solving_shown(progress: bool | None = None, terminal: Console | None = None)
     began, bars = perf_counter(), list[Bar]()
 
     def show(mesh: tuple[int, int], residual: float) -> None:
-        if not (progress or perf_counter() - began > AT_FIRST):
+        if not (progress or perf_counter() - began > DELAY):
             return
         if not bars and (bar := _bar(terminal or Console(stderr=True))) is not None:
             bars.append(bar)
@@ -137,15 +137,15 @@ def _solving(mesh: tuple[int, int], residual: float) -> str:
     return f"{' x '.join(map(str, mesh))} elements, residual {residual:.1g}"
 
 
-def duration(seconds: float) -> str:
-    """Time left, "1:05" or "2:00:00"."""
-    minutes, rest = divmod(round(seconds), 60)
+def format_time_left(seconds: float) -> str:
+    """Format a time as "1:05" or "2:00:00"."""
+    minutes, seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02}:{rest:02}" if hours else f"{minutes}:{rest:02}"
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
 
 
 def _bar(terminal: Console) -> Bar | None:
-    """A bar where somebody sees it."""
+    """Return a bar for the notebook or the terminal; None for any other output."""
     if _in_notebook():
         return _Notebook()
     return _Terminal(terminal) if terminal.is_terminal else None
@@ -171,8 +171,8 @@ class _Terminal:
         self._task = self._bar.add_task("", total=None, left="")
 
     def show(self, text: str, done: float, total: float | None, left: str) -> None:
-        told = f"left {left}" if left else ""
-        self._bar.update(self._task, description=text, completed=done, total=total, left=told)
+        remaining = f"left {left}" if left else ""
+        self._bar.update(self._task, description=text, completed=done, total=total, left=remaining)
         self._bar.start()
 
     def close(self) -> None:
@@ -180,7 +180,7 @@ class _Terminal:
 
 
 class _Notebook:
-    """A line of HTML that is replaced as it goes on, at most some times a second."""
+    """A line of HTML that is updated at most five times a second."""
 
     def __init__(self) -> None:
         self._shown: Any = None
@@ -191,15 +191,15 @@ class _Notebook:
             return
         self._last = perf_counter()
         share = "" if total is None else f' value="{done / max(total, 1e-9):.4f}"'
-        told = escape(f"{text}, {left} left" if left else text)
-        self._put({"text/html": f"<progress{share}></progress> {told}", "text/plain": told})
+        label = escape(f"{text}, {left} left" if left else text)
+        self._put({"text/html": f"<progress{share}></progress> {label}", "text/plain": label})
 
     def close(self) -> None:
         if self._shown is not None:
             self._put({"text/html": "", "text/plain": ""})
 
     def _put(self, bundle: dict[str, str]) -> None:
-        from IPython.display import display  # noqa: PLC0415 - it is there, as we are in it
+        from IPython.display import display  # noqa: PLC0415 - available inside a notebook
 
         if self._shown is None:
             self._shown = display(bundle, raw=True, display_id=True)

@@ -1,4 +1,4 @@
-"""Rolls a scene and keeps its records, in a file or in memory."""
+"""Roll a scene and record its steps, in a file or in memory."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -21,9 +21,9 @@ from tractive_sam.results import (
     Status,
     caveats,
 )
-from tractive_sam.rolling import ErrorEstimator, Observer, Process, Recorder, Step, process_of
+from tractive_sam.rolling import ErrorBarSource, Observer, Process, Recorder, Step, process_of
+from tractive_sam.run.argument_checks import check_observer_columns, hash_measurements
 from tractive_sam.run.gap_notes import warn_of_gap
-from tractive_sam.run.given import check_observers, hash_of
 from tractive_sam.scene import Scene
 from tractive_sam.schema import PlausibilityWarning, warn
 from tractive_sam.store import HistoryWriter, open_history
@@ -31,28 +31,28 @@ from tractive_sam.store import HistoryWriter, open_history
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Rolls a scene and keeps the records.
+    """Rolls a scene and records its steps.
 
     Parameters
     ----------
     scene : Scene
-        What is rolled.
+        Scene to roll.
     measured : Gap, optional
         Its measured separation.
     model_of : callable
         Makes the model of a scene, a measured separation and a mesh.
     path : path-like, optional
-        Results file; without it records are kept in memory.
+        Results file; without it the records stay in memory.
     overwrite : bool
         Whether a results file may be replaced.
     progress : callable, optional
         Called with each record.
     columns : tuple of Quantity
-        Columns beside the package's.
+        Columns in addition to those of the package.
     began : float
-        When the first record began, by `time.perf_counter`.
+        Time when the first record began, by `time.perf_counter`.
     started : str
-        As of `History`.
+        See `History`.
     observers : tuple of Observer
         Observers besides those of the scene.
     """
@@ -74,92 +74,93 @@ class Recording:
         Raises
         ------
         TypeError, ValueError
-            As by `check_observers`.
+            See `check_observer_columns`.
         """
         process = process_of(model, self.observers)
-        check_observers(process.following, self.columns)
+        check_observer_columns(process.following, self.columns)
         return process
 
-    def begun(
+    def begin(
         self,
         process: Process,
         start: Step,
-        estimator: ErrorEstimator | None = None,
+        estimator: ErrorBarSource | None = None,
         missed: str = "",
     ) -> History:
-        """Roll from the first step on; `missed` tells what is wrong with their accuracy."""
+        """Roll from the first step; `missed` describes an accuracy that is not reached."""
         model = process.model
         laws = model.laws.differences_from(model.scene)
         warn_of_gap(model)
         _warn_beyond_tests(model, start)
-        keeper: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
+        sink: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
         if self.path is not None:
-            about = {"laws": laws, "started": self.started, "measured": hash_of(model)}
+            about = {"laws": laws, "started": self.started, "measured": hash_measurements(model)}
             about["coordinate"] = process.coordinate
-            keeper = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
+            sink = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
         start = process.observe(start)
-        return self._kept(keeper, process, start, (start,), estimator, missed)
+        return self._record_steps(sink, process, start, (start,), estimator, missed)
 
-    def resumed(
+    def resume(
         self,
         process: Process,
         last: Step,
         before: History,
-        estimator: ErrorEstimator | None = None,
+        estimator: ErrorBarSource | None = None,
         missed: str = "",
     ) -> History:
-        """Roll on from the last record of a file that holds `before`; arguments as of `begun`."""
+        """Continue from the last record of a file that holds `before`; arguments see `begin`."""
         warn_of_gap(process.model)
-        keeper = HistoryWriter.reopen(self.path, self.scene, len(before))
+        sink = HistoryWriter.reopen(self.path, self.scene, len(before))
         widest = np.nanmax([before[name] for name in _HALF_WIDTHS], axis=1, initial=0.0)
-        return self._kept(keeper, process, last, (), estimator, missed, widest)
+        return self._record_steps(sink, process, last, (), estimator, missed, widest)
 
-    def _kept(
+    def _record_steps(
         self,
-        keeper: "HistoryWriter | _InMemory",
+        sink: "HistoryWriter | _InMemory",
         process: Process,
         start: Step,
         first: Iterable[Step],
-        estimator: ErrorEstimator | None,
+        estimator: ErrorBarSource | None,
         missed: str,
         widest: np.ndarray | tuple[float, float] = (0.0, 0.0),
     ) -> History:
         step, began = start, self.began
         recorder = Recorder(estimator, self.columns, self.measured)
-        with keeper:
+        with sink:
             for step in chain(first, process.steps(start)):
-                told = process.record(step, recorder)
-                told = replace(told, values={**told.values, "seconds": perf_counter() - began})
+                record = process.record(step, recorder)
+                seconds = perf_counter() - began
+                record = replace(record, values={**record.values, "seconds": seconds})
                 began = perf_counter()
                 state = process.state(step) if step.continues else None
-                keeper.append(told, step.grid, state)
-                widest = np.fmax(widest, [told.values[name] for name in _HALF_WIDTHS])
+                sink.append(record, step.grid, state)
+                widest = np.fmax(widest, [record.values[name] for name in _HALF_WIDTHS])
                 if self.progress is not None:
-                    self.progress(told)
+                    self.progress(record)
                 interrupt.raise_if_interrupted()
             missed = missed if estimator is None else estimator.missed
             status, message = process.end(step, np.asarray(widest))
             if step.converged and missed:
                 status, message = str(Status.INACCURATE), missed
-            keeper.finish(status, message)
-        history = keeper.history if self.path is None else open_history(self.path)
+            sink.finish(status, message)
+        history = sink.history if self.path is None else open_history(self.path)
         if note := caveats(history).get("p_max"):
             warn(f"p_max: {note}", PlausibilityWarning)
         return history
 
 
 def _warn_beyond_tests(model: Model, start: Step) -> None:
-    """Note what of the first contacts the coefficients of wear were not measured for."""
+    """Warn if the first contacts lie outside the tests that gave the wear coefficients."""
     for k, (block, contact) in enumerate(zip(model.blocks, start.contacts, strict=True)):
         if block.wear_law is not None and contact.converged:
             fields = contact.pressure, contact.traction, contact.slip
-            if told := block.wear_law.beyond_tests(*fields):
+            if note := block.wear_law.beyond_tests(*fields):
                 key = f"wear.law: duty block {k + 1}" if len(model.blocks) > 1 else "wear.law"
-                warn(f"{key}: {told}", PlausibilityWarning)
+                warn(f"{key}: {note}", PlausibilityWarning)
 
 
 class _InMemory:
-    """Keeps records as a `HistoryWriter` does, without a file."""
+    """Collects records in memory, with the interface of `HistoryWriter`."""
 
     def __init__(self, scene: Scene, laws: Mapping[str, LawRecord], started: str) -> None:
         self._scene, self._about = scene, {"law_records": laws, "started": started}
@@ -169,15 +170,15 @@ class _InMemory:
         return self
 
     def __exit__(self, *error: type[BaseException] | BaseException | TracebackType | None) -> None:
-        """Nothing is lost that anybody could still ask for."""
+        """Do nothing: records in memory need no file to be closed."""
 
     def append(self, record: Record, grid: Grid, state: Mapping[str, np.ndarray]) -> None:
-        """Add a record and its mesh."""
+        """Append a record and its mesh."""
         self._grid = grid
         self._records.append(record)
 
     def finish(self, status: str, message: str) -> None:
-        """Make the history."""
+        """Make the history of all records."""
         end = {"status": status, "message": message, **self._about}
         self.history = History.of_records(self._records, self._scene, self._grid, **end)
 

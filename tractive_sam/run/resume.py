@@ -1,4 +1,4 @@
-"""Where a results file ends, and how to go on from there."""
+"""Find the last step of a results file, and check that a run may continue from it."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -14,8 +14,8 @@ from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, pr
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, read_state
 
-MOST_TOLD = 5
-"""Differences of two scenes that are told one by one."""
+LISTED = 5
+"""Number of differences of two scenes that a message lists."""
 
 FREE = (
     "title",
@@ -33,7 +33,7 @@ FREE = (
     "process.save",
     "load_history",  # its blocks count
 )
-"""Entries of a scene that may change when it is rolled on."""
+"""Entries of a scene that may change when it is resumed."""
 
 
 def last_step(
@@ -49,15 +49,15 @@ def last_step(
     Parameters
     ----------
     history : History
-        What the file holds.
+        Content of the file.
     path : path-like
         The file.
     scene : Scene
-        The scene of the file; the entries `FREE` may differ, a grid only in being wider.
+        The scene of the file; the entries `FREE` may differ, and the grid may be wider.
     laws : Laws, optional
-        Laws in place of the scene's, those of the file.
+        User-defined laws; they must be those of the file.
     columns : iterable of Quantity
-        Columns beside the package's, new ones or those of the file.
+        User-defined columns, new ones or those of the file.
     measured : Gap, optional
         The measured separation of the scene.
 
@@ -69,10 +69,10 @@ def last_step(
     Raises
     ------
     ResultsError
-        If the file holds another scene, other laws or another column of a name, or was rolled
-        further.
+        If the file holds another scene, other laws, or a different column with one of the names, or
+        is already rolled further.
     """
-    _check_same(history, path, scene)
+    _check_same_scene(history, path, scene)
     _check_laws(history, path, (laws or Laws.of(scene)).differences_from(scene))
     _check_columns(history, path, columns)
     rows = continuing_rows(history)
@@ -82,60 +82,63 @@ def last_step(
     if place[row] > scene.schedule.end:
         along, key = history.coordinate.name, scene.schedule.end_key
         raise ResultsError(
-            f"{path} is rolled to {along} {place[row]:g} already, {key} = "
-            f"{scene.schedule.end:g}: ask for more, or give the run a file of its own"
+            f"{path} is already rolled to {along} {place[row]:g}, beyond {key} = "
+            f"{scene.schedule.end:g}: raise {key}, or write this run to another file"
         )
     stored = StoredStep(history, row, read_state(path, row))
-    with damaged(path, row):
+    with report_damage(path, row):
         step = process_type(scene).restore(scene, stored)
-    return _on_grid_of(scene, measured, step, path), stored
+    return _move_to_grid(scene, measured, step, path), stored
 
 
 @contextmanager
-def damaged(path: str | PathLike, row: int) -> Iterator[None]:
-    """Raise a DamagedError where something of a record is missing.
+def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
+    """Raise a DamagedError if a part of a record is missing.
 
     Raises
     ------
     DamagedError
-        With what is missing.
+        With the missing part.
     """
     try:
         yield
     except LookupError as error:
         raise DamagedError(
-            f"{path} is damaged: {error.args[0]} of record {row} is missing or cannot be; run its "
+            f"{path} is damaged: {error.args[0]} of record {row} is missing or not valid; run its "
             "scene again"
         ) from None
 
 
-def what_differs(before: Scene, now: Scene) -> str:
-    """What makes two scenes different ones, as far as resuming goes; empty for the same one."""
-    there, here = before.settings(), now.settings()
-    differ = sorted(_differing(there, here))
-    told = [f"{k}: {_shown(there, k)} there, {_shown(here, k)} now" for k in differ[:MOST_TOLD]]
-    more = [f"and {len(differ) - MOST_TOLD} more"] if len(differ) > MOST_TOLD else []
-    return "; ".join(told + more)
+def describe_differences(before: Scene, now: Scene) -> str:
+    """List the differences of two scenes that prevent resuming; return "" if there are none."""
+    stored, current = before.settings(), now.settings()
+    keys = sorted(_differing_keys(stored, current))
+    listed = [
+        f"{k}: {_format_entry(stored, k)} there, {_format_entry(current, k)} now"
+        for k in keys[:LISTED]
+    ]
+    more = [f"and {len(keys) - LISTED} more"] if len(keys) > LISTED else []
+    return "; ".join(listed + more)
 
 
-def _check_same(history: History, path: str | PathLike, scene: Scene) -> None:
-    if told := what_differs(history.scene, scene):
+def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> None:
+    if differences := describe_differences(history.scene, scene):
         raise ResultsError(
-            f"{path} holds another scene ({told}); resume with the same one, or give this one a "
-            "file of its own"
+            f"{path} holds another scene ({differences}); resume with the scene of the file, or "
+            "write this run to another file"
         )
 
 
 def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRecord]) -> None:
-    """Raise where the laws of a file are not those to resume with, by their content."""
-    before, now = (
-        {name: one.fingerprint for name, one in records.items()}
+    """Raise an error unless the laws have the content of those of the file."""
+    stored, current = (
+        {name: law.fingerprint for name, law in records.items()}
         for records in (history.law_records, laws)
     )
     line = describe_laws(laws)
-    if before == now or (UNNAMED in before and history.laws == line):
+    if stored == current or (UNNAMED in stored and history.laws == line):
         return
-    alike = ", of other content," if history.laws == line else ""
+    alike = ", with different content," if history.laws == line else ""
     raise ResultsError(
         f"laws: {path} was computed with {history.laws or 'the laws of its scene'}, and is to be "
         f"resumed with {line or 'those of its scene'}{alike}: resume it with the same laws, or "
@@ -144,60 +147,67 @@ def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRe
 
 
 def check_measured(history: History, path: str | PathLike | None, measured: str) -> None:
-    """Raise where the measured gap or a profile is not that of the file any more.
+    """Raise an error if the measured gap or a profile has changed since the file was written.
 
     Raises
     ------
     ResultsError
-        If so. Files that were written before do not tell.
+        If it has changed. Files of earlier versions do not record it and pass.
     """
     if history.measured and history.measured != measured:
         raise ResultsError(
             f"{path} was computed with another content of the file of [gap] or of "
-            "[transient.profile]: bring that back to resume it, or give this run a file of its own"
+            "[transient.profile]: restore that file to resume, or write this run to another file"
         )
 
 
-def check_observed(history: History, path: str | PathLike, observers: Iterable[Observer]) -> None:
-    """Raise where a file was written without an observer that is to resume from it.
+def check_observers_in_file(
+    history: History, path: str | PathLike, observers: Iterable[Observer]
+) -> None:
+    """Raise an error if a file lacks the columns or fields of an observer that resumes from it.
 
     Raises
     ------
     ResultsError
         With the observer.
     """
-    known = {**history.columns, **history.own_fields}
-    for one in observers:
-        if not one.key and any(own.name not in known for own in (*one.columns, *one.fields)):
+    stored = {**history.columns, **history.own_fields}
+    for observer in observers:
+        quantities = (*observer.columns, *observer.fields)
+        if not observer.key and any(quantity.name not in stored for quantity in quantities):
             raise ResultsError(
-                f"{path} was computed without the observer {one.name}: resume it without this "
+                f"{path} was computed without the observer {observer.name}: resume it without this "
                 "observer, or write this run to another file"
             )
 
 
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
-    for one in columns:
-        now = one.with_units_of(history.scene)
-        if history.columns.get(one.name, now) != now:
+    for column in columns:
+        current = column.with_units_of(history.scene)
+        if history.columns.get(column.name, current) != current:
             raise ResultsError(
-                f"{path} has a column {one.name} that is another quantity (its unit, say): give "
-                "this one another name"
+                f"{path} has another column {column.name}, for example with a different unit: "
+                "rename the new column"
             )
 
 
-def _differing(before: Any, now: Any, key: str = "") -> list[str]:
-    """Dotted keys of the entries that differ and may not."""
-    if key in FREE or _same(before, now):
+def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
+    """Return the dotted keys of entries that differ although they must not."""
+    if key in FREE or _same(before, after):
         return []
-    if isinstance(before, dict) and isinstance(now, dict):
+    if isinstance(before, dict) and isinstance(after, dict):
         return [
-            found
-            for name in {**before, **now}
-            for found in _differing(before.get(name), now.get(name), f"{key}.{name}".lstrip("."))
+            differing
+            for name in {**before, **after}
+            for differing in _differing_keys(
+                before.get(name), after.get(name), f"{key}.{name}".lstrip(".")
+            )
         ]
-    if _are_tables(before) and _are_tables(now) and len(before) == len(now):
-        pairs = enumerate(zip(before, now, strict=True))
-        return [found for k, pair in pairs for found in _differing(*pair, f"{key}[{k}]")]
+    if _are_tables(before) and _are_tables(after) and len(before) == len(after):
+        pairs = enumerate(zip(before, after, strict=True))
+        return [
+            differing for k, pair in pairs for differing in _differing_keys(*pair, f"{key}[{k}]")
+        ]
     return [key]
 
 
@@ -205,15 +215,15 @@ def _are_tables(value: Any) -> bool:
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 
-def _same(before: Any, now: Any) -> bool:
-    if isinstance(before, np.ndarray) or isinstance(now, np.ndarray):
-        return np.array_equal(before, now)
-    if isinstance(before, dict) and isinstance(now, dict):
-        return before.keys() == now.keys() and all(_same(before[k], now[k]) for k in before)
-    return before == now
+def _same(before: Any, after: Any) -> bool:
+    if isinstance(before, np.ndarray) or isinstance(after, np.ndarray):
+        return np.array_equal(before, after)
+    if isinstance(before, dict) and isinstance(after, dict):
+        return before.keys() == after.keys() and all(_same(before[k], after[k]) for k in before)
+    return before == after
 
 
-def _shown(entries: dict[str, Any], key: str) -> str:
+def _format_entry(entries: dict[str, Any], key: str) -> str:
     value: Any = entries
     for name in key.replace("[", ".").replace("]", "").split("."):
         value = value[int(name)] if isinstance(value, tuple) else (value or {}).get(name)
@@ -222,8 +232,8 @@ def _shown(entries: dict[str, Any], key: str) -> str:
     return "nothing" if value is None else str(value)
 
 
-def _on_grid_of(scene: Scene, measured: Gap | None, last: Step, path: str | PathLike) -> Step:
-    """The step on the scene's [grid], if it gives one."""
+def _move_to_grid(scene: Scene, measured: Gap | None, last: Step, path: str | PathLike) -> Step:
+    """Return the step on the scene's [grid], if the scene has one."""
     before = last.contact.grid.shifted(0.0)
     if scene.grid is None:
         return last
@@ -242,6 +252,6 @@ def _on_grid_of(scene: Scene, measured: Gap | None, last: Step, path: str | Path
         half_length, (nx, ny) = before.half_length, before.elements
         raise ResultsError(
             f"{path} has {nx} x {ny} elements over +-{half_length[0]:g} x +-{half_length[1]:g} mm; "
-            "a wider grid must have the same elements, as many more on either side: "
+            "a wider grid must keep the element size and add as many elements on each side: "
             f"{as_asked(reaching(before, grid.half_length))}"
         ) from None

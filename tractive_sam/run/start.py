@@ -1,4 +1,4 @@
-"""Worn bodies of another run, with which a roll begins."""
+"""The worn bodies of an earlier run, from which a roll begins."""
 
 from collections.abc import Mapping
 from os import PathLike
@@ -12,54 +12,58 @@ from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError
 
 SAME = ("body", "gap")
-"""Tables of the scene in which the bodies must be the same, but for what only tells their wear."""
+"""Tables of the scene in which the bodies must agree, except for entries of wear alone."""
 
 OF_WEAR = ("hardness", "density")
 
 
 def worn_bodies(start: History | State, scene: Scene) -> Worn:
-    """What a history or a contact left of both bodies.
+    """Return the worn depths of both bodies from a history or a contact.
 
     Parameters
     ----------
     start : History or State
-        What was rolled before; of a history its last record that was solved.
+        Earlier results; of a history the last record that was solved.
     scene : Scene
-        What is to be rolled, by the same bodies.
+        Scene to roll, with the same bodies.
 
     Raises
     ------
     TypeError
-        If `start` is neither.
+        If `start` is neither a History nor a State.
     ResultsError
-        If it is of other bodies, or does not tell what each of them lost.
+        If its bodies differ, or it does not record what each of them lost.
     """
     if not isinstance(start, History | State):
-        needed = "a History, as of roll or open_history, or a State, as of history.state"
-        raise TypeError(f"start: {needed} is needed, not {type(start).__name__}")
+        needed = "a History (from roll or open_history) or a State (from history.state)"
+        raise TypeError(f"start: must be {needed}, not {type(start).__name__}")
     _check_same_bodies(start.scene, scene)
     if start.scene.has("wear") and not start.scene.schedule.revolves:
         raise ResultsError(
             "start: only whole revolutions wear bodies evenly along the track; give the results of "
             "a scene without [transient] and [process]"
         )
-    worn = _of_state(start) if isinstance(start, State) else _of_history(start)
+    worn = _depths_from_state(start) if isinstance(start, State) else _depths_from_history(start)
     if not np.isfinite(worn.depths).all():
-        raise ResultsError("start: its wear is not known; roll its scene again")
+        raise ResultsError("start: its wear is not finite; roll its scene again")
     return worn
 
 
-def told_of(start: History | State) -> str:
-    """Where worn bodies are from, in a line."""
+def describe_origin(start: History | State) -> str:
+    """Describe in a line where worn bodies come from."""
     scene = start.scene
-    where = f"revolution {start.revolution}" if isinstance(start, State) else _last_of(start)
-    named = f" of {scene.title!r}" if scene.title else ""
-    told = f"{where}{named} (scene {scene.fingerprint()[:12]})"
+    where = (
+        f"revolution {start.revolution}"
+        if isinstance(start, State)
+        else _describe_last_record(start)
+    )
+    title = f" of {scene.title!r}" if scene.title else ""
+    origin = f"{where}{title} (scene {scene.fingerprint()[:12]})"
     before = start.started if isinstance(start, History) else ""
-    return f"{told}; that began with {before}" if before else told
+    return f"{origin}; that began with {before}" if before else origin
 
 
-def _last_of(history: History) -> str:
+def _describe_last_record(history: History) -> str:
     row = _last_row(history)
     along = history.coordinate
     return f"{along.name} {history[along.name][row]:{along.format}}"
@@ -72,34 +76,34 @@ def _last_row(history: History) -> int:
     return int(solved[-1])
 
 
-def before(history: History) -> Worn | None:
-    """The worn bodies with which a history itself began; None of new ones."""
+def worn_bodies_before(history: History) -> Worn | None:
+    """Return the worn bodies with which a history began; None if they were new."""
     if not history.started:
         return None
     depths = np.stack([history[f"wear_profile_{body}"][0] for body in BODIES])
     return Worn(history.y, depths)
 
 
-def started_as(history: History, path: str | PathLike, asked: str) -> Worn | None:
-    """The worn bodies with which a file began that is to go on, the same as asked for.
+def check_start_of_file(history: History, path: str | PathLike, origin: str) -> Worn | None:
+    """Return the worn bodies with which a file began; `origin`, if not empty, must name them.
 
     Raises
     ------
     ResultsError
-        If others are asked for.
+        If `origin` names others.
     """
-    if asked not in ("", history.started):
+    if origin not in ("", history.started):
         raise ResultsError(
-            f"{path} began with {history.started or 'unworn bodies'}, and is to go on as if with "
-            f"{asked}: resume it without a start, or give this run a file of its own"
+            f"{path} began with {history.started or 'unworn bodies'}, but start is "
+            f"{origin}: resume it without start, or write this run to another file"
         )
-    return before(history)
+    return worn_bodies_before(history)
 
 
-def _of_history(history: History) -> Worn:
+def _depths_from_history(history: History) -> Worn:
     row = _last_row(history)
     entering, leaving = (history[name][row] for name in ("entering_profile", "wear_profile"))
-    began = before(history)
+    began = worn_bodies_before(history)
     new = np.zeros((2, history.y.size)) if began is None else began.depths
     turns = history.scene.turns
     if PARTS.name in history.columns:
@@ -111,12 +115,12 @@ def _of_history(history: History) -> Worn:
     return Worn(history.y, new + np.stack([turns.worn(body, *since) for body in BODIES]))
 
 
-def _of_state(state: State) -> Worn:
+def _depths_from_state(state: State) -> Worn:
     wear = state.scene.wear
     if wear is not None and not wear.together:
         raise ResultsError(
-            "start: its bodies wear by laws of their own, and a contact does not tell how much "
-            "each lost; give the history"
+            "start: its bodies wear by separate laws, and a contact does not record how much "
+            "each of them lost; give the history"
         )
     turns = state.scene.turns
     depths = [turns.worn(body, state.wear[-1], state.wear[0]) for body in BODIES]
@@ -124,23 +128,26 @@ def _of_state(state: State) -> Worn:
 
 
 def _check_same_bodies(before: Scene, now: Scene) -> None:
-    there, here = (_bodies(scene) for scene in (before, now))
-    differ = sorted(key for key in there.keys() | here.keys() if there.get(key) != here.get(key))
+    stored, current = (_entries_of_bodies(scene) for scene in (before, now))
+    keys = stored.keys() | current.keys()
+    differ = sorted(key for key in keys if stored.get(key) != current.get(key))
     if differ:
-        told = ", ".join(f"{k}: {there.get(k)} there, {here.get(k)} now" for k in differ[:3])
-        raise ResultsError(f"start: its bodies are others ({told}); give both scenes the same ones")
+        listed = ", ".join(f"{k}: {stored.get(k)} there, {current.get(k)} now" for k in differ[:3])
+        raise ResultsError(f"start: its bodies differ ({listed}); both scenes need the same bodies")
 
 
-def _bodies(scene: Scene) -> dict[str, Any]:
-    """What makes the bodies of a scene, by dotted key."""
+def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
+    """Return the entries that define the bodies of a scene, by dotted key."""
     settings = {name: scene.settings().get(name, {}) for name in SAME}
-    return {key: str(value) for key, value in _flat(settings) if key.split(".")[-1] not in OF_WEAR}
+    return {
+        key: str(value) for key, value in _flatten(settings) if key.split(".")[-1] not in OF_WEAR
+    }
 
 
-def _flat(table: Mapping[str, Any], above: str = ""):
+def _flatten(table: Mapping[str, Any], above: str = ""):
     for name, value in table.items():
         key = f"{above}.{name}".lstrip(".")
         if isinstance(value, Mapping):
-            yield from _flat(value, key)
+            yield from _flatten(value, key)
         else:
             yield key, value

@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from tractive_sam.deprecation import RenamedAttribute
+from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.mechanics import Bound, Friction, Linearisation
 from tractive_sam.operators import (
     Box,
@@ -161,6 +161,7 @@ class FixedPressure:
         )
 
 
+@renamed_attributes(held="is_pressure_fixed", holding="with_pressure", eased="at_speed_ratio")
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Find pi_n and pi_t, in the disc of the friction law, and with it the slip sigma.
@@ -197,10 +198,6 @@ class Problem:
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
     kinematics: Kinematics = field(default_factory=SteadyRolling)
-
-    held = RenamedAttribute("is_pressure_fixed")
-    holding = RenamedAttribute("with_pressure")
-    eased = RenamedAttribute("at_speed_ratio")
 
     @property
     def operators(self) -> Operators:

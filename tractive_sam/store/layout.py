@@ -40,7 +40,7 @@ from tractive_sam.results import (
     BOUND,
     COLUMNS,
     COORDINATE,
-    CYCLES,
+    FATIGUE_FIELDS,
     FIELDS,
     LABELS,
     REVOLUTION,
@@ -53,8 +53,8 @@ from tractive_sam.results import (
     Record,
     describe_laws,
     dump_laws,
-    kept_fields,
-    of_role,
+    find_by_role,
+    storable_fields,
 )
 from tractive_sam.results import columns as columns_of
 from tractive_sam.scene import Plane, Scene, block_label
@@ -126,7 +126,7 @@ def create_layout(
     coordinate : Quantity, optional
         The column along which the history runs; by default that of the scene.
     """
-    coordinate = coordinate or of_role(columns_of(scene).values(), COORDINATE)
+    coordinate = coordinate or find_by_role(columns_of(scene).values(), COORDINATE)
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
     set_scene(file, scene)
@@ -151,7 +151,7 @@ def create_layout(
     if names := [block_label(scene, k) for k in range(len(scene.duty))]:
         _create_labels(history, "block", names, "block of the duty cycle")
     stored_fields = {
-        name: quantity for name, quantity in kept_fields(scene).items() if quantity is not BOUND
+        name: quantity for name, quantity in storable_fields(scene).items() if quantity is not BOUND
     }
     _create_fields(file.create_group("fields"), grid, history, coordinate, stored_fields)
     file.create_group("stress")
@@ -239,7 +239,7 @@ def stress_path(body: str, plane: Plane | str, block: int | None = None) -> str:
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:
     """Create the missing columns, and describe the user-defined ones."""
     missing = [column for dimension, column in columns.items() if dimension not in history]
-    coordinate = of_role(columns.values(), COORDINATE).name
+    coordinate = find_by_role(columns.values(), COORDINATE).name
     for column in missing:
         for dimension in (dimension for dimension in column.dims if dimension not in history):
             labels = LABELS.get(dimension) or [str(k + 1) for k in range(blocks)]
@@ -290,7 +290,7 @@ def _create_cycle(
     if fatigue.zeta.size:
         about = Quantity("zeta", "mm", "depth below the unworn surface")
         _create_scale(group, "zeta", fatigue.zeta, about)
-    for name, quantity in CYCLES.items():
+    for name, quantity in FATIGUE_FIELDS.items():
         if all(axis in group for axis in quantity.dims):
             scales = (record, *(group[axis] for axis in quantity.dims))
             _create_rows(group, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)

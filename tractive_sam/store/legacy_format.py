@@ -9,7 +9,7 @@ resumed.
 import h5py
 import numpy as np
 
-from tractive_sam.results import BODIES, FIELDS, FORMER, History, Record, fields
+from tractive_sam.results import BODIES, FIELDS, RENAMED_COLUMNS, History, Record, restart_fields
 from tractive_sam.scene import Scene
 from tractive_sam.schema import toml
 from tractive_sam.store import layout, rows
@@ -79,7 +79,7 @@ def read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
 
 def column_names(column: str) -> tuple[str, ...]:
     """Return the names of a column: the present name, and its name in this format."""
-    return column, *(before for before, present in FORMER.items() if present == column)
+    return column, *(before for before, present in RENAMED_COLUMNS.items() if present == column)
 
 
 def write_history(
@@ -106,4 +106,4 @@ def _read_record(history: History, row: int) -> Record:
     if revolution not in history.field_revolutions:
         return Record(values, history.columns)
     stress = tuple(history.stress(*plane, revolution) for plane in history.planes)
-    return Record(values, history.columns, fields(history.state(revolution)), stress)
+    return Record(values, history.columns, restart_fields(history.state(revolution)), stress)

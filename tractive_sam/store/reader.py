@@ -13,8 +13,8 @@ from tractive_sam.results import (
     BODIES,
     BOUND,
     COORDINATE,
-    CYCLES,
     DIMS,
+    FATIGUE_FIELDS,
     FIELDS,
     LABELS,
     OUTSIDE,
@@ -25,9 +25,9 @@ from tractive_sam.results import (
     LawRecord,
     Quantity,
     columns,
-    kept_fields,
+    find_by_role,
     load_laws,
-    of_role,
+    storable_fields,
 )
 from tractive_sam.scene import Scene, allow_missing_files
 from tractive_sam.schema import SceneError, SceneWarning
@@ -117,8 +117,8 @@ def _read_history(file: ResultsFile) -> History:
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
     quantities = columns(scene, _read_own("history", dims, file))
     own_fields = {quantity.name: quantity for quantity in _read_own("fields", ((),), file)}
-    coordinate = of_role(quantities.values(), COORDINATE).name
-    stored_fields = _stored_names("fields", (*kept_fields(scene), *own_fields), file)
+    coordinate = find_by_role(quantities.values(), COORDINATE).name
+    stored_fields = _stored_names("fields", (*storable_fields(scene), *own_fields), file)
     for name in stored_fields:
         file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
     return History(
@@ -165,7 +165,7 @@ def _read_cycles(file: ResultsFile, scene: Scene, length: int) -> dict[str, Stor
         for name in ("depth", "zeta"):
             axes[name] = file.length(f"{group}/{name}") if f"{group}/{name}" in file else 0
         axes["y"] = rows[0]
-        for name, quantity in CYCLES.items():
+        for name, quantity in FATIGUE_FIELDS.items():
             if f"{group}/{name}" in file:
                 file.check(f"{group}/{name}", (length, *(axes[axis] for axis in quantity.dims)))
         cycles[body] = StoredCycles(file.path, body, math.nan if k is None else k, length)

@@ -11,14 +11,14 @@ from tractive_sam.mechanics import VON_MISES
 from tractive_sam.results import (
     BEFORE,
     BOUND,
-    CYCLES,
+    FATIGUE_FIELDS,
     FIELDS,
     OUTSIDE,
     STRESS,
     Grid,
     Record,
-    stacked,
-    widened,
+    stack_values,
+    widen_field,
 )
 from tractive_sam.store import layout
 
@@ -41,7 +41,7 @@ def append(file: h5py.File, records: Sequence[Record]) -> None:
     for name in (name for name in history if name not in SCALES):
         values = np.arange(before, count) if name == "record" else None
         if name in columns:
-            values = stacked(columns[name], [record.values[name] for record in records], grid)
+            values = stack_values(columns[name], [record.values[name] for record in records], grid)
         _extend(_open_dataset(history, name), before, count, values)
     with_fields = [
         (row, record) for row, record in enumerate(records, start=before) if record.fields
@@ -75,7 +75,7 @@ def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Recor
         _append_group(group, rows, records, values, unknown)
     for cycles in zip(*(record.cycles for record in records), strict=True):
         group = file["fatigue"][cycles[0].body]
-        names = [name for name in CYCLES if name in group]
+        names = [name for name in FATIGUE_FIELDS if name in group]
         values = [{name: getattr(fatigue, name) for name in names} for fatigue in cycles]
         _append_group(group, rows, records, values, {})
 
@@ -95,7 +95,7 @@ def _append_group(
         before, *shape = dataset.shape
         known: Sequence[Any] = about.get(name, ())
         columns = known or [
-            widened(np.asarray(fields[name]), tuple(shape), outside.get(name, 0.0))
+            widen_field(np.asarray(fields[name]), tuple(shape), outside.get(name, 0.0))
             for fields in values
         ]
         _extend(dataset, before, before + len(rows), np.stack(columns))
@@ -132,7 +132,7 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
         if name not in group:
             layout.add_state(group, name, values)
         dataset = _open_dataset(group, name)
-        padded = widened(values, dataset.shape, OUTSIDE.get(name, 0.0))
+        padded = widen_field(values, dataset.shape, OUTSIDE.get(name, 0.0))
         dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(padded))
 
 
@@ -170,9 +170,9 @@ def widen(file: h5py.File, grid: "Grid") -> None:
     for name in (name for name in (*FIELDS, BOUND.name, *BEFORE, *DEPTHS) if name in state):
         values = state[name][:]
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
-        state[name][...] = widened(values, state[name].shape, OUTSIDE.get(name, 0.0))
+        state[name][...] = widen_field(values, state[name].shape, OUTSIDE.get(name, 0.0))
     for group in fatigue_groups(file):
-        for name in (name for name in CYCLES if name in group):
+        for name in (name for name in FATIGUE_FIELDS if name in group):
             _widen_rows(group[name], ("y",), before, after)  # the new margin is unstressed
     for group in plane_groups(file):
         for name in STRESS:
@@ -198,7 +198,7 @@ def _widen_rows(
     shape = (*outer, *(after[axis] for axis in axes), *inner)
     dataset.resize((len(dataset), *shape))
     for row in range(len(dataset)):
-        dataset[row] = widened(dataset[(row, *old)], shape, outside)
+        dataset[row] = widen_field(dataset[(row, *old)], shape, outside)
 
 
 def plane_groups(file: h5py.File) -> Iterator[h5py.Group]:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tractive_sam.results import COMPONENTS, CYCLES, BodyFatigue, PlaneStress
+from tractive_sam.results import COMPONENTS, FATIGUE_FIELDS, BodyFatigue, PlaneStress
 from tractive_sam.scene import Plane
 from tractive_sam.store.layout import stress_path
 from tractive_sam.store.opening import open_results
@@ -118,7 +118,7 @@ class StoredCycles:
             group = f"fatigue/{self.body}"
             values = {
                 name: file.row(f"{group}/{name}", row) if f"{group}/{name}" in file else empty
-                for name in CYCLES
+                for name in FATIGUE_FIELDS
             }
             axes = {
                 name: file.all_numbers(f"{group}/{name}") if f"{group}/{name}" in file else empty

@@ -18,7 +18,7 @@ import numpy as np
 from h5py import File
 
 from tractive_sam import interrupt
-from tractive_sam.results import Grid, LawRecord, Quantity, Record, widened
+from tractive_sam.results import Grid, LawRecord, Quantity, Record, widen_field
 from tractive_sam.scene import Scene
 from tractive_sam.store import layout, legacy_format, rows, write_access
 from tractive_sam.store.atomic import atomic_rewrite
@@ -260,12 +260,12 @@ def _field_bytes(record: Record) -> int:
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
     """Check that a mesh is that before or wider, and that the record has this mesh."""
-    widened(np.empty(before), mesh)
+    widen_field(np.empty(before), mesh)
     for name, quantity in record.columns.items():
         if quantity.dims == ("y",):
-            widened(np.asarray(record.values[name]), mesh[1:])
+            widen_field(np.asarray(record.values[name]), mesh[1:])
     for values in record.fields.values():
-        widened(values, mesh)
+        widen_field(values, mesh)
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from collections.abc import Container, Iterable
 
 import numpy as np
 
-from tractive_sam.run import snake
+from tractive_sam.run import neighbouring_places
 from tractive_sam.studies.task import Task
 
 Chain = tuple[Task, ...]
@@ -13,7 +13,7 @@ Chain = tuple[Task, ...]
 
 def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
     """Return the position of each case, by its number, if each follows one of its neighbours."""
-    places = np.array([np.ravel_multi_index(place, shape) for place in snake(shape)])
+    places = np.array([np.ravel_multi_index(place, shape) for place in neighbouring_places(shape)])
     return np.argsort(places)
 
 

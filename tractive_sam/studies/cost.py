@@ -48,14 +48,14 @@ def explain_study(study: Study, workers: int) -> Description:
     seconds = np.array(_estimate_times(models, files))
     # The last record of a case takes 2 kB.
     volume = sum(map(_file_size, models)) if files else 2e3 * len(found)
-    memory_each = f"about {max(map(memory.of_scene, models)) / 2**20:.0f} MiB a worker"
+    memory_each = f"about {max(map(memory.scene_bytes, models)) / 2**20:.0f} MiB a worker"
     total = max(seconds.sum() / workers, seconds.max())
     shortest, longest = format_duration(min(seconds)), format_duration(max(seconds))
     work = [
         ("a case", " to ".join(dict.fromkeys((shortest, longest)))),
         ("all cases", f"about {format_duration(seconds.sum())} of one core"),
         (f"with {workers} workers", f"about {format_duration(total)}; set others by --workers N"),
-        ("memory", f"{memory_each}, and {explain.OF_PROGRAMS} MiB for programs"),
+        ("memory", f"{memory_each}, and {explain.PROGRAM_MEMORY} MiB for programs"),
         ("results", _describe_space(volume, len(found) if files else 1)),
     ]
     axes = [*_describe_axes(study), ("in all", f"{len(found)} cases")]
@@ -81,7 +81,9 @@ def check_memory(found: list[Case], workers: int) -> None:
     StudyError
         With the number of processes for which it suffices.
     """
-    each = max(map(memory.of_scene, _models(found)), default=0.0) + explain.OF_PROGRAMS * 2**20
+    each = (
+        max(map(memory.scene_bytes, _models(found)), default=0.0) + explain.PROGRAM_MEMORY * 2**20
+    )
     free, workers = available(), min(workers, len(found))
     if workers * each > free:
         mebi = 2**20
@@ -131,13 +133,13 @@ def _estimate_times(
     """
     kinds = defaultdict(list)
     for model in models:
-        kinds[memory.fields_together(model), type(model.elasticity)].append(model)
+        kinds[memory.fields_per_operator(model), type(model.elasticity)].append(model)
     pace = {kind: _pace(alike) for kind, alike in kinds.items()}
     return [
         file * with_files
-        + pace[memory.fields_together(model), type(model.elasticity)]
+        + pace[memory.fields_per_operator(model), type(model.elasticity)]
         * _work(model)
-        * explain.applications(model)
+        * explain.expected_applications(model)
         * (1.0 if model.method.predictable else uzawa)
         for model in models
     ]
@@ -151,7 +153,7 @@ def _pace(alike: list[Model]) -> float:
 
 def _work(model: Model) -> float:
     """Return a measure of the work of an application."""
-    return explain.work(model.grid.elements)
+    return explain.transform_work(model.grid.elements)
 
 
 def _file_size(model: Model, empty: float = 2e5) -> float:
@@ -160,7 +162,7 @@ def _file_size(model: Model, empty: float = 2e5) -> float:
     saved = len(scene.schedule.save)
     numbers = (saved + 1) * len(FIELDS) * nx * ny  # also the state from which a run resumes
     sizes = (ny if column.dims else 1 for column in columns(scene).values())
-    numbers += explain.records(model) * sum(sizes)
+    numbers += explain.expected_records(model) * sum(sizes)
     if scene.subsurface is not None:
         below = scene.subsurface
         planes = len(below.planes) * len(below.bodies)

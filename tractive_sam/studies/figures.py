@@ -13,7 +13,7 @@ from tractive_sam import interrupt
 from tractive_sam.description import format_setting
 from tractive_sam.output_file import make_folder
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
-from tractive_sam.results import COLUMNS, Quantity, by_name
+from tractive_sam.results import COLUMNS, Quantity, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.case import title_of
@@ -222,7 +222,7 @@ def _texts(column: tuple) -> list[str]:
 
 def _unit(key: str, scene: Scene) -> str:
     """Return the unit of a key that has a symbol in figures; titles of others contain it."""
-    units = {name: one.with_units_of(scene).unit for name, one in by_name(COLUMNS).items()}
+    units = {name: one.with_units_of(scene).unit for name, one in index_by_name(COLUMNS).items()}
     of_entries = {
         "load.normal": units["P"],
         "load.pressure": units["p_max"],

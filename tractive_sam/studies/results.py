@@ -20,7 +20,7 @@ from tractive_sam.extras import check_extra
 from tractive_sam.markup import Html
 from tractive_sam.optional import xarray
 from tractive_sam.output_file import write_file
-from tractive_sam.results import BODIES, COLUMNS, History, Quantity, by_name
+from tractive_sam.results import BODIES, COLUMNS, History, Quantity, index_by_name
 from tractive_sam.safe_text import csv_cell
 from tractive_sam.schema import SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
@@ -167,7 +167,7 @@ class StudyResults:
             if one.dims == ("body",)
             for body in BODIES
         ]
-        return by_name([*(one for one in known if not one.dims), *of_bodies])
+        return index_by_name([*(one for one in known if not one.dims), *of_bodies])
 
     @cached_property
     def _names(self) -> set[str]:

@@ -9,7 +9,7 @@ from time import sleep
 
 from tractive_sam import interrupt
 from tractive_sam.operators import cores
-from tractive_sam.run import InTurn
+from tractive_sam.run import SequentialRuns
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases
@@ -220,7 +220,7 @@ def _run_in_process(
     tasks: list[Task], say: Callable[[str], None]
 ) -> Iterator[tuple[Task, Outcome]]:
     """Yield the tasks with their outcomes, computed in this process."""
-    neighbours = InTurn()
+    neighbours = SequentialRuns()
     for task in tasks:
         if task.file is None:
             interrupt.raise_if_interrupted()

@@ -11,7 +11,7 @@ from traceback import format_exc
 
 from tractive_sam import interrupt
 from tractive_sam.results import History
-from tractive_sam.run import InTurn, roll
+from tractive_sam.run import SequentialRuns, roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import (
     DamagedError,
@@ -61,14 +61,14 @@ def run_chain(scenes: Sequence[Scene]) -> list[Outcome]:
     scenes : sequence of Scene
         The scenes.
     """
-    neighbours, outcomes = InTurn(), []
+    neighbours, outcomes = SequentialRuns(), []
     for scene in scenes:
         interrupt.raise_if_interrupted()
         outcomes.append(run_neighbour(scene, neighbours))
     return outcomes
 
 
-def run_neighbour(scene: Scene, neighbours: InTurn) -> Outcome:
+def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> Outcome:
     """Compute a scene from the solution of the previous one; no file is written."""
     return _outcome(lambda: _history_outcome(neighbours.roll(scene), versions()["tractive-sam"]))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam.contact import Laws
 from tractive_sam.mechanics import Elasticity
-from tractive_sam.results import Grid, State, widened
+from tractive_sam.results import Grid, State, widen_field
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface.mirror import SIGNS
 from tractive_sam.subsurface.source import StressSource, stress_source
@@ -89,7 +89,7 @@ class LoadedBodies:
                 raise ValueError(f'a body is "A" or "B", not {name!r}')
         tractions = np.concatenate((contact.traction, contact.pressure[None]))
         grid = contact.grid.lengthened(beyond) if beyond else contact.grid
-        tractions = widened(tractions, grid.elements)
+        tractions = widen_field(tractions, grid.elements)
         # Without laws the contact is a state: stored fields have none.
         elasticity = (laws or Laws.of_contact(cast(State, contact))).elasticity
         bodies = tuple(elasticity.single_body(name) for name in names)

@@ -7,10 +7,10 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.special import elliprd
 
-from tractive_sam.contact import Model, fitted, jacobian_of
+from tractive_sam.contact import Model, jacobian_of, solve_on_fitted_mesh
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import State
-from tractive_sam.run import measured_gap, nearby, under, warn_of_gap
+from tractive_sam.run import read_measured_gap, solve_from_nearby, warn_of_gap, with_creepages
 from tractive_sam.scene import Scene
 from tractive_sam.tables.rest_slopes import extrapolate_slopes, rest_meshes
 
@@ -119,7 +119,7 @@ class Contacts:
         """Return the model on a mesh, which is stored."""
         if elements not in self._models:
             scene = with_mesh(self.scene, elements, self._reach)
-            self._models[elements] = Model(scene, measured_gap(scene))
+            self._models[elements] = Model(scene, read_measured_gap(scene))
         return self._models[elements]
 
     @cached_property
@@ -128,7 +128,7 @@ class Contacts:
         if self.scene.gap is None:
             return float(self.scene.hertz.a), float(self.scene.hertz.b)
         smooth = self.scene.replace(friction=None, creepage=None)
-        model, contact = fitted(Model(smooth, measured_gap(smooth)))
+        model, contact = solve_on_fitted_mesh(Model(smooth, read_measured_gap(smooth)))
         if not contact.converged:
             raise RuntimeError(f"a contact without friction was not solved: {contact.message}")
         warn_of_gap(model)
@@ -158,7 +158,7 @@ class Contacts:
         """Return the contact at scaled creepages, solved from the previous one on the mesh."""
         model = self._model(elements)
         creepages = dict(zip(KEYS, w * self._creepage, strict=True))
-        _, contact = nearby(under(model, creepages), self._last.get(elements))
+        _, contact = solve_from_nearby(with_creepages(model, creepages), self._last.get(elements))
         self.solved += 1
         if not contact.converged:
             raise RuntimeError(
@@ -170,7 +170,7 @@ class Contacts:
     def _gradient(self, contact: State, elements: int) -> np.ndarray:
         """Return the scaled derivatives of the forces by the creepages, shape (3, 3)."""
         creepages = (contact.xi_x, contact.xi_y, contact.spin)
-        model = under(self._model(elements), dict(zip(KEYS, creepages, strict=True)))
+        model = with_creepages(self._model(elements), dict(zip(KEYS, creepages, strict=True)))
         jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
         found = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
         return found / self._unit[:, None] * self._creepage

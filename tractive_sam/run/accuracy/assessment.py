@@ -1,4 +1,4 @@
-"""Whether a contact is as accurate as its scene asks for."""
+"""Compare the error bars of a contact with the accuracy that its scene requires."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -9,27 +9,27 @@ from tractive_sam.results import History, State
 from tractive_sam.run.accuracy.error_bars import (
     Name,
     Sample,
+    deviations_from_prescribed,
     error_bars,
-    off_given,
     relative_error_bars,
 )
 from tractive_sam.run.accuracy.levels import NEEDED
 from tractive_sam.scene import Scene
 
 GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
-"""What has to be within the tolerance; of unworn bodies the peak contact pressure as well."""
+"""Quantities that must be within the tolerance; for unworn bodies the peak pressure as well."""
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """Error bars of a contact, and what is wrong with them.
+    """Error bars of a contact, and a note if they are too wide.
 
     Attributes
     ----------
     error_bars : mapping of str to float
-        As of `State`; empty where too few meshes were solved.
+        See `State`; empty if too few meshes were solved.
     missed : str
-        Which of them is too wide, and what to do; empty where all are as asked for.
+        The error bar that is too wide, and what to do; empty if all are within the tolerance.
     """
 
     error_bars: Mapping[str, Any]
@@ -37,63 +37,65 @@ class Assessment:
 
 
 def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Assessment:
-    """Assess a contact by coarser ones.
+    """Assess the accuracy of a contact by the contacts on coarser meshes.
 
     Parameters
     ----------
     contact : State
-        On the finest mesh.
+        Contact on the finest mesh.
     samples : sequence of Sample or None
-        Of this and coarser meshes, the finest last; None where a mesh could not be solved.
+        Samples on this and coarser meshes, the finest last; None for a mesh that was not solved.
     peak : bool
-        Whether the peak contact pressure has to be within the tolerance as well.
+        Whether the peak contact pressure must be within the tolerance as well.
     """
     solved = [sample for sample in samples[-NEEDED:] if sample is not None]
     if len(solved) < NEEDED:
-        told = f"error bars take {NEEDED} meshes, of which {len(solved)} could be solved"
-        return Assessment({}, _advised(contact.scene, told))
+        note = f"error bars need {NEEDED} meshes, and only {len(solved)} could be solved"
+        return Assessment({}, _add_advice(contact.scene, note))
     relative = relative_error_bars(*solved)
-    worst, name = worst_of(relative, peak)
-    bars = error_bars(relative, solved[-1]) | off_given(contact) | {"relative": worst}
+    worst, name = worst_error_bar(relative, peak)
+    bars = (
+        error_bars(relative, solved[-1]) | deviations_from_prescribed(contact) | {"relative": worst}
+    )
     if worst <= contact.scene.accuracy.tolerance:
         return Assessment(bars, "")
     if math.isinf(worst):
-        told = f"{name} grows with every finer mesh and may have no limit: round what is sharp"
-        return Assessment(bars, told)
-    told = f"{name} has a relative error bar of {worst:.1e}"
-    return Assessment(bars, _advised(contact.scene, told))
+        note = f"{name} grows with every finer mesh and may have no limit: round sharp edges"
+        return Assessment(bars, note)
+    note = f"{name} has a relative error bar of {worst:.1e}"
+    return Assessment(bars, _add_advice(contact.scene, note))
 
 
-def worst_of(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
-    """The widest of the relative error bars that govern, and its name."""
+def worst_error_bar(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
+    """Return the widest of the relative error bars that govern, and its name."""
     names = (*GOVERNING, "p_max") if peak else GOVERNING
     return max((relative[name], name) for name in names)
 
 
-def missed_before(history: History, scene: Scene) -> str:
-    """Which saved revolution of a history was last not accurate enough, and what to do; or empty.
+def describe_missed_accuracy(history: History, scene: Scene) -> str:
+    """Describe the last saved revolution that was not accurate enough, or return "".
 
     Parameters
     ----------
     history : History
-        Of this scene, complete or not.
+        History of this scene, complete or not.
     scene : Scene
-        With [accuracy].
+        Scene with [accuracy].
     """
     if "relative_error" not in history.columns:
         return ""
     missed, saved = "", scene.schedule
     for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):
-        # Not "greater": there may be none, where coarser meshes could not be solved.
+        # Not "greater": the error bar is nan if coarser meshes could not be solved.
         if int(revolution) in saved and not worst <= scene.accuracy.tolerance:
             bar = "no error bars" if math.isnan(worst) else f"a relative error bar of {worst:.1e}"
             missed = f"revolution {revolution:.0f} has {bar}"
-    return missed and _advised(scene, missed)
+    return missed and _add_advice(scene, missed)
 
 
-def _advised(scene: Scene, told: str) -> str:
+def _add_advice(scene: Scene, note: str) -> str:
     accuracy = scene.accuracy
     return (
-        f"{told}; accuracy.tolerance asks for {accuracy.tolerance:.1e}, and accuracy.elements "
+        f"{note}; accuracy.tolerance is {accuracy.tolerance:.1e}, and accuracy.elements "
         f"allows no more than {accuracy.elements} elements: raise one of them"
     )

@@ -1,17 +1,17 @@
-"""How far results on a mesh may be from those on an infinitely fine one.
+"""Estimate how far results on a mesh are from those on an infinitely fine one.
 
-Of an error C h^p two meshes, of elements sqrt(2) times apart, differ by (2^(p/2) - 1) C h^p. So the
-error of the finer one is their difference times 1.0 where it falls with h² (equal bodies),
-times 2.4 where it falls with h (different bodies; see `operators.stencil`). On top of that, where
-the edges of contact and of stick fall within their elements scatters the results by about as much,
-so that a small difference may be mere chance: the difference before is looked at as well, and what
-is seen of one force is taken for all, since one traction causes them.
+With an error C h^p, two meshes whose element sizes differ by sqrt(2) differ by (2^(p/2) - 1) C h^p.
+So the error of the finer one is their difference times 1.0 if it falls with h² (equal bodies), and
+times 2.4 if it falls with h (different bodies; see `operators.stencil`). The positions of the edges
+of contact and of stick within their elements scatter the results by about as much, and a small
+difference may be chance. So the previous difference counts as well, and the error of one force is
+applied to all forces, since one traction causes them.
 
-The largest stress at a surface may come closer by less. Where slip turns about its pole, and where
-no elements resolve the end of stick, it is a cusp: its error falls with the root of h.
+The largest stress at a surface may converge more slowly. If slip turns about its pole, or no
+elements resolve the end of stick, the stress has a cusp: its error falls with the root of h.
 
-A peak contact pressure that grows on two refinements as no such error does may have no limit at
-all, as at the edge of a step, nor has the stress below it then: their bars are infinite.
+A peak contact pressure that grows on two refinements faster than any such error may have no limit,
+as at the edge of a step, and the stress below it may have none. Their error bars are infinite.
 """
 
 import math
@@ -29,36 +29,36 @@ SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
 
 FORMER = 0.7
-"""Weight of the difference before: 2^(-1/2), by which errors of first order fall."""
+"""Weight of the previous difference: 2^(-1/2), by which errors of first order fall."""
 
 SURFACE_SAFETY, SURFACE_FORMER = 6.0, 0.84
-"""The same two of the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
+"""Both for the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
 
 GROWING = 0.9
-"""Last growth of the peak contact pressure over the one before, above which it nears no limit."""
+"""Ratio of the last two growths of the peak pressure above which it approaches no limit."""
 
 GROWN = 0.02
-"""Least relative growth that is no chance."""
+"""Smallest relative growth that is not chance."""
 
 SHARED = 0.4
-"""Least relative bar of a force over the largest of all forces, and over that for pressure."""
+"""Smallest relative bar of a force or of pressure, over the largest of all forces."""
 
 FORCES = ("Qx", "Qy", "Mz")
 SHARING = (*FORCES, "p_max")
 
 
 @dataclass(frozen=True)
-class LargestStress:
-    """Which of the largest stresses of a body.
+class StressMaximum:
+    """Which of the largest stresses of a body a value is.
 
     Attributes
     ----------
     column : str
-        Where the larger one of both is recorded.
+        Column that records the larger of both.
     body : "A" or "B"
         The body.
     surface : bool
-        Whether it is that at the surface, or inside.
+        Whether it is the largest stress at the surface, or inside.
     """
 
     column: str
@@ -67,13 +67,13 @@ class LargestStress:
 
 
 @dataclass(frozen=True)
-class OfBody:
-    """A column of one body.
+class BodyColumn:
+    """A column and its body.
 
     Attributes
     ----------
     column : str
-        Where it is recorded.
+        Name of the column.
     body : "A" or "B"
         The body.
     """
@@ -82,10 +82,10 @@ class OfBody:
     body: str
 
 
-Name = str | LargestStress | OfBody
-"""A recorded name, or one of the two stresses behind it."""
+Name = str | StressMaximum | BodyColumn
+"""Name of a quantity, or one of the two stresses behind it."""
 
-CYCLED = {
+FATIGUE_COLUMNS = {
     "utilisation": "utilisation",
     "residual_shear": "shakedown_lower",
     "path_radius": "shakedown_upper",
@@ -100,18 +100,18 @@ class Sample:
     Attributes
     ----------
     values : mapping of Name to float
-        Those of stress as `LargestStress`.
+        Quantities by name; those of stress by `StressMaximum`.
     scales : mapping of Name to float
-        What an error of each is relative to; zero of what the scene gives. Forces: the integral of
-        the magnitude of the traction, for the moment times the mean radius of the contact.
-        Temperatures: the largest rise above the bulk of a body.
+        Reference of the relative error of each quantity; zero for prescribed quantities. Forces:
+        the integral of the magnitude of the traction, times the mean radius of the contact for the
+        moment. Temperatures: the largest rise above the bulk of a body.
     residual : float
         Relative residual of the contact conditions.
     factors : mapping of (str, str) to float
         Load factors of shakedown, by column and body.
     floors : mapping of Name to float
-        Relative errors that no mesh shows: of utilisation and stressed volume by the points of a
-        path.
+        Relative errors that do not depend on the mesh: of utilisation and stressed volume by the
+        points of a path.
     """
 
     values: Mapping[Name, float]
@@ -162,7 +162,7 @@ def _contact_numbers(contact: State) -> Numbers:
     creepage = math.hypot(contact.xi_x, contact.xi_y, contact.spin * arm)
     scales = {name: abs(value) for name, value in values.items()}
     scales |= {"Qx": force, "Qy": force, "Mz": force * arm, "xi_x": creepage, "xi_y": creepage}
-    scales |= dict.fromkeys(off_given(contact), 0.0)
+    scales |= dict.fromkeys(deviations_from_prescribed(contact), 0.0)
     if contact.heat is not None:
         hottest = contact.heat.temperature_max
         rise = max(abs(hottest - bulk) for bulk in contact.scene.heat.bulks.values())
@@ -175,22 +175,24 @@ def _largest_stresses(
     column: str, body: str, interior: float, surface: float, largest: float
 ) -> Numbers:
     """Return the largest stress inside a body and that at its surface."""
-    inside, outside = (LargestStress(column, body, at_surface) for at_surface in (False, True))
+    inside, outside = (StressMaximum(column, body, at_surface) for at_surface in (False, True))
     return {inside: (interior, largest), outside: (surface, largest)}
 
 
 def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers:
     """Return the numbers of the fatigue of a body, without those that have no value."""
     numbers: Numbers = {}
-    for name, column in CYCLED.items():
-        most = fatigue.largest(name)
-        if not math.isnan(most.value):
-            numbers |= _largest_stresses(column, body, most.interior, most.surface, most.value)
+    for name, column in FATIGUE_COLUMNS.items():
+        largest = fatigue.largest(name)
+        if not math.isnan(largest.value):
+            numbers |= _largest_stresses(
+                column, body, largest.interior, largest.surface, largest.value
+            )
     damage = fatigue.damage_max[0] if fatigue.damage.size else 0.0
-    numbers[OfBody("damage", body)] = damage, damage
+    numbers[BodyColumn("damage", body)] = damage, damage
     if contact.scene.fatigue.volume is not None:
         volume = stressed_volume(fatigue, contact.scene, Laws.of(contact.scene).volume)
-        numbers[OfBody("stressed_volume", body)] = volume, volume
+        numbers[BodyColumn("stressed_volume", body)] = volume, volume
     return numbers
 
 
@@ -203,19 +205,19 @@ def _path_errors(
         if cycle.criterion is None:
             continue
         error = cycle.criterion.path_error
-        floors |= {LargestStress("utilisation", body, at): error for at in (False, True)}
-        volume = values.get(OfBody("stressed_volume", body), 0.0)
+        floors |= {StressMaximum("utilisation", body, at): error for at in (False, True)}
+        volume = values.get(BodyColumn("stressed_volume", body), 0.0)
         if volume > 0.0:
             stressed = replace(cycle, utilisation=cycle.utilisation * (1.0 + error))
             more = stressed_volume(stressed, contact.scene, Laws.of(contact.scene).volume)
-            floors[OfBody("stressed_volume", body)] = more / volume - 1.0
+            floors[BodyColumn("stressed_volume", body)] = more / volume - 1.0
     return floors
 
 
-def off_given(contact: State) -> dict[str, float]:
-    """How far the quantities that the scene gives are from what it gives, by their names."""
+def deviations_from_prescribed(contact: State) -> dict[str, float]:
+    """Return the distance of each prescribed quantity from its prescribed value, by name."""
     load, creepage = contact.scene.load, contact.scene.creepage
-    given = {
+    prescribed = {
         "P": contact.scene.normal_load,
         "approach": load.approach,
         "Qx": load.force_x,
@@ -225,26 +227,26 @@ def off_given(contact: State) -> dict[str, float]:
     }
     return {
         name: abs(float(getattr(contact, name)) - value)
-        for name, value in given.items()
+        for name, value in prescribed.items()
         if value is not None
     }
 
 
 def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Name, float]:
-    """Error bars of the finest of three samples, over its scales.
+    """Return the error bars of the finest of three samples, over its scales.
 
     Parameters
     ----------
     coarse, middle, fine : Sample
-        The same state on meshes of elements sqrt(2) times apart.
+        Samples of one state on meshes whose element sizes differ by sqrt(2).
 
     Returns
     -------
     dict of Name to float
-        By the names of the values; inf of a peak that may have no limit.
+        Relative error bars; inf for a peak that may have no limit.
     """
     seen = {
-        name: _seen(name, *(mesh.values[name] for mesh in (coarse, middle, fine))) / scale
+        name: _error_bar(name, *(mesh.values[name] for mesh in (coarse, middle, fine))) / scale
         if scale > 0.0
         else 0.0
         for name, scale in fine.scales.items()
@@ -260,13 +262,13 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
 
 
 def _at_surface(name: Name) -> bool:
-    return isinstance(name, LargestStress) and name.surface
+    return isinstance(name, StressMaximum) and name.surface
 
 
-def _seen(name: Name, coarse: float, middle: float, fine: float) -> float:
-    """How far the finest value of a quantity may be from its limit, by what meshes differ."""
-    if isinstance(name, LargestStress) and not name.surface and 0.0 in (coarse, middle):
-        return 0.0  # there was no maximum; where there comes to be one, it is well resolved
+def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
+    """Return how far the finest value may be from its limit, by the differences between meshes."""
+    if isinstance(name, StressMaximum) and not name.surface and 0.0 in (coarse, middle):
+        return 0.0  # there was no maximum; once it appears, it is well resolved
     early, late = middle - coarse, fine - middle
     if name == "p_max" and late > GROWN * fine and late > GROWING * early > 0.0:
         return math.inf
@@ -275,7 +277,7 @@ def _seen(name: Name, coarse: float, middle: float, fine: float) -> float:
 
 
 def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
-    """Error bars in units of the quantities, by their names; of stress a mapping from bodies.
+    """Return the error bars in units of the quantities, by name; for stress a mapping from bodies.
 
     Parameters
     ----------
@@ -288,24 +290,24 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
     for name, share in relative.items():
         if isinstance(name, str):
             bars[name] = share * fine.scales[name]
-        elif isinstance(name, OfBody):
+        elif isinstance(name, BodyColumn):
             bars.setdefault(name.column, {})[name.body] = share * fine.scales[name]
         elif name.surface:
             inside = replace(name, surface=False)
             high, deep = fine.values[name], fine.values[inside]
             by_high, by_deep = (relative[k] * fine.scales[k] for k in (name, inside))
             top = max(deep, high)
-            # Either may turn out to be the larger one.
+            # Inside or surface: each may turn out to be the larger one.
             above = max(deep + by_deep, high + by_high) - top
             below = top - max(deep - by_deep, high - by_high)
             bar = float(max(above, below))
             factor = fine.factors.get((name.column, name.body))
             if factor is not None:
-                bar = _of_factor(factor, top, bar)
+                bar = _load_factor_bar(factor, top, bar)
             bars.setdefault(name.column, {})[name.body] = bar
     return bars
 
 
-def _of_factor(factor: float, shear: float, bar: float) -> float:
-    """The bar of a load factor, which goes with one over a shear stress; inf where that is 0."""
+def _load_factor_bar(factor: float, shear: float, bar: float) -> float:
+    """Return the bar of a load factor, proportional to 1 / shear stress; inf if that may be 0."""
     return factor * bar / (shear - bar) if bar < shear else math.inf

@@ -1,10 +1,10 @@
-"""Unworn bodies on finer and finer meshes."""
+"""Solve unworn bodies on finer and finer meshes."""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tractive_sam.contact import Gap, Laws, Model, fitted
+from tractive_sam.contact import Gap, Laws, Model, solve_on_fitted_mesh
 from tractive_sam.results import Cost, State
 from tractive_sam.run.accuracy.assessment import assess
 from tractive_sam.run.accuracy.error_bars import Sample
@@ -14,19 +14,19 @@ from tractive_sam.subsurface import fatigue, stress_maxima
 
 
 @dataclass(frozen=True)
-class Refined:
-    """Unworn bodies on the mesh that their accuracy takes.
+class RefinedContact:
+    """The contact of unworn bodies on the mesh that their accuracy needs.
 
     Attributes
     ----------
     model : Model
         The scene on that mesh.
     contact : State
-        Its contact, with error bars; its cost is that of all meshes.
+        Its contact, with error bars; its cost includes all meshes.
     level : int
         Level of the mesh.
     missed : str
-        Why the finest mesh allowed does not suffice; empty where it does.
+        Why the finest allowed mesh does not suffice; empty if it does.
     """
 
     model: Model
@@ -35,13 +35,15 @@ class Refined:
     missed: str
 
 
-def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] = Model) -> Refined:
+def refine_unworn(
+    scene: Scene, measured: Gap | None, model_of: Callable[..., Model] = Model
+) -> RefinedContact:
     """Solve unworn bodies on finer and finer meshes, until the error bars are within the tolerance.
 
     Parameters
     ----------
     scene : Scene
-        With [accuracy] and the tolerances of `with_tolerances`.
+        Scene with [accuracy] and the tolerances of `set_tolerances`.
     measured : Gap, optional
         Its measured separation.
     model_of : callable
@@ -51,20 +53,20 @@ def refined(scene: Scene, measured: Gap | None, model_of: Callable[..., Model] =
     samples: list[Sample | None] = []
     cost, elements, level = Cost(), 1, FIRST
     while True:
-        model, contact = fitted(model_of(scene, measured, levels.grid(level)))
+        model, contact = solve_on_fitted_mesh(model_of(scene, measured, levels.grid(level)))
         before, elements = elements, math.prod(model.grid.elements)
         cost = contact.cost + cost.scaled(before / elements)
-        # A contact of a few elements may fail where a finer one does not.
+        # A contact of a few elements may fail although a finer one converges.
         solved = contact.converged
         samples.append(_sample(contact, model.laws) if solved else None)
         assessment = assess(contact, samples, peak=True)
         if not assessment.missed or not levels.allowed(level + 1):
             contact = replace(contact, cost=cost, error_bars=assessment.error_bars)
-            return Refined(model, contact, level, assessment.missed)
+            return RefinedContact(model, contact, level, assessment.missed)
         level += 1
 
 
 def _sample(contact: State, laws: Laws) -> Sample:
-    followed = contact.scene.has("fatigue") and not contact.scene.schedule.end
-    cycled = fatigue(contact, laws=laws) if followed else {}
-    return Sample.of(contact, stress_maxima(contact, laws), cycled)
+    has_fatigue = contact.scene.has("fatigue") and not contact.scene.schedule.end
+    cycles = fatigue(contact, laws=laws) if has_fatigue else {}
+    return Sample.of(contact, stress_maxima(contact, laws), cycles)

@@ -1,0 +1,176 @@
+"""Check the arguments of the entry points; errors name the argument and the remedy."""
+
+import hashlib
+from collections.abc import Callable, Iterable
+from functools import partial
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tractive_sam.contact import Gap, Laws, Model, Worn
+from tractive_sam.results import (
+    COLUMNS,
+    DERIVED,
+    DIMS,
+    FIELDS,
+    HEAT_FIELDS,
+    LABELS,
+    Grid,
+    Quantity,
+    State,
+    stress_columns,
+)
+from tractive_sam.rolling import Observer
+from tractive_sam.scene import Scene
+from tractive_sam.schema import LARGEST, shorten
+from tractive_sam.solvers import Solver
+from tractive_sam.store import read_gap
+
+DEEPEST = 1e6
+"""Largest depth of wear, mm: beyond it rounding errors would exceed the gap."""
+
+
+def check_scene(scene: Scene) -> None:
+    """Raise an error unless the argument is a scene."""
+    if not isinstance(scene, Scene):
+        cure = "Scene.builtin(name), Scene.from_toml(path) or Scene(...) makes one"
+        raise TypeError(f"scene: must be a Scene, not {type(scene).__name__}; {cure}")
+
+
+def model_of(
+    laws: Laws | None, solver: Solver | None, began: Worn | None = None
+) -> Callable[..., Model]:
+    """Return a function that makes models with user-defined laws, solver and worn bodies."""
+    if not isinstance(laws, Laws | None):
+        cure = "Laws.of(scene).replace(friction=...) makes them"
+        raise TypeError(f"laws: must be a Laws, not {type(laws).__name__}; {cure}")
+    if solver is not None and not callable(getattr(solver, "solve", None)):
+        needed = "an object with solve(problem, tolerance, start), such as solvers.Newton()"
+        raise TypeError(f"solver: must be {needed}, not {type(solver).__name__}")
+    return partial(Model, laws=laws, solver=solver, began=began)
+
+
+def check_columns(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:
+    """Return user-defined columns; raise an error if they cannot be recorded."""
+    columns, taken = tuple(columns), _taken_names(laws)
+    for column in columns:
+        _check_name("columns", column, taken)
+        if column.dims not in DIMS or not callable(column.of) or column.role:
+            needed = f"of, a function of a contact, dims of {', '.join(map(str, DIMS))}, no role"
+            raise ValueError(f"columns: {column.name!r} needs {needed}")
+    return columns
+
+
+def check_observer_columns(observers: Iterable[Observer], columns: Iterable[Quantity] = ()) -> None:
+    """Raise an error unless the columns and fields of all observers of a run can be recorded.
+
+    Raises
+    ------
+    TypeError
+        If an observer is no Observer, or a column or field is no Quantity.
+    ValueError
+        If a name is taken, or dimensions are not allowed.
+    """
+    taken = _taken_names(None) | {column.name for column in columns}
+    # Names of observers of the package, and prefixes of what else is stored to resume.
+    names = {"damage", "heat", "stress", "worn", "gained", "before", "traction", "slip"}
+    for seen in observers:
+        if not isinstance(seen, Observer):
+            raise TypeError(f"observers: each must be a ts.Observer, not {shorten(seen)}")
+        if seen.key:  # of this package
+            continue
+        if not seen.name.isidentifier() or seen.name in names:
+            allowed = "an identifier (letters, digits, _) that no other observer has"
+            raise ValueError(f"observers: the name must be {allowed}, not {seen.name!r}")
+        names.add(seen.name)
+        where = f"observers: {seen.name}"
+        for quantity in (*seen.columns, *seen.fields):
+            _check_name(where, quantity, taken)
+        wrong = [column.name for column in seen.columns if column.dims not in DIMS or column.role]
+        wrong += [field.name for field in seen.fields if field.dims or field.role]
+        if wrong:
+            needed = f"dims of {', '.join(map(str, DIMS))} (none for a field) and no role"
+            raise ValueError(f"{where}: {wrong[0]!r} needs {needed}")
+
+
+def _taken_names(laws: Laws | None) -> set[str]:
+    stress = () if laws is None else stress_columns(laws.criterion)
+    taken = {
+        "status",
+        "message",
+        "record",
+        "saved",
+        "x",
+        "y",
+        *FIELDS,
+        *HEAT_FIELDS,
+        *LABELS,
+        *DERIVED,
+    }
+    return taken | {column.name for column in (*COLUMNS, *stress)}
+
+
+def _check_name(where: str, quantity: Quantity, taken: set[str]) -> None:
+    """Raise an error if the name of a quantity is taken; otherwise add it to the taken names."""
+    if not isinstance(quantity, Quantity):
+        raise TypeError(f"{where}: must be a Quantity, not {type(quantity).__name__}")
+    if not quantity.name.isidentifier() or quantity.name in taken:
+        allowed = "an identifier (letters, digits, _) that no other column or field has"
+        raise ValueError(f"{where}: the name must be {allowed}, not {quantity.name!r}")
+    taken.add(quantity.name)
+
+
+def read_measured_gap(scene: Scene) -> Gap | None:
+    """Return the measured separation of a scene, read from its file if it names one."""
+    return None if scene.gap is None else read_gap(scene.gap)
+
+
+def read_profiles(scene: Scene) -> tuple[Gap, ...]:
+    """Return the profiles that a [transient] fixes to the bodies, read from their files."""
+    return tuple(read_gap(profile, key) for key, profile in scene.schedule.profiles.items())
+
+
+def hash_measurements(model: Model) -> str:
+    """Return the SHA-256 of the numbers of a model's measured gap and profiles; "" without them."""
+    maps = [map_ for map_ in (model.measured, *model.profiles) if map_ is not None]
+    numbers = b"".join(np.ascontiguousarray(part).tobytes() for map_ in maps for part in map_)
+    return hashlib.sha256(numbers).hexdigest() if maps else ""
+
+
+def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
+    """Check wear depths given by the user, and return them as an array, mm."""
+    needed = f"wear: must be numbers up to {DEEPEST:g} mm in the shape {grid.elements}"
+    try:
+        depths = np.asarray(wear)
+    except ValueError:  # rows of different lengths
+        raise ValueError(needed) from None
+    # "not all" rather than "any": nan must fail, too
+    if (
+        depths.dtype.kind not in "fiu"
+        or depths.shape != grid.elements
+        or np.ma.is_masked(wear)
+        or not (np.abs(depths) <= DEEPEST).all()
+    ):
+        raise ValueError(needed)
+    return depths.astype(float)
+
+
+def check_start(start: State, grid: Grid) -> None:
+    """Raise an error unless the initial guess is a contact on the mesh."""
+    if not isinstance(start, State):
+        raise TypeError(f"start: must be a State (solve returns one), not {type(start).__name__}")
+    if start.grid != grid:
+        raise ValueError(
+            f"start: its mesh must be that of the scene, {grid.elements} elements "
+            f"over {grid.half_length} mm, not {start.grid.elements} over {start.grid.half_length}: "
+            "give both scenes the same [grid]"
+        )
+    shape = grid.elements
+    for name, field, wanted in (
+        ("pressure", start.pressure, shape),
+        ("traction", start.traction, (2, *shape)),
+        ("approach", start.approach, ()),
+        ("creepages", (start.xi_x, start.xi_y), (2,)),
+    ):
+        if np.shape(field) != wanted or not (np.abs(field) <= LARGEST).all():
+            raise ValueError(f"start: its {name} must be finite numbers in the shape {wanted}")

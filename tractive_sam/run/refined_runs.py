@@ -1,0 +1,72 @@
+"""Solve, roll and resume scenes with [accuracy] on meshes refined until the accuracy is reached."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from tractive_sam.contact import Gap, Model
+from tractive_sam.results import History, State, Status
+from tractive_sam.rolling import Passage, start_passage
+from tractive_sam.run.accuracy.assessment import describe_missed_accuracy
+from tractive_sam.run.accuracy.coarse_run import ErrorEstimator, choose_level, from_level
+from tractive_sam.run.accuracy.levels import Levels, set_tolerances
+from tractive_sam.run.accuracy.steady import refine_unworn
+from tractive_sam.run.recording import Recording
+from tractive_sam.scene import Scene
+from tractive_sam.store import ResultsError
+
+
+def solve_accurately(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> State:
+    """Solve unworn bodies on the mesh that their accuracy needs (see `refine_unworn`)."""
+    refinement = refine_unworn(set_tolerances(scene), measured, model_of)
+    if not refinement.contact.converged or not refinement.missed:
+        return refinement.contact
+    return replace(refinement.contact, status=Status.INACCURATE, note=refinement.missed)
+
+
+def roll_accurately(run: Recording) -> History:
+    """Roll a scene from its unworn bodies."""
+    scene = set_tolerances(run.scene)
+    blocks = scene.spectrum.scenes if scene.spectrum else (scene,)
+    refinements = [refine_unworn(block, run.measured, run.model_of) for block in blocks]
+    unworn = max(refinements, key=lambda refinement: refinement.level)
+    if not scene.schedule.end:
+        start = start_passage(unworn.model, (unworn.contact,))
+        return run.begin(run.process_of(unworn.model), start, missed=unworn.missed)
+    if not all(refinement.contact.converged for refinement in refinements):
+        grid = Levels(scene, run.measured).grid(unworn.level)
+        process = run.process_of(run.model_of(scene, run.measured, grid))
+        return run.begin(*process.begin_fitted())
+    return _rolled_from(run, scene, *choose_level(scene, run.measured, unworn.level, run.model_of))
+
+
+def _rolled_from(run: Recording, scene: Scene, estimator: ErrorEstimator, level: int) -> History:
+    """Roll on the mesh of a level, and on finer ones until the error bars are narrow enough."""
+    levels = Levels(scene, run.measured)
+    while True:
+        model = run.model_of(scene, run.measured, levels.grid(level))
+        history = run.begin(*run.process_of(model).begin_fitted(), estimator)
+        if history.status != Status.INACCURATE or not levels.allowed(level + 1):
+            return history
+        run, estimator, level = replace(run, overwrite=True), estimator.next_finer(), level + 1
+
+
+def resume_accurately(run: Recording, last: Passage, before: History) -> History:
+    """Continue on the mesh of a file; if that is too coarse, roll again on finer ones."""
+    scene, measured = set_tolerances(run.scene), run.measured
+    levels, missed = Levels(scene, measured), describe_missed_accuracy(before, scene)
+    model = run.model_of(scene, measured, last.contact.grid.shifted(0.0))
+    try:
+        level = levels.of(last.grid)
+    except LookupError:
+        raise ResultsError(
+            f"{run.path} has a mesh that this version does not choose for the scene: resume it "
+            "with the version that wrote it, or write this run to another file"
+        ) from None
+    complete = last.place == scene.schedule.end
+    estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
+    history = run.resume(run.process_of(model), last, before, estimator, missed)
+    finer = bool(scene.schedule.end) and levels.allowed(level + 1)
+    if history.status != Status.INACCURATE or not finer:
+        return history
+    estimator = from_level(scene, measured, level + 1, model_of=run.model_of)
+    return _rolled_from(run, scene, estimator, level + 1)
