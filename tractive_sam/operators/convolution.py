@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.operators.fft import transform
+from tractive_sam.operators.tiles import convolver, split_kernels
 
 
 class Convolution:
@@ -43,7 +43,7 @@ class Convolution:
         self.shape = (fields, *shape)
         self.applications = 0
         self._padded = padded
-        self._spectra = spectra.reshape(len(spectra), -1)
+        self._kernels = split_kernels(spectra, fields, padded)
         self._product = product
 
     def __call__(self, fields: np.ndarray) -> np.ndarray:
@@ -53,16 +53,14 @@ class Convolution:
         """
         self.applications += 1
         single = fields.dtype == np.float32
-        plan = transform(self.shape[0], self.shape[1:], self._padded, single)
-        spectrum = plan.forward(fields)
-        spectra = self._single if single else self._spectra
-        self._product(spectra, spectrum.reshape(len(spectrum), -1))
-        return plan.backward().copy()
+        convolve = convolver(self.shape[0], self.shape[1:], self._padded, single)
+        return convolve(fields, self._single if single else self._kernels, self._product)
 
     @cached_property
-    def _single(self) -> np.ndarray:
-        """The spectra in single precision."""
-        return self._spectra.astype(np.complex64 if np.iscomplexobj(self._spectra) else np.float32)
+    def _single(self) -> list[np.ndarray]:
+        """The kernels in single precision."""
+        kind = np.complex64 if np.iscomplexobj(self._kernels[0]) else np.float32
+        return [tile.astype(kind) for tile in self._kernels]
 
     def as_matrix(self) -> np.ndarray:
         """The dense matrix, column by column; for small meshes and tests."""
