@@ -13,12 +13,10 @@ def sample(value):
 def test_what_is_added_after_a_reading_counts():
     run = CoarseRun()
     for revolution in (0, 10, 20):
-        run.add(revolution, sample(float(revolution)))
+        run = run.with_sample(revolution, sample(float(revolution)))
     run.at(15)
-    run.add(100, sample(7.0))
-    again = CoarseRun()
-    for revolution, value in ((0, 0.0), (10, 10.0), (20, 20.0), (100, 7.0)):
-        again.add(revolution, sample(value))
+    run = run.with_sample(100, sample(7.0))
+    again = CoarseRun((0, 10, 20, 100), tuple(map(sample, (0.0, 10.0, 20.0, 7.0))))
     assert run.at(50).values["Qx"] == again.at(50).values["Qx"]
     assert run.at(101) is None
     assert run.at(100).values["Qx"] == pytest.approx(7.0)

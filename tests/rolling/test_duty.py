@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 
+import h5py
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -252,6 +253,19 @@ def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
         ts.roll(other, path, resume=True)
     with pytest.raises(ts.ResultsError, match=r"duty.*3.*2"):
         ts.roll(scene.replace(duty=(HEAVY, SLOW)), path, resume=True)
+
+
+def test_files_without_the_bound_of_the_traction_resume(tmp_path):
+    """Earlier versions did not store it; only one block is solved again at a time."""
+    changes = ["grid.elements=[9, 11]", "wear.coefficient=1e-3", "wear.stepping=every-revolution"]
+    hot = ts.Scene.builtin("hot-discs").with_set([*changes, "wear.revolutions=4"])
+    long = hot.replace(duty=[{"revolutions": 1}, {**SLOW, "revolutions": 1}])
+    short = long.with_set(["wear.revolutions=2"])
+    ts.roll(short, tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as file:
+        del file["fields/traction_bound"], file["state/traction_bound"]
+    resumed = ts.roll(long, tmp_path / "a.h5", resume=True)
+    np.testing.assert_allclose(resumed["Qx"], ts.roll(long)["Qx"], rtol=1e-7)  # solver: 1e-8
 
 
 @pytest.mark.slow

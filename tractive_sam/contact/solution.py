@@ -48,7 +48,7 @@ def _solver_of(model: Model, problem: Problem) -> Solver:
     solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
     if not problem.friction.law.falls:
         return solver
-    return falling_method(solver, model.starts_sliding, once=problem.kinematics.joint)
+    return falling_method(solver, model.starts_sliding)
 
 
 def traction_of(model: Model, scaled: np.ndarray) -> np.ndarray:

@@ -8,7 +8,6 @@ from .observer import Observer as Observer
 from .passage import Passage as Passage
 from .passage import ProfilePoint as ProfilePoint
 from .passage import start_passage as start_passage
-from .process import ErrorBarSource as ErrorBarSource
 from .process import Process as Process
 from .process import Recorder as Recorder
 from .process import Step as Step

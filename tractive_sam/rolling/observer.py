@@ -82,7 +82,7 @@ class Observer(ABC):
 
     @abstractmethod
     def begin(self, step: Any, model: Model) -> Self:
-        """Return the observer after the first step."""
+        """Return the observer after the first step; `step.observed` has the observers before it."""
 
     @abstractmethod
     def after(self, step: Any, model: Model) -> Self:
@@ -138,6 +138,14 @@ class Observer(ABC):
     def missed(self, model: Model) -> float:
         """Return the error of the last step over the error that the scene tolerates."""
         return 0.0
+
+    @property
+    def shortfall(self) -> str:
+        """Why the steps are not as accurate as the scene requires; empty if they are.
+
+        A history that ends with one has the status "inaccurate" and this message.
+        """
+        return ""
 
     def remark(self, model: Model) -> str:
         """Return an addition to the message of a history; it begins with a semicolon."""

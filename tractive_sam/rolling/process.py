@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, NamedTuple, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 
@@ -17,7 +17,9 @@ from tractive_sam.contact import Gap, Model, across, grown
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import Row
 from tractive_sam.results import (
+    BOUND,
     COORDINATE,
+    FIELDS,
     PARTS,
     BodyFatigue,
     Cost,
@@ -157,10 +159,24 @@ class StoredStep:
         """Row of the last record before from which the process could continue; else its own row."""
         return max((k for k in continuing_rows(self.history) if k < self.row), default=self.row)
 
-    def contact(self, scene: Scene) -> State:
-        """Return the contact, in a scene that may store more records than the history has."""
-        contact = self.history.contact(self.row, dict(self.state))
-        return replace(contact, scene=scene, cost=Cost())
+    def contact(self, scene: Scene, place: int | None = None) -> State:
+        """Return the contact, in a scene that may store more records than the history has.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene of the contact.
+        place : int, optional
+            Place of its block in [[duty]].
+        """
+        history, stored = self.history, dict(self.state)
+        if place is not None:
+            names = [name for name in (*FIELDS, BOUND.name) if name in stored]
+            history, stored = history.block(place), {name: stored[name][place] for name in names}
+        contact = replace(history.contact(self.row, stored), scene=scene, cost=Cost())
+        if contact.friction_varies:  # files of earlier versions have no bound
+            contact = replace(contact, traction_bound=contact.bound)
+        return contact
 
     def state_of(self, observer: Observer) -> Mapping[str, np.ndarray]:
         """Return the stored `state` of an observer, by the names that the observer uses.
@@ -205,31 +221,18 @@ def continuing_rows(history: History) -> np.ndarray:
     return np.flatnonzero(continues)
 
 
-class ErrorBarSource(Protocol):
-    """Estimates the error bars of steps from the same steps on coarser meshes."""
-
-    missed: str
-    """Which error bar was last too wide, and what to do; or empty."""
-
-    def __call__(self, step: Any, block: int = 0) -> Mapping[str, Any]:
-        """Return the error bars of `State` for the contact of a block."""
-
-
 @dataclass(frozen=True, eq=False)
 class Recorder:
     """Additions to every record besides the values of its step.
 
     Attributes
     ----------
-    estimator : ErrorEstimator, optional
-        Estimates the error bars; by default they are those of the contact.
     columns : tuple of Quantity
         Columns in addition to those of the package.
     measured : Gap, optional
         The measured separation of the scene.
     """
 
-    estimator: ErrorBarSource | None = None
     columns: tuple[Quantity, ...] = ()
     measured: Gap | None = None
 
@@ -333,13 +336,18 @@ class Process(ABC, Generic[AnyStep]):
         return replace(step, observed=observers)
 
     def observe(self, step: AnyStep, before: AnyStep | None = None) -> AnyStep:
-        """Return a step with its observers; most do not change if it was not solved."""
-        observed = {} if before is None else dict(before.observed)
+        """Return a step with its observers; most do not change if it was not solved.
+
+        Each observer receives the step with the observers that come before it.
+        """
+        observed: dict[str, Observer] = {}
         for observer in self.following:
+            last = None if before is None else before.observed.get(observer.name)
             if step.converged or observer.unsolved:
-                last = observed.get(observer.name)
                 follow = observer.begin if last is None else last.after
-                observed[observer.name] = follow(step, self.model)
+                last = follow(replace(step, observed=dict(observed)), self.model)
+            if last is not None:
+                observed[observer.name] = last
         return replace(step, observed=observed)
 
     def steps(self, last: AnyStep | None = None) -> Iterator[AnyStep]:
@@ -409,8 +417,6 @@ class Process(ABC, Generic[AnyStep]):
         """Return the record of one contact, for a duty cycle that of a block."""
         contact, values, may_store = provided
         store = (may_store and step.place in contact.scene.schedule) or not step.converged
-        if recorder.estimator is not None:
-            contact = replace(contact, error_bars=recorder.estimator(step, block))
         if recorder.measured is not None:
             values["measured_profile"] = across(recorder.measured, contact.grid)
         columns = [*recorder.columns, *self.columns]
@@ -440,6 +446,9 @@ class Process(ABC, Generic[AnyStep]):
             The largest half widths of the contact in all records, mm.
         """
         contact = step.contact
+        shortfalls = [one.shortfall for one in step.observed.values() if one.shortfall]
+        if step.converged and shortfalls:
+            return str(Status.INACCURATE), shortfalls[0]
         remarks = "".join(observer.remark(self.model) for observer in step.observed.values())
         message = f"{self._describe_place(step)}{contact.message}{remarks}"
         return "done" if contact.converged else str(contact.status), message

@@ -8,12 +8,9 @@ import numpy as np
 
 from tractive_sam.contact import solve_blocks_on_fitted_mesh, with_heat
 from tractive_sam.results import (
-    BOUND,
-    FIELDS,
     PARTS,
     ROLLED,
     SHARE,
-    Cost,
     Record,
     State,
     cycle_record,
@@ -157,13 +154,9 @@ class DutyCycle(Revolutions):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
-        spectrum, history = scene.spectrum, stored.history
-        first = [spectrum.places.index(k) for k in range(len(spectrum.scenes))]
-        names = [name for name in (*FIELDS, BOUND.name) if name in stored.state]
-        of_blocks = {k: {name: stored.state[name][k] for name in names} for k in first}
+        spectrum = scene.spectrum
         return tuple(
-            replace(history.block(k).contact(stored.row, of_blocks[k]), scene=block, cost=Cost())
-            for k, block in zip(first, spectrum.scenes, strict=True)
+            stored.contact(one, spectrum.places.index(k)) for k, one in enumerate(spectrum.scenes)
         )
 
     @classmethod

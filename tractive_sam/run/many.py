@@ -295,7 +295,7 @@ class SequentialRuns:
         model, contact = solve_from_nearby(chosen, self._contact)
         self._model, self._contact = chosen, contact if contact.converged else None
         run = Recording(scene, chosen.measured, Model, None, False, None, (), began)
-        return run.begin(process_of(model), start_passage(model, (contact,)))
+        return run.begin(process_of(model), start_passage(model, (contact,)))[0]
 
     def _model_of(self, scene: Scene) -> Model:
         if self._model is not None:

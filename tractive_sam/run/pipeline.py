@@ -253,11 +253,11 @@ def roll(
         if stored is None or before is None:
             if scene.has("accuracy"):
                 return refined_runs.roll_accurately(run)
-            return run.begin(*process.begin_fitted())
+            return run.begin(*process.begin_fitted())[0]
         check_measured(before, path, argument_checks.hash_measurements(model))
         check_observers_in_file(before, path, process.following)
         with report_damage(path, stored[1].row):
             last = process.adopt(*stored)
         if scene.has("accuracy"):
             return refined_runs.resume_accurately(run, last, before)
-        return run.resume(process, last, before)
+        return run.resume(process, last, before)[0]

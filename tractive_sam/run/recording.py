@@ -18,10 +18,9 @@ from tractive_sam.results import (
     LawRecord,
     Quantity,
     Record,
-    Status,
     caveats,
 )
-from tractive_sam.rolling import ErrorBarSource, Observer, Process, Recorder, Step, process_of
+from tractive_sam.rolling import Observer, Process, Recorder, Step, process_of
 from tractive_sam.run.argument_checks import check_observer_columns, hash_measurements
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.scene import Scene
@@ -68,26 +67,20 @@ class Recording:
     started: str = ""
     observers: tuple[Observer, ...] = ()
 
-    def process_of(self, model: Model) -> Process[Any]:
-        """Return the process of a model, followed by all observers.
+    def process_of(self, model: Model, *further: Observer) -> Process[Any]:
+        """Return the process of a model, followed by all observers and further ones.
 
         Raises
         ------
         TypeError, ValueError
             See `check_observer_columns`.
         """
-        process = process_of(model, self.observers)
+        process = process_of(model, (*self.observers, *further))
         check_observer_columns(process.following, self.columns)
         return process
 
-    def begin(
-        self,
-        process: Process,
-        start: Step,
-        estimator: ErrorBarSource | None = None,
-        missed: str = "",
-    ) -> History:
-        """Roll from the first step; `missed` describes an accuracy that is not reached."""
+    def begin(self, process: Process, start: Step) -> tuple[History, Step]:
+        """Roll from the first step; return the history and its last step."""
         model = process.model
         laws = model.laws.differences_from(model.scene)
         warn_of_gap(model)
@@ -98,21 +91,14 @@ class Recording:
             about["coordinate"] = process.coordinate
             sink = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
         start = process.observe(start)
-        return self._record_steps(sink, process, start, (start,), estimator, missed)
+        return self._record_steps(sink, process, start, (start,))
 
-    def resume(
-        self,
-        process: Process,
-        last: Step,
-        before: History,
-        estimator: ErrorBarSource | None = None,
-        missed: str = "",
-    ) -> History:
-        """Continue from the last record of a file that holds `before`; arguments see `begin`."""
+    def resume(self, process: Process, last: Step, before: History) -> tuple[History, Step]:
+        """Continue from the last record of a file that holds `before`; see `begin`."""
         warn_of_gap(process.model)
         sink = HistoryWriter.reopen(self.path, self.scene, len(before))
         widest = np.nanmax([before[name] for name in _HALF_WIDTHS], axis=1, initial=0.0)
-        return self._record_steps(sink, process, last, (), estimator, missed, widest)
+        return self._record_steps(sink, process, last, (), widest)
 
     def _record_steps(
         self,
@@ -120,12 +106,10 @@ class Recording:
         process: Process,
         start: Step,
         first: Iterable[Step],
-        estimator: ErrorBarSource | None,
-        missed: str,
         widest: np.ndarray | tuple[float, float] = (0.0, 0.0),
-    ) -> History:
+    ) -> tuple[History, Step]:
         step, began = start, self.began
-        recorder = Recorder(estimator, self.columns, self.measured)
+        recorder = Recorder(self.columns, self.measured)
         with sink:
             for step in chain(first, process.steps(start)):
                 record = process.record(step, recorder)
@@ -138,15 +122,11 @@ class Recording:
                 if self.progress is not None:
                     self.progress(record)
                 interrupt.raise_if_interrupted()
-            missed = missed if estimator is None else estimator.missed
-            status, message = process.end(step, np.asarray(widest))
-            if step.converged and missed:
-                status, message = str(Status.INACCURATE), missed
-            sink.finish(status, message)
+            sink.finish(*process.end(step, np.asarray(widest)))
         history = sink.history if self.path is None else open_history(self.path)
         if note := caveats(history).get("p_max"):
             warn(f"p_max: {note}", PlausibilityWarning)
-        return history
+        return history, step
 
 
 def _warn_beyond_tests(model: Model, start: Step) -> None:

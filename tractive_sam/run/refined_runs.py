@@ -7,7 +7,7 @@ from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
 from tractive_sam.rolling import Passage, start_passage
 from tractive_sam.run.accuracy.assessment import describe_missed_accuracy
-from tractive_sam.run.accuracy.coarse_run import ErrorEstimator, choose_level, from_level
+from tractive_sam.run.accuracy.coarse_run import ErrorBars, choose_level, from_level
 from tractive_sam.run.accuracy.levels import Levels, set_tolerances
 from tractive_sam.run.accuracy.steady import refine_unworn
 from tractive_sam.run.recording import Recording
@@ -30,24 +30,27 @@ def roll_accurately(run: Recording) -> History:
     refinements = [refine_unworn(block, run.measured, run.model_of) for block in blocks]
     unworn = max(refinements, key=lambda refinement: refinement.level)
     if not scene.schedule.end:
-        start = start_passage(unworn.model, (unworn.contact,))
-        return run.begin(run.process_of(unworn.model), start, missed=unworn.missed)
+        process = run.process_of(unworn.model, ErrorBars(earlier_shortfall=unworn.missed))
+        return run.begin(process, start_passage(unworn.model, (unworn.contact,)))[0]
     if not all(refinement.contact.converged for refinement in refinements):
         grid = Levels(scene, run.measured).grid(unworn.level)
         process = run.process_of(run.model_of(scene, run.measured, grid))
-        return run.begin(*process.begin_fitted())
+        return run.begin(*process.begin_fitted())[0]
     return _rolled_from(run, scene, *choose_level(scene, run.measured, unworn.level, run.model_of))
 
 
-def _rolled_from(run: Recording, scene: Scene, estimator: ErrorEstimator, level: int) -> History:
+def _rolled_from(run: Recording, scene: Scene, bars: ErrorBars, level: int) -> History:
     """Roll on the mesh of a level, and on finer ones until the error bars are narrow enough."""
     levels = Levels(scene, run.measured)
     while True:
         model = run.model_of(scene, run.measured, levels.grid(level))
-        history = run.begin(*run.process_of(model).begin_fitted(), estimator)
+        history, last = run.begin(*run.process_of(model, bars).begin_fitted())
         if history.status != Status.INACCURATE or not levels.allowed(level + 1):
             return history
-        run, estimator, level = replace(run, overwrite=True), estimator.next_finer(), level + 1
+        run, level = replace(run, overwrite=True), level + 1
+        judged = last.observed[bars.name]
+        assert isinstance(judged, ErrorBars)  # the name is its own
+        bars = judged.next_finer()
 
 
 def resume_accurately(run: Recording, last: Passage, before: History) -> History:
@@ -62,11 +65,13 @@ def resume_accurately(run: Recording, last: Passage, before: History) -> History
             f"{run.path} has a mesh that this version does not choose for the scene: resume it "
             "with the version that wrote it, or write this run to another file"
         ) from None
-    complete = last.place == scene.schedule.end
-    estimator = None if complete else from_level(scene, measured, level, missed, run.model_of)
-    history = run.resume(run.process_of(model), last, before, estimator, missed)
+    bars = ErrorBars(earlier_shortfall=missed)
+    if last.place != scene.schedule.end:
+        bars = from_level(scene, measured, level, missed, run.model_of)
+    last = replace(last, observed={**last.observed, bars.name: bars})
+    history, _ = run.resume(run.process_of(model, bars), last, before)
     finer = bool(scene.schedule.end) and levels.allowed(level + 1)
     if history.status != Status.INACCURATE or not finer:
         return history
-    estimator = from_level(scene, measured, level + 1, model_of=run.model_of)
-    return _rolled_from(run, scene, estimator, level + 1)
+    bars = from_level(scene, measured, level + 1, model_of=run.model_of)
+    return _rolled_from(run, scene, bars, level + 1)

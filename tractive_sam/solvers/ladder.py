@@ -134,7 +134,7 @@ METHODS = {
 """By the names that ``solver.method`` may have."""
 
 
-def falling_method(solver: Solver, sliding: bool, once: bool) -> Solver:
+def falling_method(solver: Solver, sliding: bool) -> Solver:
     """Return a method for friction that falls with sliding.
 
     Parameters
@@ -143,13 +143,10 @@ def falling_method(solver: Solver, sliding: bool, once: bool) -> Solver:
         The method for friction that does not.
     sliding : bool
         Of several solutions, whether the one reached from great speed is sought, not from rest.
-    once : bool
-        Whether the solution must not depend on the start, as in a step of a transient.
     """
     if isinstance(solver, Sequential):
-        return replace(solver, tangential=falling_method(solver.tangential, sliding, once))
+        return replace(solver, tangential=falling_method(solver.tangential, sliding))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
     # On the path from rest no start is near enough for less than the whole of Newton's method.
     far = replace(nearby, nearby=None) if isinstance(nearby, Nested) else nearby
-    path = FromRest(solver, far, sliding)
-    return OneSolution(nearby, path) if once else path
+    return OneSolution(nearby, FromRest(solver, far, sliding))

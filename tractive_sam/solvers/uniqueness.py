@@ -87,9 +87,9 @@ class OneSolution:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; see `Solver`."""
-        if start is None:
-            return self.path.solve(problem, tolerance)
+        """Solve a problem; see `Solver`. In steady rolling a start decides between solutions."""
+        if start is None or not problem.kinematics.joint:
+            return self.path.solve(problem, tolerance, start)
         outcome = self.nearby.solve(problem, tolerance, start)
         if not outcome.converged:
             return self.path.solve(problem, tolerance).costing(outcome)

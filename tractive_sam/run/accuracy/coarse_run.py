@@ -1,42 +1,52 @@
 """Roll a scene on coarser meshes, to estimate the errors on a finer one."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.contact import Gap, Model
-from tractive_sam.results import BodyFatigue, Maximum
-from tractive_sam.rolling import LargestStress, Passage, process_of
-from tractive_sam.run.accuracy.assessment import assess, worst_error_bar
+from tractive_sam.results import State
+from tractive_sam.rolling import LargestStress, Observer, process_of
+from tractive_sam.run.accuracy.assessment import Assessment, assess, worst_error_bar
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
 
 
+@dataclass(frozen=True, eq=False)
 class CoarseRun:
-    """Samples of a scene over its revolutions on one mesh."""
+    """Samples of one contact over its revolutions on one mesh.
 
-    def __init__(self) -> None:
-        self._revolutions: list[int] = []
-        self._samples: list[Sample] = []
-        self._interpolator: scipy.interpolate.PchipInterpolator | None = None
+    Attributes
+    ----------
+    revolutions : tuple of int
+        Revolutions of the samples, ascending.
+    samples : tuple of Sample
+        One for each.
+    """
 
-    def add(self, revolution: int, sample: Sample) -> None:
-        """Append the sample of the next revolution."""
-        self._revolutions.append(revolution)
-        self._samples.append(sample)
-        self._interpolator = None
+    revolutions: tuple[int, ...] = ()
+    samples: tuple[Sample, ...] = ()
+
+    def with_sample(self, revolution: int, sample: Sample) -> "CoarseRun":
+        """Return the run with a later sample."""
+        return CoarseRun((*self.revolutions, revolution), (*self.samples, sample))
 
     def at(self, revolution: int) -> Sample | None:
-        """Return the sample of a revolution, interpolated over log(1 + n); None beyond the last."""
-        if not self._revolutions or revolution > self._revolutions[-1]:
+        """Return the sample of a revolution; None beyond the last one.
+
+        It is interpolated over log(1 + n).
+        """
+        if not self.revolutions or revolution > self.revolutions[-1]:
             return None
-        if revolution in self._revolutions or len(self._revolutions) == 1:
-            return self._samples[self._revolutions.index(revolution)]
-        between = self._between(np.log1p(revolution))
-        names = self._samples[0].values
+        if revolution in self.revolutions or len(self.revolutions) == 1:
+            return self.samples[self.revolutions.index(revolution)]
+        between = self._interpolator(np.log1p(revolution))
+        names = self.samples[0].values
         values, scales = between[: len(names)], between[len(names) : -1]
         return Sample(
             dict(zip(names, values.tolist(), strict=True)),
@@ -44,61 +54,104 @@ class CoarseRun:
             float(between[-1]),
         )
 
-    def _between(self, at: float) -> np.ndarray:
-        """Interpolate values, scales and residual, in this order; fit again after new samples."""
-        if self._interpolator is None:
-            rows = [[*s.values.values(), *s.scales.values(), s.residual] for s in self._samples]
-            self._interpolator = scipy.interpolate.PchipInterpolator(
-                np.log1p(self._revolutions), rows
-            )
-        return self._interpolator(at)
+    @cached_property
+    def _interpolator(self) -> scipy.interpolate.PchipInterpolator:
+        """Values, scales and residual over the logarithm of the revolution."""
+        rows = [[*s.values.values(), *s.scales.values(), s.residual] for s in self.samples]
+        return scipy.interpolate.PchipInterpolator(np.log1p(self.revolutions), rows)
 
 
 CoarseRuns = tuple[CoarseRun, ...]
 
 
-class ErrorEstimator:
-    """Estimates the error bars of revolutions on one mesh from the revolutions on two coarser ones.
+@dataclass(frozen=True, eq=False)
+class ErrorBars(Observer):
+    """Error bars of every contact, by the same revolutions on two coarser meshes.
 
-    Parameters
-    ----------
-    coarse, middle : tuple of CoarseRun
-        Complete runs of each block, on meshes of a quarter and of half the elements.
-    missed : str
-        Note on earlier revolutions that were not accurate enough; or empty.
+    They are computed when they are recorded: a step that is tried and refused takes no time.
 
     Attributes
     ----------
-    middle : tuple of CoarseRun
-        The runs on half the elements.
-    fine : tuple of CoarseRun
-        Samples of the revolutions estimated so far.
-    missed : str
-        Which error bar was last too wide at a saved revolution, and what to do; or empty.
+    coarse, middle : tuple of CoarseRun
+        For each block, on meshes of a quarter and of half the elements, complete. Without them
+        contacts have the error bars that they were solved with.
+    earlier : tuple of CoarseRun
+        Samples of the steps before the last one.
+    earlier_shortfall : str
+        `shortfall` before the last step.
+    step : Step, optional
+        The last one.
     """
 
-    def __init__(self, coarse: CoarseRuns, middle: CoarseRuns, missed: str = "") -> None:
-        self._coarse, self.middle = coarse, middle
-        self.fine = tuple(CoarseRun() for _ in middle)
-        self.missed = missed
+    coarse: CoarseRuns = ()
+    middle: CoarseRuns = ()
+    earlier: CoarseRuns = ()
+    earlier_shortfall: str = ""
+    step: Any = None
 
-    def __call__(self, passage: Passage, block: int = 0) -> Mapping[str, Any]:
-        """Return the error bars of a revolution, for the contact of a block."""
-        contact, revolution = passage.contacts[block], passage.revolution
-        if not contact.converged:
-            return {}
-        sample = Sample.of(contact, _maxima(passage, block), _fatigue_by_body(passage))
-        self.fine[block].add(revolution, sample)
-        coarser = (runs[block].at(revolution) for runs in (self._coarse, self.middle))
-        samples = (*coarser, sample)
-        assessment = assess(contact, samples, peak=revolution == 0)
-        if assessment.missed and revolution in contact.scene.schedule:
-            self.missed = f"revolution {revolution}: {assessment.missed}"
-        return assessment.error_bars
+    name, key, unsolved = "error_bars", "accuracy", True
 
-    def next_finer(self) -> "ErrorEstimator":
-        """Return the estimator of the next finer mesh."""
-        return ErrorEstimator(self.middle, self.fine)
+    def begin(self, step: Any, model: Model) -> "ErrorBars":
+        """See `Observer.begin`."""
+        return self.after(step, model)
+
+    def after(self, step: Any, model: Model) -> "ErrorBars":
+        """See `Observer.after`."""
+        return replace(self, earlier=self.fine, earlier_shortfall=self.shortfall, step=step)
+
+    def restore(self, step: Any, stored: Any) -> "ErrorBars":
+        """See `Observer.restore`: nothing is stored, as the coarser meshes are rolled again."""
+        return self
+
+    def complete(self, contact: State, block: int) -> State:
+        """See `Observer.complete`."""
+        if not self.middle:
+            return contact
+        found = self._assessments[block]
+        return replace(contact, error_bars={} if found is None else found.error_bars)
+
+    @property
+    def shortfall(self) -> str:
+        """See `Observer.shortfall`: the last error bar that was too wide at a saved revolution."""
+        if self.step is None or self.step.place not in self.step.contact.scene.schedule:
+            return self.earlier_shortfall
+        missed = [one.missed for one in self._assessments if one is not None and one.missed]
+        if not missed:
+            return self.earlier_shortfall
+        return f"revolution {self.step.place:.0f}: {missed[-1]}"
+
+    def next_finer(self) -> "ErrorBars":
+        """Return the error bars of the next finer mesh, by all steps on this one."""
+        return ErrorBars(self.middle, self.fine)
+
+    @cached_property
+    def fine(self) -> CoarseRuns:
+        """Samples of all steps with the last one, for each block."""
+        known = self.earlier or tuple(CoarseRun() for _ in self.middle)
+        return tuple(
+            run if sample is None else run.with_sample(self.step.place, sample)
+            for run, sample in zip(known, self._samples, strict=True)
+        )
+
+    @cached_property
+    def _samples(self) -> tuple[Sample | None, ...]:
+        """Sample of each block of the last step; None of a contact that was not solved."""
+        if self.step is None:
+            return (None,) * len(self.middle)
+        return tuple(_sample(self.step, block) for block in range(len(self.middle)))
+
+    @cached_property
+    def _assessments(self) -> tuple[Assessment | None, ...]:
+        """Assessment of each block of the last step; None of a contact that was not solved."""
+        return tuple(
+            None if sample is None else self._assess(block, sample)
+            for block, sample in enumerate(self._samples)
+        )
+
+    def _assess(self, block: int, sample: Sample) -> Assessment:
+        revolution = self.step.place
+        samples = (self.coarse[block].at(revolution), self.middle[block].at(revolution), sample)
+        return assess(self.step.contacts[block], samples, peak=revolution == 0)
 
 
 def from_level(
@@ -107,8 +160,8 @@ def from_level(
     level: int,
     missed: str = "",
     model_of: Callable[..., Model] = Model,
-) -> ErrorEstimator:
-    """Roll a scene on the two meshes coarser than a level, and return the estimator for that level.
+) -> ErrorBars:
+    """Roll a scene on the two meshes coarser than a level, and return the error bars of that level.
 
     Parameters
     ----------
@@ -119,16 +172,16 @@ def from_level(
     level : int
         The level to assess.
     missed : str
-        See `ErrorEstimator`.
+        Note on earlier revolutions that were not accurate enough; or empty.
     model_of : callable
         See `refine_unworn`.
     """
-    return ErrorEstimator(*_roll_coarser(scene, measured, level, model_of), missed)
+    return ErrorBars(*_roll_coarser(scene, measured, level, model_of), earlier_shortfall=missed)
 
 
 def choose_level(
     scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model] = Model
-) -> tuple[ErrorEstimator, int]:
+) -> tuple[ErrorBars, int]:
     """Find the mesh on which a rolled scene is probably accurate enough.
 
     Parameters
@@ -144,8 +197,8 @@ def choose_level(
 
     Returns
     -------
-    ErrorEstimator
-        Estimator for that mesh.
+    ErrorBars
+        Error bars on that mesh.
     int
         Level of the mesh: the first whose error bars may be narrow enough, judged by the
         difference between the two meshes before it.
@@ -163,7 +216,7 @@ def choose_level(
                 break
         coarse, middle = middle, _roll_mesh(model_of(scene, measured, levels.grid(level)))
         level += 1
-    return ErrorEstimator(coarse, middle), level
+    return ErrorBars(coarse, middle), level
 
 
 def _roll_coarser(
@@ -176,24 +229,26 @@ def _roll_coarser(
 
 
 def _roll_mesh(model: Model) -> CoarseRuns:
+    """Return the samples of all revolutions on the mesh of a model, for each block."""
     runs = tuple(CoarseRun() for _ in model.blocks)
     process, start = process_of(model).begin_fitted()
-    for passage in process.steps(process.observe(start)):
-        for k, (run, contact) in enumerate(zip(runs, passage.contacts, strict=True)):
-            if contact.converged:
-                sample = Sample.of(contact, _maxima(passage, k), _fatigue_by_body(passage))
-                run.add(int(passage.place), sample)
+    for step in process.steps(process.observe(start)):
+        samples = (_sample(step, block) for block in range(len(runs)))
+        runs = tuple(
+            run if sample is None else run.with_sample(step.place, sample)
+            for run, sample in zip(runs, samples, strict=True)
+        )
     return runs
 
 
-def _fatigue_by_body(passage: Passage) -> dict[str, BodyFatigue]:
-    """Return the fatigue of each body; {} for a duty cycle, in which blocks share it."""
-    if len(passage.contacts) > 1:
-        return {}
-    return {cycle.body: cycle for seen in passage.observed.values() for cycle in seen.cycles}
-
-
-def _maxima(passage: Passage, block: int) -> Mapping[str, Maximum]:
-    """Return the largest stresses in the contact of a block, if they are recorded."""
-    stress = passage.observed.get(LargestStress.name)
-    return stress.maxima[block] if isinstance(stress, LargestStress) else {}
+def _sample(step: Any, block: int) -> Sample | None:
+    """Return the sample of a block after a step; None if its contact was not solved."""
+    contact = step.contacts[block]
+    if not contact.converged:
+        return None
+    stress = step.observed.get(LargestStress.name)
+    maxima = stress.maxima[block] if isinstance(stress, LargestStress) else {}
+    # Blocks of a duty cycle have their fatigue in common.
+    cycles = (one for observer in step.observed.values() for one in observer.cycles)
+    fatigue = {one.body: one for one in cycles} if len(step.contacts) == 1 else {}
+    return Sample.of(contact, maxima, fatigue)
