@@ -17,7 +17,15 @@ from tractive_sam.paper.finding import (
     Work,
     join,
 )
-from tractive_sam.paper.scenes import ANGLE_TEXT, ANGLES, orthotropic_spheres, spheres
+from tractive_sam.paper.scenes import (
+    ANGLE_TEXT,
+    ANGLES,
+    friction_bound,
+    friction_of,
+    hertz_of,
+    orthotropic_spheres,
+    spheres,
+)
 from tractive_sam.reference import (
     creep_parameter,
     kalker_simplified,
@@ -82,12 +90,12 @@ def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> State
     partial = xi < 1
     deviation = Q_x[partial] / kalker_simplified(xi[partial]) - 1
     worst = abs(deviation).argmax()
-    material, mu, a = scene.material, scene.friction.mu[0], scene.hertz.a
+    material, a, bound = scene.material, hertz_of(scene).a, friction_bound(scene)
     small = 1e-3
     linear = linear_creep_forces(
         a, a, material.shear, material.poisson, xi_x=-small / _creep_unit(scene)
     )
-    slope = kalker_simplified(small) * mu * scene.load.normal / linear.Fx
+    slope = kalker_simplified(small) * bound / linear.Fx
     return Statement(
         "Fig. 6(a)",
         "Our numerical results agree very well with Kalker's curve, eq. (42).",
@@ -148,7 +156,7 @@ def _orthotropic(work: Work) -> Iterator[Finding]:
         work.report(f"creep-force curve, β = {angle:g}°")
         scene = orthotropic_spheres(work.size, angle)
         Q_x, Q_y, stick = _solve_curve(scene, xi)
-        mu, P = scene.friction.mu, scene.load.normal
+        mu, P = friction_of(scene).mu, hertz_of(scene).load
         force = full_slip_force(P, mu, np.radians(angle), (-1.0, 0.0))
         sliding_from = float(xi[np.argmax(stick < 0.01)])
         curves[angle] = _AngleCurve(
@@ -226,9 +234,9 @@ def _creep_unit(scene: Scene) -> float:
     parameter = creep_parameter(
         -1.0,
         shear=material.shear,
-        a=scene.hertz.a,
-        mu=scene.friction.mu[0],
-        load=scene.load.normal,
+        a=hertz_of(scene).a,
+        mu=friction_of(scene).mu[0],
+        load=hertz_of(scene).load,
         poisson=material.poisson,
     )
     return float(parameter)
@@ -236,7 +244,7 @@ def _creep_unit(scene: Scene) -> float:
 
 def _solve_curve(scene: Scene, xi: np.ndarray) -> np.ndarray:
     """Return Q_x and Q_y over mu1 P at creep parameters, and the share of stick, shape (3, n)."""
-    unit, scale = _creep_unit(scene), scene.friction.mu[0] * scene.load.normal
+    unit, scale = _creep_unit(scene), friction_bound(scene)
     rows: list[tuple[float, float, float]] = []
     contact: State | None = None
     for parameter in xi:

@@ -6,21 +6,12 @@ from enum import StrEnum
 from functools import cached_property
 from io import BytesIO
 from pathlib import Path
-from typing import IO, Any, Protocol, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
+from tractive_sam import plot
 from tractive_sam.paper.size import Size
-
-
-class Figure(Protocol):
-    """A figure that can be saved."""
-
-    def savefig(self, target: Path | IO[bytes], **options: Any) -> None:
-        """Write the figure."""
-
-    def get_figwidth(self) -> float:
-        """Return the width, inches."""
 
 
 class Verdict(StrEnum):
@@ -81,7 +72,7 @@ class Picture:
     """
 
     name: str
-    figure: Figure
+    figure: "plot.Figure"
     caption: str
 
     @cached_property

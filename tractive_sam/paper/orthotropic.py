@@ -14,7 +14,7 @@ from tractive_sam.paper.finding import (
     Work,
     join,
 )
-from tractive_sam.paper.scenes import ANGLES, orthotropic_spheres
+from tractive_sam.paper.scenes import ANGLES, hertz_of, orthotropic_spheres
 from tractive_sam.results import Maximum, State
 from tractive_sam.run import solve
 from tractive_sam.subsurface import stress_maximum, stress_on_plane
@@ -28,7 +28,7 @@ def find(work: Work) -> Iterator[Finding]:
         contacts[angle] = solve(orthotropic_spheres(work.size, angle))
     yield _lateral(contacts)
     maxima = {angle: stress_maximum(contact, "A") for angle, contact in contacts.items()}
-    p0 = contacts[0.0].scene.hertz.p0
+    p0 = hertz_of(contacts[0.0].scene).p0
     yield from _inside_and_surface(maxima, p0)
     yield _sides(contacts)
     yield _table(contacts, maxima)
@@ -50,7 +50,7 @@ def find(work: Work) -> Iterator[Finding]:
 def _lateral(contacts: dict[float, State]) -> Statement:
     """Return the comparison of the lateral traction."""
     p_y = [
-        float(abs(contact.traction[1]).max() / contact.scene.hertz.p0)
+        float(abs(contact.traction[1]).max() / hertz_of(contact.scene).p0)
         for contact in contacts.values()
     ]
     along, turned, across = p_y
@@ -115,7 +115,7 @@ def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> Table:
     """Return the forces and the maxima of the stress at each angle."""
     rows = []
     for angle, contact in contacts.items():
-        top, hertz = maxima[angle], contact.scene.hertz
+        top, hertz = maxima[angle], hertz_of(contact.scene)
         x, _, depth = (length / hertz.a for length in top.interior_at)
         x_surface, y_surface, _ = (length / hertz.a for length in top.surface_at)
         rows.append(

@@ -87,13 +87,24 @@ def text(plain: str) -> Html:
 def _blocks(findings: Iterable[Finding]) -> Iterator[Html]:
     """Yield successive statements as one table, and successive figures as one grid."""
     for kind, group in groupby(findings, type):
+        blocks = [_block(finding) for finding in group]
         if kind is Statement:
-            yield fill(_STATEMENTS, rows=Html("\n".join(map(_statement, group))))
+            yield fill(_STATEMENTS, rows=Html("\n".join(blocks)))
         elif kind is Picture:
-            pictures = Html("\n".join(map(_picture, group)))
+            pictures = Html("\n".join(blocks))
             yield fill('<div class="figures">\n$pictures\n</div>', pictures=pictures)
         else:
-            yield from map(_table, group)
+            yield from blocks
+
+
+def _block(finding: Finding) -> Html:
+    match finding:
+        case Statement():
+            return _statement(finding)
+        case Picture():
+            return _picture(finding)
+        case Table():
+            return _table(finding)
 
 
 _STATEMENTS = (

@@ -68,7 +68,7 @@ def reproduce(
     target, list_of_statements = directory / "index.html", directory / "statements.json"
     for old in (target, list_of_statements):
         old.unlink(missing_ok=True)  # an interrupted run must not leave an earlier page
-    began, chapters, statements = perf_counter(), [], []
+    began, chapters, statements = perf_counter(), [], list[Statement]()
     for number, about in enumerate(CHAPTERS):
         report = partial(progress, number)
         found = about.find(Work(size, results, report))

@@ -1,7 +1,9 @@
 """The scenes of the paper, on meshes of a given size."""
 
+from tractive_sam.mechanics import HertzContact
 from tractive_sam.paper.size import Size
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Friction, Scene
+from tractive_sam.schema import required
 
 ANGLES = (0.0, 45.0, 90.0)
 """Angles of the tribological axis e1 from the rolling direction, degrees."""
@@ -41,3 +43,20 @@ def _wear_settings(size: Size, elements: tuple[int, int]) -> list[str]:
         f"wear.revolutions={size.revolutions}",
         f"wear.save={list(size.saved)}",
     ]
+
+
+def hertz_of(scene: Scene) -> HertzContact:
+    """Return the Hertz contact of a scene of the paper; each has one."""
+    hertz = scene.hertz
+    assert isinstance(hertz, HertzContact)
+    return hertz
+
+
+def friction_of(scene: Scene) -> Friction:
+    """Return the friction of a scene of the paper."""
+    return required(scene.friction, "friction")
+
+
+def friction_bound(scene: Scene) -> float:
+    """Return the largest force of friction along e1, N."""
+    return friction_of(scene).mu[0] * hertz_of(scene).load

@@ -16,7 +16,7 @@ from tractive_sam.paper.finding import (
     Work,
     format_deviation,
 )
-from tractive_sam.paper.scenes import spheres
+from tractive_sam.paper.scenes import friction_of, hertz_of, spheres
 from tractive_sam.plot import StressMaximum
 from tractive_sam.results import BODIES, State
 from tractive_sam.run import solve
@@ -35,7 +35,9 @@ def find(work: Work) -> Iterator[Finding]:
     contact = solve(spheres(work.size))
     yield _compare_with_hertz(contact)
     yield _compare_force(contact)
-    p_x = contact.traction[0].max() / (contact.scene.friction.mu[0] * contact.scene.hertz.p0)
+    p_x = contact.traction[0].max() / (
+        friction_of(contact.scene).mu[0] * hertz_of(contact.scene).p0
+    )
     yield Statement(
         "Fig. 5(b)",
         "p_x along y = 0 and y = 0.75 a_0 correlates well with Manyo's solution.",
@@ -59,7 +61,7 @@ def find(work: Work) -> Iterator[Finding]:
 
 def _compare_with_hertz(contact: State) -> Statement:
     """Return the comparison of pressure and radius with the theory of Hertz."""
-    hertz, area = contact.scene.hertz, contact.grid.element_area
+    hertz, area = hertz_of(contact.scene), contact.grid.element_area
     radius = float(np.sqrt(np.count_nonzero(contact.touching) * area / np.pi))
     return Statement(
         "Sec. 8.1.1",
@@ -76,7 +78,7 @@ def _compare_with_hertz(contact: State) -> Statement:
 
 def _compare_force(contact: State, expected: float = 0.657) -> Statement:
     """Return the comparison of Q_x/(mu P) with that of the paper."""
-    bound = contact.scene.friction.mu[0] * contact.P
+    bound = friction_of(contact.scene).mu[0] * contact.P
     force = contact.Qx / bound
     upwind = solve(contact.scene.with_set(['solver.slip="upwind"'])).Qx / bound
     return Statement(
@@ -91,7 +93,7 @@ def _compare_force(contact: State, expected: float = 0.657) -> Statement:
 
 def _zones(contact: State) -> Statement:
     """Return the comparison of the zones of stick and slip."""
-    x = np.broadcast_to(contact.grid.x[:, None] / contact.scene.hertz.a, contact.pressure.shape)
+    x = np.broadcast_to(contact.grid.x[:, None] / hertz_of(contact.scene).a, contact.pressure.shape)
     stick, slip = x[contact.sticking].mean(), x[contact.sliding].mean()
     last = [column.argmax() for column in contact.touching.T if column.any()]
     columns = np.flatnonzero(contact.touching.any(axis=0))
@@ -130,7 +132,8 @@ class _SectionMaxima:
     @classmethod
     def from_contact(cls, contact: State, plane: str, body: str) -> Self:
         """Compute the stress on a plane of a body, and find its maxima."""
-        p0, a = contact.scene.hertz.p0, contact.scene.hertz.a
+        hertz = hertz_of(contact.scene)
+        p0, a = hertz.p0, hertz.a
         stress = stress_on_plane(contact, plane, body)
         axes = stress.axes["x"] / a, stress.axes["depth"] / a
         maxima = {top.kind: top for top in plot.stress_maxima(stress.von_mises / p0, axes)}

@@ -14,11 +14,12 @@ from tractive_sam.paper.finding import (
     Work,
     format_deviation,
 )
-from tractive_sam.paper.scenes import flat_discs
+from tractive_sam.paper.scenes import flat_discs, hertz_of
 from tractive_sam.paper.wear_runs import read_saved, roll_into_file
 from tractive_sam.reference import GlobalWear, giwm
 from tractive_sam.results import History
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 
 def find(work: Work, good: float = 0.1) -> Iterator[Finding]:
@@ -61,15 +62,15 @@ def find(work: Work, good: float = 0.1) -> Iterator[Finding]:
 
 def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
     """Return the wear by the global incremental wear model."""
-    A, B = scene.body.A, scene.body.B
+    A, B, hertz = scene.body.A, scene.body.B, hertz_of(scene)
     return giwm(
-        load=scene.load.normal,
+        load=required(scene.normal_load, "load.normal"),
         e_star=scene.material.E_star,
         radii_x=(A.radius_x, B.radius_x),
         radius_y=A.radius_y,  # B is a cylinder
-        semi_axes=(scene.hertz.a, scene.hertz.b),
+        semi_axes=(hertz.a, hertz.b),
         creepage=scene.creepage.longitudinal,
-        intensity=scene.wear.intensities[0],
+        intensity=required(scene.wear, "wear").intensities[0],
         revolutions=revolutions,
     )
 

@@ -56,8 +56,8 @@ def compare(
     for title, history in histories.items():
         coordinates = history[history.coordinate.name]
         axes.plot(coordinates, factor * history[name], label=title, clip_on=False)
-    for title, (coordinates, values) in (reference or {}).items():
-        axes.plot(coordinates, factor * np.asarray(values), "--", color=LOOK.grey, label=title)
+    for title, (places, values) in (reference or {}).items():
+        axes.plot(places, factor * np.asarray(values), "--", color=LOOK.grey, label=title)
     label_course(axes, *histories.values())
     axes.set_ylabel(label, wrap=True)
     axes.legend(loc="best")

@@ -120,7 +120,7 @@ class ContactMap:
 
     def draw_stick_edge(self, **style: Any) -> None:
         """Draw the boundary between stick and slip."""
-        look = {"colors": "white", "linewidths": 1.2, "linestyles": "--"} | style
+        look: dict[str, Any] = {"colors": "white", "linewidths": 1.2, "linestyles": "--"} | style
         draw_stick_edge(self.axes, self.view, self.contact, **look)
 
     def add_colour_bar(self, mesh: QuadMesh, label: str) -> None:
@@ -155,8 +155,13 @@ class ContactMap:
         rows = np.ix_(_select_spaced(view.x_over_a, x_step), _select_spaced(view.y_over_a, y_step))
         i, j = (index[where[rows]] for index in np.broadcast_arrays(*rows))
         u, v = vectors[:, i, j] * (0.85 * spacing / longest)
-        look = {"scale_units": "inches", "scale": 1.0, "units": "inches", "width": 0.014}
-        heads = {"headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0}
+        look: dict[str, Any] = {
+            "scale_units": "inches",
+            "scale": 1.0,
+            "units": "inches",
+            "width": 0.014,
+        }
+        heads: dict[str, Any] = {"headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0}
         x, y = view.x_over_a[i], view.y_over_a[j]
         self.axes.quiver(x, y, u, v, color=color, pivot="mid", **look, **heads)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import cycle
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -86,10 +87,14 @@ def traction_curve(computed: Mapping[str, Points], printed: Points | None = None
         highest = max(highest, float(ratio[top]))
         if ratio[top] > 1.001 * ratio[-1]:
             label = f"top {ratio[top]:.3f} at {percent[top]:.2g} %"
-            look = {"textcoords": "offset points", "color": line.get_color()}
+            look: dict[str, Any] = {"textcoords": "offset points", "color": line.get_color()}
             axes.annotate(label, (percent[top], ratio[top]), (8, -34), **look)
     if printed is not None:
-        style = {"color": LOOK.grey, "mec": LOOK.vermillion, "label": "CONTACT 25.1, printed"}
+        style: dict[str, Any] = {
+            "color": LOOK.grey,
+            "mec": LOOK.vermillion,
+            "label": "CONTACT 25.1, printed",
+        }
         axes.plot(100.0 * np.asarray(printed[0]), np.asarray(printed[1]), "x", ms=6, **style)
     axes.set(xlabel=r"creepage $|\xi_x|$ (%)", ylabel=r"$Q_x/P$")
     axes.set_xlim(left=0.0)

@@ -25,6 +25,7 @@ from tractive_sam.plot.style import (
     set_title,
 )
 from tractive_sam.results import BODIES, BodyFatigue, History
+from tractive_sam.schema import required
 
 LINE_CONTACT = np.array(
     [
@@ -81,7 +82,7 @@ def shakedown_map(history: History) -> Figure:
     >>> plot.shakedown_map(ts.roll(tired))
     <Figure size ...>
     """
-    k = history.scene.fatigue.shear_yield_stress
+    k = required(history.scene.fatigue, "fatigue").shear_yield_stress
     figure, axes = new_axes(1.15, 0.85, history_title(history, f"shakedown; k = {k:.4g} MPa"))
     mu, first, inside, surface = LINE_CONTACT.T
     axes.plot(mu, first, color=LOOK.grey, linestyle=":", label="first yield, line contact")
@@ -96,8 +97,9 @@ def shakedown_map(history: History) -> Figure:
     if has_course(history):
         records = {0: ("first record", 8.0)} | records
     for row, (label, size) in records.items():  # the first one encloses the last one
-        look = {"markersize": size, "markerfacecolor": "none" if size > 5.0 else "black"}
-        axes.plot(force[row], load[row], "o", color="black", label=label, **look)
+        look: dict[str, Any] = {"color": "black", "markersize": size}
+        look["markerfacecolor"] = "none" if size > 5.0 else "black"
+        axes.plot(force[row], load[row], "o", label=label, **look)
     _draw_limits(axes, history, force[-1], load[-1])
     highest = np.nanmax([*load, *(history["shakedown_upper"][-1] * load[-1]), 4.2])
     axes.set(xlim=(0.0, max(0.6, 1.1 * force.max())), ylim=(0.0, 1.1 * highest))
@@ -116,9 +118,9 @@ def _draw_limits(axes: Axes, history: History, force: float, load: float) -> Non
     for column, marker, label in limits:
         for k, body in _fatigue_bodies(history):
             color = LOOK.bodies[body]
-            look = {"color": color, "markersize": 4.5} if body == "A" else {
-                "color": color, "markersize": 9.0, "markerfacecolor": "none"
-            }  # fmt: skip
+            look: dict[str, Any] = {"color": color, "markersize": 4.5}
+            if body == "B":
+                look |= {"markersize": 9.0, "markerfacecolor": "none"}
             limit = history[column][-1, k] * load
             axes.plot(force, limit, marker, linestyle="none", label=f"{label}, {body}", **look)
 
@@ -212,7 +214,7 @@ def damage(history: History, body: str = "A", *, most: int = 4, decades: float =
         remains = fatigue.zeta >= fatigue.worn[:, None]
         values = np.log10(np.maximum(fatigue.damage, 10.0 ** (highest - 2.0 * decades)))
         y = _set_section(axes, fatigue, scale)
-        look = {"cmap": LOOK.wear, "vmin": highest - decades, "vmax": highest}
+        look: dict[str, Any] = {"cmap": LOOK.wear, "vmin": highest - decades, "vmax": highest}
         depth = fatigue.zeta / scale.length
         mesh = _draw_values(axes, y, depth, np.where(remains, values, np.nan), **look)
         worn = np.broadcast_to(fatigue.worn / scale.length, y.shape)
@@ -402,11 +404,14 @@ def _draw_kinds(axes: Axes, history: History, name: str) -> None:
     """Draw the columns of a quantity inside and at the surface of each body."""
     for kind, style in (("interior", "-"), ("surface", "--")):
         for _, body in _fatigue_bodies(history):
-            look = {"color": LOOK.bodies[body], "linestyle": style, "label": f"{body}, {kind}"}
-            draw_column(axes, history, f"{name}_{kind}", body, **look)
+            label = f"{body}, {kind}"
+            look: dict[str, Any] = {"color": LOOK.bodies[body], "linestyle": style}
+            draw_column(axes, history, f"{name}_{kind}", body, label=label, **look)
     axes.set_ylim(bottom=0.0)
 
 
 def _fatigue_bodies(history: History) -> list[tuple[int, str]]:
     """Return the index and the name of each body of [fatigue]."""
-    return [(BODIES.index(body), body) for body in history.scene.fatigue.bodies]
+    return [
+        (BODIES.index(body), body) for body in required(history.scene.fatigue, "fatigue").bodies
+    ]

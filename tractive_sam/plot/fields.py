@@ -5,6 +5,8 @@ also by the name of its coordinate: ``revolution=2`` (the last by default). For 
 functions of x replace the maps of pressure and traction.
 """
 
+from typing import Any
+
 import numpy as np
 from matplotlib.patches import Patch
 
@@ -70,7 +72,7 @@ def stick_slip_map(view: ContactView) -> Figure:
     sliding = np.count_nonzero(view.contact.sliding) / np.count_nonzero(view.contact.touching)
     stick = Patch(color=LOOK.sky, label=f"stick, {1 - sliding:.0%}")
     slip = Patch(color=LOOK.orange, label=f"slip, {sliding:.0%}")
-    place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02)}
+    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02)}
     chart.axes.legend(handles=[stick, slip], handlelength=1.0, **place)
     return figure
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from matplotlib.patches import PathPatch
 
@@ -12,6 +15,7 @@ from tractive_sam.plot.line_contact import rolling_axes
 from tractive_sam.plot.needs import Need
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.style import LOOK
+from tractive_sam.schema import required
 
 _TEMPERATURE = r"temperature $T$ ($^\circ$C)"
 
@@ -21,11 +25,16 @@ _WARM = Need(
 )
 
 
+def _surface_temperature(view: ContactView) -> Mapping[str, np.ndarray]:
+    """Return the temperature of the surface of each body; figures that need it check it."""
+    return required(view.contact.heat, "heat").temperature
+
+
 def _temperature_over_x(view: ContactView) -> Figure:
     """Draw the temperature of both surfaces of a line contact."""
     figure, axes = rolling_axes("surface temperature", view)
     for body, style in (("A", "-"), ("B", "--")):
-        values = view.contact.heat.temperature[body][:, 0]
+        values = _surface_temperature(view)[body][:, 0]
         axes.plot(view.x_over_a, values, style, label=f"body {body}")
     axes.set_ylabel(_TEMPERATURE)
     axes.legend()
@@ -47,8 +56,8 @@ def temperature(view: ContactView) -> Figure:
     <Figure size ...>
     """
     figure, chart = ContactMap.single(view, "surface temperature of A")
-    values = view.contact.heat.temperature["A"].T
-    look = {"cmap": LOOK.slip, "shading": "gouraud"}
+    values = _surface_temperature(view)["A"].T
+    look: dict[str, Any] = {"cmap": LOOK.slip, "shading": "gouraud"}
     mesh = chart.axes.pcolormesh(view.x_over_a, view.y_over_a, values, **look)
     # The surroundings are cold, and dark.
     edge = {"fill": False, "edgecolor": "white", "linewidth": 1.0, "zorder": 5}

@@ -110,7 +110,10 @@ def worn_mass(history: History) -> Figure:
     for axes, name in zip(panels, ("worn_volume", "worn_mass"), strict=True):
         for k, body in enumerate(BODIES):
             if np.isfinite(history[name][:, k]).any():
-                look = {"color": LOOK.bodies[body], "linestyle": "-" if body == "A" else "--"}
+                look: dict[str, Any] = {
+                    "color": LOOK.bodies[body],
+                    "linestyle": "-" if body == "A" else "--",
+                }
                 draw_column(axes, history, name, body, label=f"body {body}", **look)
         axes.set_ylim(bottom=0.0)
         axes.set_ylabel(format_with_unit(name.replace("_", " "), history.columns[name].unit))
@@ -167,7 +170,11 @@ def stress_course(history: History) -> Figure:
     for kind, style in (("interior", "-"), ("surface", "--")):
         column = history.of_role(f"stress_{kind}")
         for body in history.bodies:
-            look = {"color": LOOK.bodies[body], "linestyle": style, "label": f"{body}, {kind}"}
+            look: dict[str, Any] = {
+                "color": LOOK.bodies[body],
+                "linestyle": style,
+                "label": f"{body}, {kind}",
+            }
             draw_column(axes, history, column.name, body, divisor=scale.pressure, **look)
     axes.set_ylim(bottom=0.0)
     axes.set_ylabel(scale.pressure_label(column.symbol))

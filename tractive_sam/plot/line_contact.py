@@ -1,5 +1,7 @@
 """Figures of line contacts: functions of x, which replace the maps of other contacts."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
@@ -30,7 +32,12 @@ def line_pressure(source: Source, at: float | None = None, **named: float) -> Fi
     x, scale = view.x_over_a, view.scale
     if scale.hertz:
         square = np.maximum(1.0 - (view.x / scale.a) ** 2, 0.0)
-        look = {"color": LOOK.grey, "linewidth": 0.9, "linestyle": "--", "label": "Hertz, unworn"}
+        look: dict[str, Any] = {
+            "color": LOOK.grey,
+            "linewidth": 0.9,
+            "linestyle": "--",
+            "label": "Hertz, unworn",
+        }
         axes.plot(x, np.sqrt(square) * scale.p / scale.pressure, **look)
     pressure = view.contact.pressure[:, 0] / scale.pressure
     axes.plot(x, pressure, color=LOOK.blue, label="$p_n$")

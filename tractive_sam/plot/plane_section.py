@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -163,7 +164,12 @@ class PlaneSection:
         colours = LOOK.signed if self.signed else LOOK.stress
         filled = axes.contourf(first, second, self.values.T, levels, cmap=colours, zorder=0.5)
         filled.set_edgecolor("face")  # no gaps between the bands
-        style = {"colors": "black", "linewidths": 0.35, "linestyles": "-", "alpha": 0.35}
+        style: dict[str, Any] = {
+            "colors": "black",
+            "linewidths": 0.35,
+            "linestyles": "-",
+            "alpha": 0.35,
+        }
         axes.contour(first, second, self.values.T, levels, zorder=0.6, **style)
         return filled
 
@@ -180,4 +186,5 @@ def common_levels(sections: Sequence[PlaneSection], bands: int = 14) -> np.ndarr
     if highest == 0.0:
         raise ValueError("nothing to draw: there is no stress on the plane")
     lowest = -highest if sections[0].signed else 0.0
-    return MaxNLocator(bands, symmetric=sections[0].signed).tick_values(lowest, highest)
+    locator = MaxNLocator(bands, symmetric=sections[0].signed)
+    return np.asarray(locator.tick_values(lowest, highest))

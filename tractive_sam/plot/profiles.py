@@ -1,6 +1,7 @@
 """Functions of y, one line for each stored record."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -93,7 +94,7 @@ def worn_profiles(history: History, margin: float = 0.15) -> Figure:
     space = 0.12 * np.ptp(heights)
     ends = {"A": heights.max() + space, "B": heights.min() - space}
     for body, end in ends.items():
-        look = {"color": LOOK.grey, "alpha": 0.12, "linewidth": 0.0}
+        look: dict[str, Any] = {"color": LOOK.grey, "alpha": 0.12, "linewidth": 0.0}
         axes.fill_between(y, surfaces[body][last], end, **look)
         name = f"{body}, with the measured profile" if body == _measured_body(history) else body
         place, align = (0.96, "top") if body == "A" else (0.04, "bottom")

@@ -97,7 +97,7 @@ class FigureEntry:
         roles[COORDINATE] = subject.coordinate.name + "s" * subject.coordinate.whole
         for arguments in self.each(subject):
             name = self.name.format_map(roles | dict(arguments)) + ending
-            name = name.translate(str.maketrans({"_": "-", "=": "", "/": "-", "\\": "-"}))
+            name = re.sub(r"[_/\\]", "-", name).replace("=", "")
             yield Drawing(name, self, partial(self.draw, subject, **arguments))
 
     def _missing(self, subject: ContactView | History) -> list[str]:
@@ -205,7 +205,8 @@ def history_figure(
 
         @wraps(function)
         def checked(*args: P.args, **options: P.kwargs) -> Figure:
-            entry.check(next(iter((*args, *options.values()))))
+            subjects: tuple[Any, ...] = (*args, *options.values())
+            entry.check(subjects[0])
             return entry.draw(*args, **options)
 
         return checked

@@ -51,8 +51,9 @@ class Scale:
         """Return the scale of a history."""
         if math.isfinite(history.p0):
             return cls(history.a0, history.b0, history.p0, hertz=True)
-        first = (history[name][0] for name in ("half_width_x", "half_width_y", "p_max"))
-        return cls(*map(float, first), hertz=False)
+        names = ("half_width_x", "half_width_y", "p_max")
+        a, b, p = (float(history[name][0]) for name in names)
+        return cls(a, b, p, hertz=False)
 
     @property
     def relative(self) -> bool:

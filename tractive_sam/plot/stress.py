@@ -1,6 +1,6 @@
 """Stress below the surface: contours on planes through one body or both."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, TypeAlias
 
@@ -123,7 +123,7 @@ def von_mises_sections(
     return _draw_planes(stresses, view, quantity, scale)
 
 
-def _stored_planes(view: ContactView) -> Iterator[dict[str, object]]:
+def _stored_planes(view: ContactView) -> Iterator[Mapping[str, Any]]:
     """Yield the planes of the stored stress, each with its bodies; none that are lines."""
     planes: dict[str, list[str]] = {}
     if view.history is not None:
@@ -149,7 +149,7 @@ def _read_stresses(
 ) -> tuple[list[PlaneStress], ContactView | None]:
     """Return the stress on the plane in each body, and the view of the contact if it is known."""
     if isinstance(source, History):
-        stored = [source.stress(body, plane, at, **named) for body in bodies]
+        stored = [source.stress(body, str(plane), at, **named) for body in bodies]
         return stored, ContactView.from_source(source, at, **named)
     # Stored results must be drawn without loading the modules that compute them.
     from tractive_sam.subsurface import stress_on_planes  # noqa: PLC0415
@@ -266,7 +266,7 @@ def _new_panels(
     width = max(layout.row_width(frame, count), 3.6 * current_options().scale)
     title = view.describe(sections[0].description) if view else ""
     figure = new_map_figure(width, frame, title, below + layout.line)
-    look = {"borderaxespad": 0.2, "fontsize": "small", "handlelength": 1.0}
+    look: dict[str, Any] = {"borderaxespad": 0.2, "fontsize": "small", "handlelength": 1.0}
     place = ((layout.left - 0.2) / width, 0.0)
     figure.legend(handles=handles, loc="lower left", bbox_to_anchor=place, **look)
     lefts = [layout.left + k * (frame.width + layout.gap) for k in range(count)]
@@ -310,7 +310,7 @@ def _name_body(axes: Axes, section: PlaneSection, upwards: bool) -> None:
     """Write the name of the body into its corner."""
     color = "black" if section.signed else "white"
     y, align = (0.97, "top") if upwards else (0.03, "bottom")
-    look = {"va": align, "color": color, "fontsize": "large"}
+    look: dict[str, Any] = {"va": align, "color": color, "fontsize": "large"}
     axes.text(0.02, y, section.body, transform=axes.transAxes, **look)
 
 
@@ -319,7 +319,10 @@ def _add_colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: Pla
     width, height = figure.get_size_inches().tolist()
     box = axes.get_position(original=True)
     bar_axes = add_bar_axes(figure, box.x1 * width, box.y0 * height, box.height * height)
-    most = int(bar_axes.get_position().height * height / TICK_SPACE)
-    every = 1 + (len(filled.levels) - 2) // most
-    first = int(np.argmin(np.abs(filled.levels))) % every  # zero has a tick
-    figure.colorbar(filled, cax=bar_axes, label=section.symbol, ticks=filled.levels[first::every])
+    most, levels = (
+        int(bar_axes.get_position().height * height / TICK_SPACE),
+        np.asarray(filled.levels),
+    )
+    every = 1 + (len(levels) - 2) // most
+    first = int(np.argmin(np.abs(levels))) % every  # zero has a tick
+    figure.colorbar(filled, cax=bar_axes, label=section.symbol, ticks=levels[first::every])

@@ -72,7 +72,7 @@ LOOK = Look()
 MICRON = 1e3
 """Micrometres in a millimetre."""
 
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": ["STIXGeneral", "DejaVu Sans"],
     "mathtext.fontset": "stix",
     "font.size": 11,
@@ -107,7 +107,7 @@ def apply_style(draw: Callable[P, Result]) -> Callable[P, Result]:
     @wraps(draw)
     def draw_in_style(*args: P.args, **kwargs: P.kwargs) -> Result:
         fonts = current_options().font_scale
-        sizes = {key: fonts * STYLE[key] for key in STYLE if key.endswith("size")}
+        sizes: dict[str, Any] = {key: fonts * STYLE[key] for key in STYLE if key.endswith("size")}
         sizes.pop("lines.markersize")
         with mpl.rc_context(STYLE | sizes):
             return draw(*args, **kwargs)

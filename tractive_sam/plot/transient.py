@@ -1,5 +1,7 @@
 """Figures of transients: the loop of force and shift, energy, stick, and the worn track."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -137,7 +139,7 @@ def worn_track(history: History) -> Figure:
     """
     figure, axes, places, depth = _track_axes(history)
     worn = np.abs(history.y[(depth > 0.0).any(axis=0)])
-    look = {"cmap": LOOK.wear, "vmin": 0.0, "shading": "nearest"}
+    look: dict[str, Any] = {"cmap": LOOK.wear, "vmin": 0.0, "shading": "nearest"}
     mesh = axes.pcolormesh(places, history.y, depth.T, **look)
     figure.colorbar(mesh, ax=axes, label=r"wear depth $w$ ($\mathrm{\mu m}$)")
     axes.set_ylabel("$y$ (mm)")

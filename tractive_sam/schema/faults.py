@@ -8,7 +8,9 @@ import reprlib
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, TypeVar
+
+Given = TypeVar("Given")
 
 
 @dataclass(frozen=True)
@@ -116,3 +118,23 @@ def suggest_name(name: str, names: Iterable[str]) -> str:
     reordered = [other for other in names if sorted(other.split("_")) == sorted(name.split("_"))]
     nearest = reordered or difflib.get_close_matches(name, names, n=1)
     return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"
+
+
+def required(value: Given | None, key: str) -> Given:
+    """Return an optional part of a scene that a computation needs.
+
+    Parameters
+    ----------
+    value : object or None
+        The part, for example a table.
+    key : str
+        Its dotted key.
+
+    Raises
+    ------
+    SceneError
+        If the scene does not have it.
+    """
+    if value is None:
+        raise SceneError([Fault(key, "nothing", "a value; it is needed here")])
+    return value

@@ -10,7 +10,17 @@ import numpy as np
 from pydantic import AfterValidator
 
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Check, Fault, Real, SceneError, Table, ValidEntries, entry, shorten
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    Real,
+    SceneError,
+    Table,
+    ValidEntries,
+    entry,
+    required,
+    shorten,
+)
 
 MOST = 1_000_000
 """Cases of a study, and values of an axis."""
@@ -104,8 +114,10 @@ class Values(Table):
         """The values."""
         if self.values is not None:
             return self.values
-        shares = np.linspace(0.0, 1.0, self.number)
-        return _between(self.key, self.start, self.stop, self.spacing, shares)
+        number, start, stop = (
+            required(getattr(self, name), name) for name in ("number", "start", "stop")
+        )
+        return _between(self.key, start, stop, self.spacing, np.linspace(0.0, 1.0, number))
 
 
 def _as_long_as_the_axis(entries: ValidEntries) -> Iterator[Fault]:

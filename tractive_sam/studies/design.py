@@ -241,7 +241,8 @@ def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
         raise SceneError(faults)
     if not isinstance(scene, Scene | Mapping | str):
         given = "nothing" if scene is None else shorten(scene)
-        raise SceneError([Fault("scene", given, Study.model_fields["scene"].description)])
+        allowed = Study.model_fields["scene"].description or "a scene"
+        raise SceneError([Fault("scene", given, allowed)])
     _check_keys(without)
     try:
         found = _named(scene)

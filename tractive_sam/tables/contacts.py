@@ -8,10 +8,12 @@ import numpy as np
 from scipy.special import elliprd
 
 from tractive_sam.contact import Model, jacobian_of, solve_on_fitted_mesh
+from tractive_sam.mechanics import HertzContact, HertzLine
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import State
 from tractive_sam.run import read_measured_gap, solve_from_nearby, warn_of_gap, with_creepages
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Friction, Scene
+from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.tables.rest_slopes import extrapolate_slopes, rest_meshes
 
 KEYS = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
@@ -41,6 +43,18 @@ class Solved:
     gradient_bar: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
 
 
+def hertz_of(scene: Scene) -> HertzContact | HertzLine:
+    """Return the Hertz contact of a scene: a table needs it."""
+    if scene.hertz is None:
+        raise SceneError([Fault("body", "radii of no closed contact", "radii of an ellipse")])
+    return scene.hertz
+
+
+def friction_of(scene: Scene) -> Friction:
+    """Return the friction of a scene: a table needs it."""
+    return required(scene.friction, "friction")
+
+
 class Contacts:
     """Contacts of one scene under any creepages.
 
@@ -55,8 +69,9 @@ class Contacts:
     def __init__(self, scene: Scene, contact: tuple[float, ...] | None = None):
         self.scene = scene
         if contact is None:
-            hertz, mu = scene.hertz, scene.friction.mu[0]
-            contact = hertz.a, hertz.b, scene.normal_load, mu, scene.material.shear
+            hertz, mu = hertz_of(scene), friction_of(scene).mu[0]
+            load = required(scene.normal_load, "load.normal")
+            contact = hertz.a, hertz.b, load, mu, scene.material.shear
         a, b, load, mu, shear = contact
         c, bound = (a * b) ** 0.5, mu * load
         self._unit = bound * np.array([1.0, 1.0, c])
@@ -126,7 +141,8 @@ class Contacts:
     def _reach(self) -> tuple[float, float]:
         """Largest distance of the contact from the middle in x and y, mm."""
         if self.scene.gap is None:
-            return float(self.scene.hertz.a), float(self.scene.hertz.b)
+            hertz = hertz_of(self.scene)
+            return float(hertz.a), float(hertz.b)
         smooth = self.scene.replace(friction=None, creepage=None)
         model, contact = solve_on_fitted_mesh(Model(smooth, read_measured_gap(smooth)))
         if not contact.converged:

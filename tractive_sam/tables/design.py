@@ -14,9 +14,18 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from tractive_sam.lookup import CONTACT, RATIO
 from tractive_sam.scene import Scene, resolve_parametric_files
-from tractive_sam.schema import Check, Document, Fault, SceneError, ValidEntries, entry, shorten
+from tractive_sam.schema import (
+    Check,
+    Document,
+    Fault,
+    SceneError,
+    ValidEntries,
+    entry,
+    required,
+    shorten,
+)
 from tractive_sam.tables.axis import TableAxis
-from tractive_sam.tables.contacts import Contacts, unit_scene
+from tractive_sam.tables.contacts import Contacts, friction_of, hertz_of, unit_scene
 
 
 class TableError(SceneError):
@@ -217,9 +226,10 @@ class TableDesign(Document):
         """Contact that scales the forces of the table of a scene."""
         if self.scene is None:
             return None
-        scene = self.scene
-        found = (scene.hertz.a, scene.hertz.b, scene.normal_load, scene.friction.mu[0])
-        return dict(zip(CONTACT, (*map(float, found), scene.material.shear), strict=True))
+        hertz, mu = hertz_of(self.scene), friction_of(self.scene).mu[0]
+        load = required(self.scene.normal_load, "load.normal")
+        found = (hertz.a, hertz.b, load, mu, self.scene.material.shear)
+        return dict(zip(CONTACT, map(float, found), strict=True))
 
     @cached_property
     def symmetries(self) -> tuple[bool, bool]:
@@ -239,7 +249,8 @@ class TableDesign(Document):
     def ratio(self, place: tuple[float, ...]) -> float:
         """Return a/b at a place along the axes `names`."""
         if self.scene is not None:
-            return float(self.scene.hertz.a / self.scene.hertz.b)
+            hertz = hertz_of(self.scene)
+            return float(hertz.a / hertz.b)
         return float(np.exp(place[0]))
 
     def contacts(self, place: tuple[float, ...]) -> Contacts:
@@ -264,7 +275,7 @@ class TableDesign(Document):
                 rolls = {"longitudinal": 0.0, "lateral": 0.0, "spin": 0.0}
                 speed = None if self.scene.creepage is None else self.scene.creepage.speed
                 rolls |= {} if speed is None else {"speed": speed}
-                answers = self.scene.friction.temperature is not None
+                answers = friction_of(self.scene).temperature is not None
                 left_out = dict.fromkeys(LEFT_OUT if answers else (*LEFT_OUT, "heat"))
                 scene = self.scene.replace(**left_out, creepage=rolls)
             return scene.replace(**entries) if entries else scene
@@ -284,9 +295,10 @@ def _in_design(error: SceneError) -> list[Fault]:
 
 
 def _mirrored(scene: Scene) -> bool:
-    mu1, mu2 = scene.friction.mu
-    aligned = mu1 == mu2 or scene.friction.angle % 90.0 == 0.0
-    uneven = scene.gap is not None or scene.friction.across is not None
+    friction = friction_of(scene)
+    mu1, mu2 = friction.mu
+    aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
+    uneven = scene.gap is not None or friction.across is not None
     return aligned and not uneven and not _has_named_law(scene)
 
 
