@@ -41,11 +41,10 @@ def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def contact_extent(pressure: np.ndarray) -> float:
     """Return the elements from the first to the last edge along x; 0 without contact."""
-    if not (pressure > 0.0).any():
-        return 0.0
-    ahead, behind = distances_to_edges(pressure)
-    indices = np.arange(len(pressure))[:, None]
-    return float(np.nanmax(indices + ahead) - np.nanmin(indices - behind))
+    from tractive_sam.kernels.contact_edges import find_extent  # noqa: PLC0415
+
+    first, last = find_extent(np.ascontiguousarray(pressure))
+    return max(last - first, 0.0)
 
 
 def covered_elements(pressure: np.ndarray) -> float:

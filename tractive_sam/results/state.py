@@ -323,11 +323,16 @@ class State:
         then the peak contact pressure jumps with each element that comes into contact, and this
         pressure does not.
         """
-        pressures = np.sort(self.pressure[self.touching])[::-1]
-        if not pressures.size:
+        total, peak = self.pressure.sum(), self.p_max
+        if not total:
             return 0.0
-        above = np.cumsum(pressures) / pressures.sum()
-        return float(np.interp(0.05, above, pressures))
+        # Few elements are sorted, unless the load is on many pressures that are much smaller.
+        for least in (0.9, 0.5, 0.0):
+            pressures = self.pressure[self.pressure > least * peak]
+            if pressures.sum() > 0.05 * total:
+                break
+        pressures = np.sort(pressures)[::-1]
+        return float(np.interp(0.05, np.cumsum(pressures) / total, pressures))
 
     @cached_property
     def p_max_at(self) -> tuple[float, float]:
