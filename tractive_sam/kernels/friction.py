@@ -433,94 +433,113 @@ def sweep(state, direction, kappa, stiffness, own, row, smooth, rough, out):
             ahead[0, j], ahead[1, j] = a, b
 
 
-@compiled(inner=True)
-def _unturned(state, direction, across, contact, ahead, rows):
-    """Slip of the leading faces along t, in place of what the rows of slipping elements have.
-
-    The slip opposed is a mean of faces (`turn`): a tridiagonal matrix along x, of the faces of
-    elements that stick known.
-    """
-    nx, ny = state.shape
-    back = 0.5 * ahead
-    upper, known = np.empty(nx), np.empty(nx)
-    for j in range(ny):
-        last_upper = last = 0.0  # of the element behind, if it slips
-        for i in range(nx):
-            upper[i] = known[i] = 0.0
-            if state[i, j] != SLIP:
-                last_upper = last = 0.0
-                continue
-            t0, t1 = -direction[1, i, j], direction[0, i, j]
-            turned = across[1, 0, i, j] * t0 + across[1, 1, i, j] * t1
-            value, lower = t0 * rows[0, i, j] + t1 * rows[1, i, j], 0.0
-            b = back if i else 0.0
-            here, before = 1.0 - b, 0.0
-            if i + 2 < nx and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
-                before = -0.5 * b * here
-                b, here = 0.5 * b * (1.0 + b), 1.0 - b * b
-            diagonal = across[0, 0, i, j] * t0 + across[0, 1, i, j] * t1 + turned * here
-            if i and state[i - 1, j] == SLIP:
-                lower = turned * b
-            elif i and state[i - 1, j] == STICK:
-                value -= turned * b * (t0 * rows[0, i - 1, j] + t1 * rows[1, i - 1, j])
-            else:
-                diagonal += turned * b
-            if before != 0.0 and state[i + 1, j] == SLIP:
-                upper[i] = turned * before
-            elif before != 0.0 and state[i + 1, j] == STICK:
-                value -= turned * before * (t0 * rows[0, i + 1, j] + t1 * rows[1, i + 1, j])
-            pivot = diagonal - lower * last_upper
-            upper[i] /= pivot
-            known[i] = (value - lower * last) / pivot
-            last_upper, last = upper[i], known[i]
-        after = 0.0
-        for i in range(nx - 1, -1, -1):
-            if state[i, j] == SLIP:
-                after = known[i] - upper[i] * after
-                rows[0, i, j], rows[1, i, j] = (
-                    -direction[1, i, j] * after,
-                    direction[0, i, j] * after,
-                )
-
-
 @compiled
-def share_out(
-    state, direction, kappa, across, contact, stiffness, own, ahead, row, share, smooth, rough
+def prepare_step(
+    state, direction, kappa, across, contact, stiffness, own, ahead, rough, share, behind, front, up
 ):
-    """Divide a residual of a step between the circulant inverse and the local terms.
+    """Set the factors of an approximate inverse of the rows of a step (`share_out`, `gather`).
 
-    As `split`, of rows in the displacement itself. A local term gamma competes with d, the
+    As in `split`, of rows in the displacement itself. A local term gamma competes with d, the
     displacement of the element by itself: of A + gamma an inverse is nearly
 
         q C q + gamma/(d + gamma)²,    q = d/(d + gamma),
 
     C the circulant inverse of A: right for any gamma where A is d, and never far off, whether gamma
-    is the same everywhere or not (`gather`).
+    is the same everywhere or not.
+
+    The slip opposed is a mean of faces (`turn`): a tridiagonal matrix along x takes the rows of
+    slipping elements back to the slip of the leading faces. Those of elements that stick are known.
+
+    Parameters
+    ----------
+    rough, share : ndarray, shape (n_x, n_y)
+        Set to the factor of a row in its local part, and to q.
+    behind, front : ndarray, shape (n_x, n_y)
+        Set to the coefficients of the neighbours in the tridiagonal matrix.
+    up : ndarray, shape (2, n_x, n_y)
+        Set to the inverse pivot, and to the coefficient that elimination leaves in front.
+    """
+    nx, ny = state.shape
+    back = 0.5 * ahead
+    for i in range(nx):
+        b = back if i else 0.0
+        for j in range(ny):
+            rough[i, j] = share[i, j] = behind[i, j] = front[i, j] = 0.0
+            up[0, i, j], up[1, i, j] = 1.0, 0.0
+            if state[i, j] == OPEN:
+                continue
+            w, k, d = stiffness[i, j], kappa[i, j], 0.5 * (own[0] + own[2])
+            t0, t1 = -direction[1, i, j], direction[0, i, j]
+            if state[i, j] == SLIP:
+                d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
+            # A leading element answers with about half the trace that its stiffness is. Times
+            # kappa, by which the row is divided.
+            gamma = 0.5 * w * k + (1.0 + w) * (1.0 - k)
+            whole = k * d + gamma
+            share[i, j] = k * d / whole
+            rough[i, j] = (1.0 + w) * gamma / (whole * whole)
+            if state[i, j] != SLIP or ahead <= 0.0:
+                continue
+            turned = across[1, 0, i, j] * t0 + across[1, 1, i, j] * t1
+            here, before = 1.0 - b, 0.0
+            if i + 2 < nx and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
+                before = -0.5 * b * here
+                b, here = 0.5 * b * (1.0 + b), 1.0 - b * b
+            diagonal = across[0, 0, i, j] * t0 + across[0, 1, i, j] * t1 + turned * here
+            if i and state[i - 1, j] != OPEN:
+                behind[i, j] = turned * b
+            else:
+                diagonal += turned * b
+            if before != 0.0 and state[i + 1, j] != OPEN:
+                front[i, j] = turned * before
+            if behind[i, j] != 0.0 and state[i - 1, j] == SLIP:
+                diagonal -= behind[i, j] * up[1, i - 1, j]
+            up[0, i, j] = 1.0 / diagonal
+            if front[i, j] != 0.0 and state[i + 1, j] == SLIP:
+                up[1, i, j] = front[i, j] / diagonal
+            b = back if i else 0.0
+
+
+@compiled
+def share_out(state, direction, kappa, stiffness, share, behind, front, up, row, along, smooth):
+    """Divide a residual of a step between the circulant inverse and the local terms.
+
+    ``smooth`` is set to the part of the circulant inverse, and ``along`` to the rows over kappa,
+    of elements that slip along t and as slip of the leading faces (`prepare_step`).
     """
     nx, ny = state.shape
     for i in range(nx):
         for j in range(ny):
-            scale = 0.0 if state[i, j] == OPEN else (1.0 + stiffness[i, j]) / kappa[i, j]
-            for c in range(2):
-                smooth[c, i, j] = rough[c, i, j] = scale * row[c, i, j]
-    if ahead > 0.0:
-        _unturned(state, direction, across, contact, ahead, smooth)
-    for i in range(nx):
-        for j in range(ny):
-            w, d = stiffness[i, j], 0.5 * (own[0] + own[2])
-            if state[i, j] == SLIP:
+            smooth[0, i, j] = smooth[1, i, j] = 0.0
+            if state[i, j] == STICK:
+                q = share[i, j] * (1.0 + stiffness[i, j])
+                smooth[0, i, j], smooth[1, i, j] = q * row[0, i, j], q * row[1, i, j]
+            elif state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
-            # A leading element answers with about half the trace that its stiffness is.
-            gamma = 0.5 * w + (1.0 + w) * (1.0 / kappa[i, j] - 1.0)
-            q = share[i, j] = d / (d + gamma)
-            for c in range(2):
-                smooth[c, i, j] *= q
-                rough[c, i, j] *= gamma * (q / d) ** 2
+                scale = (1.0 + stiffness[i, j]) / kappa[i, j]
+                value = scale * (t0 * row[0, i, j] + t1 * row[1, i, j])
+                if behind[i, j] != 0.0:
+                    if state[i - 1, j] == SLIP:
+                        value -= behind[i, j] * along[i - 1, j]
+                    else:
+                        scale = behind[i, j] * (1.0 + stiffness[i - 1, j])
+                        value -= scale * (t0 * row[0, i - 1, j] + t1 * row[1, i - 1, j])
+                if front[i, j] != 0.0 and state[i + 1, j] == STICK:
+                    scale = front[i, j] * (1.0 + stiffness[i + 1, j])
+                    value -= scale * (t0 * row[0, i + 1, j] + t1 * row[1, i + 1, j])
+                along[i, j] = value * up[0, i, j]
+    for i in range(nx - 1, -1, -1):
+        for j in range(ny):
+            if state[i, j] == SLIP:
+                if up[1, i, j] != 0.0:
+                    along[i, j] -= up[1, i, j] * along[i + 1, j]
+                value = share[i, j] * along[i, j]
+                smooth[0, i, j] = -direction[1, i, j] * value
+                smooth[1, i, j] = direction[0, i, j] * value
 
 
 @compiled
-def gather(state, direction, share, row, smooth, rough, out):
+def gather(state, direction, share, rough, row, smooth, out):
     """Put both parts together: of an element that slips, what is along t (`share_out`).
 
     The part along its direction, and all of an open one, is what ``row`` says.
@@ -528,13 +547,14 @@ def gather(state, direction, share, row, smooth, rough, out):
     nx, ny = state.shape
     for i in range(nx):
         for j in range(ny):
-            q = share[i, j]
-            a, b = q * smooth[0, i, j] + rough[0, i, j], q * smooth[1, i, j] + rough[1, i, j]
-            r0, r1 = row[0, i, j], row[1, i, j]
-            if state[i, j] == OPEN:
-                a, b = r0, r1
+            q, r0, r1 = share[i, j], row[0, i, j], row[1, i, j]
+            if state[i, j] == STICK:
+                r0 = q * smooth[0, i, j] + rough[i, j] * r0
+                r1 = q * smooth[1, i, j] + rough[i, j] * r1
             elif state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                tau, out_of = a * t0 + b * t1, t1 * r0 - t0 * r1
-                a, b = tau * t0 + out_of * t1, tau * t1 - out_of * t0
-            out[0, i, j], out[1, i, j] = a, b
+                tau = q * (t0 * smooth[0, i, j] + t1 * smooth[1, i, j])
+                tau += rough[i, j] * (t0 * r0 + t1 * r1)
+                out_of = t1 * r0 - t0 * r1
+                r0, r1 = tau * t0 + out_of * t1, tau * t1 - out_of * t0
+            out[0, i, j], out[1, i, j] = r0, r1

@@ -518,23 +518,90 @@ class Linearisation:
         friction.sweep(*here, rows, inverse(smooth), rough, out)
         return out
 
-    def approximate_inverse_of_step(
-        self,
-        rows: np.ndarray,
-        inverse: Callable[[np.ndarray], np.ndarray],
-        own: tuple[float, float, float],
-        stiffness: np.ndarray,
-    ) -> np.ndarray:
-        """Return a step that nearly solves equations in the displacement A, not its difference.
+    def inverse_of_step(
+        self, own: tuple[float, float, float], stiffness: np.ndarray
+    ) -> "InverseOfStep":
+        """Return the approximate inverse of equations in the displacement A, not its difference.
 
-        See `approximate_inverse` for the parameters; `own` is the displacement of an element by a
-        unit traction on it.
+        Parameters
+        ----------
+        own : tuple of float
+            Entries (11, 12, 22) of the displacement of an element by a unit traction on it.
+        stiffness : ndarray, shape (n_x, n_y)
+            Local term of leading stick elements (`FrictionSlip.stiffness`).
         """
-        here, share = (self.state, self.direction), np.empty(self.kappa.shape)
-        smooth, rough, out = (np.empty_like(rows) for _ in range(3))
-        local = self.kappa, self.across, self.contact, stiffness, own, float(self.staggered)
-        friction.share_out(*here, *local, rows, share, smooth, rough)
-        friction.gather(*here, share, rows, inverse(smooth), rough, out)
+        shape = self.kappa.shape
+        rough, share, behind, front = np.empty((4, *shape))
+        up = np.empty((2, *shape))
+        friction.prepare_step(
+            self.state,
+            self.direction,
+            self.kappa,
+            self.across,
+            self.contact,
+            stiffness,
+            own,
+            float(self.staggered),
+            rough,
+            share,
+            behind,
+            front,
+            up,
+        )
+        return InverseOfStep(self, stiffness, rough, share, behind, front, up)
+
+
+@dataclass(frozen=True, eq=False)
+class InverseOfStep:
+    """Approximate inverse of the equations of a step, see `kernels.friction.prepare_step`.
+
+    Attributes
+    ----------
+    law : Linearisation
+        The equations.
+    stiffness, rough, share, behind, front : ndarray, shape (n_x, n_y)
+        Factors of the rows and of their neighbours.
+    up : ndarray, shape (2, n_x, n_y)
+        Elimination along x.
+    """
+
+    law: Linearisation
+    stiffness: np.ndarray
+    rough: np.ndarray
+    share: np.ndarray
+    behind: np.ndarray
+    front: np.ndarray
+    up: np.ndarray
+
+    def __call__(
+        self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]
+    ) -> np.ndarray:
+        """Return a step that nearly solves the equations.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (2, n_x, n_y)
+            Right-hand sides, see `Linearisation.rows`.
+        inverse : callable
+            Circulant inverse of the displacement A per length of an element.
+        """
+        law, along = self.law, np.empty(self.share.shape)
+        smooth, out = np.empty_like(rows), np.empty_like(rows)
+        here = law.state, law.direction
+        friction.share_out(
+            *here,
+            law.kappa,
+            self.stiffness,
+            self.share,
+            self.behind,
+            self.front,
+            self.up,
+            rows,
+            along,
+            smooth,
+        )
+        smooth = inverse(smooth)
+        friction.gather(*here, self.share, self.rough, rows, smooth, out)
         return out
 
 

@@ -28,7 +28,9 @@ neighbours, and where slip reverses a step may have no solution.
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import ClassVar, Self
 
 import numpy as np
@@ -75,9 +77,9 @@ class Kinematics(ABC):
 
     @abstractmethod
     def approximate_inverse(
-        self, operators: Operators, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
-    ) -> np.ndarray:
-        """Return tractions whose rows of a friction law are nearly those given.
+        self, operators: Operators, law: Linearisation, stiffness: np.ndarray
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """Return the map from rows of a friction law to tractions that nearly have these rows.
 
         Parameters
         ----------
@@ -85,10 +87,13 @@ class Kinematics(ABC):
             The elastic operators.
         law : Linearisation
             The friction law at an iterate.
-        rows : ndarray, shape (2, n_x, n_y)
-            Rows.
         stiffness : ndarray, shape (n_x, n_y)
             `FrictionSlip.stiffness`.
+
+        Returns
+        -------
+        callable
+            From and to arrays of shape (2, n_x, n_y).
         """
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
@@ -137,11 +142,15 @@ class SteadyRolling(Kinematics):
         return FrictionSlip(*seen, aspect, operators.opening, operators.layer_slip)
 
     def approximate_inverse(
-        self, operators: Operators, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
-    ) -> np.ndarray:
+        self, operators: Operators, law: Linearisation, stiffness: np.ndarray
+    ) -> Callable[[np.ndarray], np.ndarray]:
         """See `Kinematics.approximate_inverse`: the upwind sweep."""
-        own = operators.self_influence
-        return law.approximate_inverse(rows, operators.tangential_inverse, own, stiffness)
+        return partial(
+            law.approximate_inverse,
+            inverse=operators.tangential_inverse,
+            own=operators.self_influence,
+            stiffness=stiffness,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,11 +197,11 @@ class RollingStep(Kinematics):
         return FrictionSlip(*seen, operators.opening, gap_changes=False)
 
     def approximate_inverse(
-        self, operators: Operators, law: Linearisation, rows: np.ndarray, stiffness: np.ndarray
-    ) -> np.ndarray:
+        self, operators: Operators, law: Linearisation, stiffness: np.ndarray
+    ) -> Callable[[np.ndarray], np.ndarray]:
         """See `Kinematics.approximate_inverse`: the circulant inverse beside the local terms."""
-        own = operators.self_displacement
-        return law.approximate_inverse_of_step(rows, operators.tangential_inverse, own, stiffness)
+        found = law.inverse_of_step(operators.self_displacement, stiffness)
+        return partial(found, inverse=operators.tangential_inverse)
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
         """See `Kinematics.slip_weight`: the smaller, the more elements displace each other.

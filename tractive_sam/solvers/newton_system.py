@@ -144,7 +144,9 @@ class System:
         self.size = int(np.prod(self.shape))
         self.length = self.size + self.under_load + len(self.vectors)
         self.weight = 1.0 / np.sqrt(max(np.count_nonzero(at.active), 1))
-        self.stiffness = at.seen.stiffness
+        self._inverse = problem.kinematics.approximate_inverse(
+            self.operators, at.law, at.seen.stiffness
+        )
         self.applications = self.preconditionings = 0
         # The traction of an element that slips, per pressure that its bound rises with.
         self._following = at.law.direction * at.bound.by_pressure if self.free else None
@@ -219,15 +221,13 @@ class System:
 
     def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
         """The circulant inverse for the pressure, and the upwind sweep for the tractions."""
-        at, operators = self.at, self.operators
+        at = self.at
         tangential = rows[-2:] if at.ratio == 1.0 else rows[-2:] / at.ratio
-        step = self.problem.kinematics.approximate_inverse(
-            operators, at.law, tangential, self.stiffness
-        )
+        step = self._inverse(tangential)
         self.preconditionings += 1
         if not self.free:
             return step
-        normal = np.where(at.active, operators.normal_inverse(rows[:1])[0], rows[0])
+        normal = np.where(at.active, self.operators.normal_inverse(rows[:1])[0], rows[0])
         return np.concatenate((normal[None], step + self._following * normal))
 
     @cached_property
