@@ -30,7 +30,7 @@ def contact_bytes(model: Model) -> float:
     # from which they are made, and the Krylov space: on a large mesh in single precision, on others
     # all vectors of a system, the responses to them and their orthonormal basis.
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
-    krylov = 25 if elements >= NEARBY.large else 3 * NEARBY.krylov
+    krylov = 25 if elements >= NEARBY.gmres_from else 3 * NEARBY.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
     block = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
     observers = process_of(model).following

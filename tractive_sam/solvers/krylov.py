@@ -29,7 +29,7 @@ class LinearSystem(Protocol):
         """Return the response of the elastic operator to the fields of a vector."""
 
     def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Return the matrix times a vector with this response, which may be overwritten."""
+        """Return the matrix times a vector with this response; overwritten by the next one."""
 
 
 def gmres(
@@ -140,29 +140,35 @@ def conjugate_residuals(
         Response of the elastic operator to its fields.
     """
     left = system.right_hand_side()
-    goal = tolerance * np.linalg.norm(left)
-    rounding = 1e-13  # part of a new vector below which rounding has spoilt its digits
-    found: list[tuple[np.ndarray, np.ndarray]] = []
-    basis = np.empty((min(most, 15), left.size))
-    triangle, along = np.zeros((most, most)), np.zeros(most)
-    while len(found) < most and sqrt(left @ left) > goal:
-        k = len(found)
-        vector = system.preconditioner(left)
-        response = system.response(vector)
-        w, h, beyond = orthogonalised(system.product(vector, response.copy()), basis[:k])
-        if beyond <= rounding * np.linalg.norm(h):
-            break
+    kind = left.dtype.type
+    norm = sqrt(left @ left)
+    goal = tolerance * norm
+    # Part of a new vector below which rounding has spoilt its digits.
+    rounding = 500.0 * float(np.finfo(kind).eps)
+    rows = min(most, 12)
+    vectors, basis = np.empty((2, rows, left.size), kind)
+    responses = np.empty((rows, *system.shape), kind)
+    triangle, along = np.zeros((rows, rows)), np.zeros(rows)
+    k = 0
+    while k < most and norm > goal:
         if k == len(basis):
-            basis = np.concatenate((basis, np.empty_like(basis)))
-        np.divide(w, beyond, out=basis[k])
+            vectors, responses, basis, along = (
+                np.concatenate((one, np.empty_like(one)))
+                for one in (vectors, responses, basis, along)
+            )
+            triangle = np.pad(triangle, (0, k))
+        vectors[k] = system.preconditioner(left)
+        responses[k] = system.response(vectors[k])
+        made = system.product(vectors[k], responses[k])
+        w, h, beyond = orthogonalised(made, basis[:k])
+        if beyond <= rounding * sqrt(h @ h):
+            break
+        np.divide(w, kind(beyond), out=basis[k])
         triangle[:k, k], triangle[k, k] = h, beyond
         along[k] = basis[k] @ left
-        left -= along[k] * basis[k]
-        found.append((vector, response))
-    count = len(found)
-    shares = np.linalg.solve(triangle[:count, :count], along[:count])
-    vector, answer = np.zeros(left.size), np.zeros(system.shape)
-    for share, (one, response) in zip(shares, found, strict=True):
-        vector += share * one
-        answer += share * response
-    return vector, answer
+        left -= kind(along[k]) * basis[k]
+        norm = sqrt(left @ left)
+        k += 1
+    shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
+    response = shares @ responses[:k].reshape(k, -1)
+    return shares @ vectors[:k], response.reshape(system.shape)

@@ -98,7 +98,8 @@ NEARBY = Newton(
     bounded=False,
     loosest=0.03,  # iterations cost less than the linearisations that they save
     aim=0.6,
-    large=50_000,  # elements from which the three vectors would take most of the memory
+    single_from=0,  # what is planned serves many steps
+    gmres_from=50_000,  # from where on the three vectors would take most of the memory
 )
 """Newton's method from a start nearby: a step or a revolution before."""
 

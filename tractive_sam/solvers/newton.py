@@ -63,9 +63,14 @@ class Newton:
         Part of the tolerance that a linear system is to leave.
     rough : float
         Relative residual down to which a linear system may be solved in single precision.
-    large : float
+    rounding : float
+        Rounding of a response in single precision over the residual that the step is to remove.
+    single_from : float
         Number of elements from which single precision pays: below, planning its transforms costs as
-        much.
+        much, unless they are used for many problems.
+    gmres_from : float
+        Number of elements from which systems in single precision are solved by GMRES, which stores
+        one vector of an iteration, not three.
     inside : float
         Share of the bound below which a first guess is taken to stick.
     """
@@ -82,7 +87,9 @@ class Newton:
     sharp: float = 1e-5
     aim: float = 0.3
     rough: float = 1e-4
-    large: float = 5_000
+    rounding: float = 1e-6
+    single_from: float = 5_000
+    gmres_from: float = 5_000
     inside: float = 0.999
 
     def solve(
@@ -133,7 +140,8 @@ class Newton:
                 least, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            at, spent = self._advanced(problem, at, goal, stalled, bounded)
+            kind = self.precision(goal, at.residual, tolerance, at.pressure.size)
+            at, spent = self._advanced(problem, at, goal, kind, stalled, bounded)
             cost = cost + spent
         # What is beyond a bound, or remains where the gap is open, is part of the residual.
         pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
@@ -184,16 +192,23 @@ class Newton:
         return at.creeping(problem, at.creepage + change)
 
     def _advanced(
-        self, problem: Problem, at: Iterate, goal: float, stalled: bool, bounded: bool
+        self,
+        problem: Problem,
+        at: Iterate,
+        goal: float,
+        kind: type,
+        stalled: bool,
+        bounded: bool,
     ) -> tuple[Iterate, Cost]:
         """The iterate after a step whose linear system is solved to a relative residual."""
-        system = System(problem, at, self.precision(goal, at.pressure.size))
-        if system.kind is np.float64:
+        system = System(problem, at, kind)
+        if kind is np.float64 or not self._by_gmres(at.pressure.size):
             vector, response = conjugate_residuals(system, goal, self.krylov)
+            response = response.astype(float, copy=False)
         else:
             rhs, response = system.right_hand_side(), None
             vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
-            vector = vector.astype(float)  # what the step leads to is evaluated in double precision
+        vector = vector.astype(float, copy=False)  # iterates are in double precision
         step, extra = system.fields(vector), vector[system.size :]
         ahead, trials = self._led(problem, at, step, extra, response, stalled, bounded)
         return ahead, Cost(system.applications + trials, system.preconditionings)
@@ -260,13 +275,28 @@ class Newton:
         wanted = max(min(loosest, 0.9 * gained), self.sharpest, self.aim * tolerance / residual)
         return float(min(wanted, 0.5))
 
-    def precision(self, goal: float, elements: int) -> type:
-        """Type of numbers in which to solve a linear system to a relative residual.
+    def _by_gmres(self, elements: int) -> bool:
+        return elements >= self.gmres_from
 
-        Rounding in single precision, 6e-8 of each number, is far below a `rough` residual, even
-        summed over a Krylov space: half the memory is moved for the same step.
+    def precision(self, goal: float, residual: float, tolerance: float, elements: int) -> type:
+        """Return the type of numbers in which to solve a linear system.
+
+        Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed
+        over a Krylov space: half the memory is moved for the same step. If the response to the step
+        is kept, its rounding remains in the residual.
+
+        Parameters
+        ----------
+        goal : float
+            Relative residual to which to solve.
+        residual, tolerance : float
+            Natural residual now, and that of the problem.
+        elements : int
+            Number of elements.
         """
-        return np.float32 if goal >= self.rough and elements >= self.large else np.float64
+        rounded = 0.0 if self._by_gmres(elements) else self.rounding * residual
+        rough = goal >= self.rough and rounded <= self.aim * tolerance
+        return np.float32 if rough and elements >= self.single_from else np.float64
 
     def damped(
         self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool

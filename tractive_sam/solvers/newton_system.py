@@ -179,7 +179,9 @@ class System:
         return np.concatenate(([step[0].sum()], sums)) if self.under_load else sums
 
     def _extended(self, response: np.ndarray, extra: np.ndarray) -> np.ndarray:
-        """Add the change of approach and creepages to a change of gap and slip."""
+        """Return a change of gap and slip with that by a change of approach and creepages."""
+        if extra.size:
+            response = response.copy()
         if self.under_load:
             response[0] -= extra[0]
         if len(self.vectors):
@@ -205,10 +207,7 @@ class System:
         return self.problem.response(self.fields(vector))
 
     def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """The matrix times a vector of which the response is known; overwritten by the next.
-
-        The response has changed with approach and creepages afterwards.
-        """
+        """The matrix times a vector of which the response is known; overwritten by the next."""
         step = self.fields(vector)
         self._rows(step, self._extended(response, vector[self.size :]))
         if self.length > self.size:
@@ -236,7 +235,7 @@ class System:
         count = self.length - self.size
         zero = np.zeros(self.shape if count else (), self.kind)
         responses = [
-            self._approximate_inverse(self._rows(zero, self._extended(zero.copy(), unit)).copy())
+            self._approximate_inverse(self._rows(zero, self._extended(zero, unit)).copy())
             for unit in np.eye(count)
         ]
         sums = [self._resultants(response) for response in responses]
