@@ -55,19 +55,19 @@ class Frame:
 
     def to_scaled(self, traction: np.ndarray) -> np.ndarray:
         """Return p~ = F^-T p_t for a field of shape (2, ...)."""
-        return np.tensordot(self.inverse.T, traction, axes=1)
+        return _times(self.inverse.T, traction)
 
     def to_physical(self, scaled: np.ndarray) -> np.ndarray:
         """Return p_t = F^T p~ for a field of shape (2, ...)."""
-        return np.tensordot(self.matrix.T, scaled, axes=1)
+        return _times(self.matrix.T, scaled)
 
     def slip_to_scaled(self, slip: np.ndarray) -> np.ndarray:
         """Return s~ = F s for a field of shape (2, ...)."""
-        return np.tensordot(self.matrix, slip, axes=1)
+        return _times(self.matrix, slip)
 
     def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
         """Return s = F^-1 s~ for a field of shape (2, ...)."""
-        return np.tensordot(self.inverse, scaled, axes=1)
+        return _times(self.inverse, scaled)
 
     def norm(self, traction: np.ndarray) -> np.ndarray:
         """Return ||p_t||_mu = |p~|, the pressure (load) that a traction (force) needs.
@@ -82,3 +82,9 @@ class Frame:
         For a slip it is ||s||* = sqrt((mu1 s_e1)² + (mu2 s_e2)²), the work of friction on it.
         """
         return np.hypot(*self.slip_to_scaled(direction))
+
+
+def _times(matrix: np.ndarray, field: np.ndarray) -> np.ndarray:
+    """Return a matrix (2, 2) times the vectors of a field (2, ...)."""
+    field = np.asarray(field)
+    return (matrix @ field.reshape(2, -1)).reshape(field.shape)

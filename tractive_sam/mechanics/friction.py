@@ -573,9 +573,7 @@ class InverseOfStep:
     front: np.ndarray
     up: np.ndarray
 
-    def __call__(
-        self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]
-    ) -> np.ndarray:
+    def __call__(self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """Return a step that nearly solves the equations.
 
         Parameters

@@ -145,7 +145,7 @@ def conjugate_residuals(
     goal = tolerance * norm
     # Part of a new vector below which rounding has spoilt its digits.
     rounding = 500.0 * float(np.finfo(kind).eps)
-    rows = min(most, 12)
+    rows, scratch = min(most, 12), np.empty_like(left)
     vectors, basis = np.empty((2, rows, left.size), kind)
     responses = np.empty((rows, *system.shape), kind)
     triangle, along = np.zeros((rows, rows)), np.zeros(rows)
@@ -166,7 +166,7 @@ def conjugate_residuals(
         np.divide(w, kind(beyond), out=basis[k])
         triangle[:k, k], triangle[k, k] = h, beyond
         along[k] = basis[k] @ left
-        left -= kind(along[k]) * basis[k]
+        left -= np.multiply(basis[k], kind(along[k]), out=scratch)
         norm = sqrt(left @ left)
         k += 1
     shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)

@@ -71,9 +71,10 @@ class Sequential:
         self, problem: Problem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
         pressure = problem.normal.pressure
-        needed = problem.forces.minimum / problem.bound(pressure).radius.sum()
-        if needed > 1.0:
-            return _beyond(problem, needed)
+        if len(problem.forces):
+            needed = problem.forces.minimum / problem.bound(pressure).radius.sum()
+            if needed > 1.0:
+                return _beyond(problem, needed)
         box = rectangle(pressure > 0.0)
         if start is not None:
             start = _on_part(problem, start, box)
