@@ -23,15 +23,15 @@ from tests.studies.conftest import small
 from tests.tables.test_written import of_any
 from tractive_sam import pages
 from tractive_sam.cli import app
-from tractive_sam.lookup import c_header, columns_of
+from tractive_sam.lookup import c_sources, columns_of
 from tractive_sam.plot.figure import Figure
 from tractive_sam.schema import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
 from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.studies import open_study, study
 from tractive_sam.studies.folder import Folder
-from tractive_sam.tables import fmu
 from tractive_sam.tables.file import write_table
+from tractive_sam.tables.fmu_description import Description2
 
 RUN = "window.PWNED=1;document.title='PWNED'"
 HOSTILE = (
@@ -310,8 +310,10 @@ def code_of(header):
 @pytest.mark.parametrize("text", HOSTILE)
 def test_tables(table_file, text):
     original = ts.open_table(table_file)
-    code = code_of(c_header(original))
-    shapes = [(one.tag, *one.keys()) for one in ET.fromstring(fmu._description(original, "a", "b"))]
+    code = code_of("".join(c_sources(original).values()))
+    shapes = [
+        (one.tag, *one.keys()) for one in ET.fromstring(Description2(original, "a", "b").model)
+    ]
     for name in ("title", "design", "version", "scaling", "format", "axes", "apart"):
         with h5py.File(table_file, "r+") as file:
             before = file.attrs.get(name, "")
@@ -319,10 +321,10 @@ def test_tables(table_file, text):
         called("show", table_file)
         with suppress(ResultsError):
             table = ts.open_table(table_file)
-            header = c_header(table)
+            header = "".join(c_sources(table).values())
             assert header.isascii()
             assert code_of(header) == code
-            found = ET.fromstring(fmu._description(table, "a", "b"))
+            found = ET.fromstring(Description2(table, "a", "b").model)
             assert [(one.tag, *one.keys()) for one in found] == shapes
             check_terminal(columns_of(table)[:2000])
             called("show", table_file, "--json")

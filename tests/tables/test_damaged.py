@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam.cli import app
-from tractive_sam.lookup import CreepTable, Hermite, c_header
+from tractive_sam.lookup import CreepTable, Hermite, c_sources
 from tractive_sam.store import ResultsError
 from tractive_sam.tables import TableAxis, builtin_tables
 
@@ -154,4 +154,4 @@ def test_names_of_axes(steel, name):
     found = ts.open_table("steel")
     law, parts = found.law, (found.bars, found.between, found.about)
     with pytest.raises(ValueError, match="name"):
-        c_header(CreepTable(Hermite(law.axes, law.coefficients), ("log_ratio", name), *parts))
+        c_sources(CreepTable(Hermite(law.axes, law.coefficients), ("log_ratio", name), *parts))

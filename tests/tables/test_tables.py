@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam.cli import app
-from tractive_sam.lookup import Hermite, c_header, columns_of
+from tractive_sam.lookup import Hermite, c_sources, columns_of
 from tractive_sam.lookup.text import COLUMNS
 from tractive_sam.reference import creep_coefficients, full_slip_with_spin
 from tractive_sam.tables import builtin_tables, is_design
@@ -266,11 +266,12 @@ int main(void) {
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
-def test_c_header_gives_the_same_numbers(table, tmp_path):
-    (tmp_path / "steel.h").write_text(c_header(table, "steel"))
+def test_c_sources_give_the_same_numbers(table, tmp_path):
+    for file, text in c_sources(table, "steel").items():
+        (tmp_path / file).write_text(text)
     (tmp_path / "main.c").write_text(PROGRAM)
     strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]
-    command = ["cc", *strict, "main.c", "-o", "main", "-lm"]
+    command = ["cc", *strict, "main.c", "steel.c", "-o", "main", "-lm"]
     subprocess.run(command, cwd=tmp_path, check=True)
     random = np.random.default_rng(3)
     number, (low, high) = 200, table.ellipticity
@@ -283,7 +284,7 @@ def test_c_header_gives_the_same_numbers(table, tmp_path):
     f = table(*xi, **contact)
     given = np.stack(np.broadcast_arrays(*xi, *contact.values(), 0.3), axis=1)
     lines = [" ".join(map(repr, row)) for row in given.tolist()]
-    lines += ["nan 0 0 1 1 1 1 1 .3", "0 0 0 1 1 0 1 1 .3", "0 0 0 99 1 1 1 1 .3",
+    lines += ["nan 0 0 1 1 1 1 1 .3", "0 0 0 1 1 -1 1 1 .3", "0 0 0 99 1 1 1 1 .3",
               "0 0 0 1 1 1 1 1 .2"]  # fmt: skip
     reported = subprocess.run(
         ["./main"], cwd=tmp_path, input="\n".join(lines), capture_output=True, text=True, check=True
@@ -306,6 +307,7 @@ def test_command(tmp_path, monkeypatch):
     run = CliRunner().invoke
     assert run(app, ["table", "steel", "--header", "s.h", "--text", "s.txt"]).exit_code == 0
     assert (tmp_path / "s.h").exists()
+    assert (tmp_path / "s.c").exists()
     assert (tmp_path / "s.txt").exists()
     (tmp_path / "bad.toml").write_text("tolerance = -1\n")
     for command in (

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tractive_sam.lookup import CreepTable, Hermite, c_header, columns_of
+from tractive_sam.lookup import CreepTable, Hermite, c_sources, columns_of
 from tractive_sam.plot import table_errors
 from tractive_sam.store import ResultsError
 from tractive_sam.tables import open_table, write_fmu
@@ -36,6 +36,11 @@ def made_up(names, axes, seed=0, **given):
 def of_any():
     axes = [[-0.5, 0.2, 0.9], [0.3], [0.0, 1.0, 3.0]]
     return made_up(("log_ratio", "poisson", "angle"), axes, whole=True)
+
+
+def make_quarter():
+    """The built-in table: with symmetries, and a single value of Poisson's ratio."""
+    return open_table("steel")
 
 
 def of_a_scene():
@@ -144,6 +149,48 @@ def assert_equal(found, expected):
     np.testing.assert_allclose(found / size, expected / size, atol=1e-12)
 
 
+@pytest.mark.parametrize("kind", CASES)
+def test_a_single_point_is_that_of_an_array(kind):
+    """Evaluated without arrays, forces, gradient and error bars agree with those of arrays."""
+    make, given = CASES[kind]
+    table, (xi, _) = make(), points(given)
+    many = table(*xi, **given)
+    size = np.abs(all_of(many)).max(axis=0)
+    for k, one in enumerate(xi.T.tolist()):
+        single = table(*one, **given)
+        found = np.array([single.Qx, single.Qy, single.Mz, *single.gradient.ravel()])
+        np.testing.assert_allclose(found / size, all_of(many)[k] / size, atol=1e-12)
+        np.testing.assert_array_equal(single.error, many.error[:, k])
+    plain = make_quarter()
+    given = CONTACT | {"a": 1.0}
+    many = plain(*xi, **given)
+    for k, one in enumerate(xi.T.tolist()):
+        single = plain(*one, **given)
+        scale = np.abs(many.gradient).max()
+        np.testing.assert_allclose(single.gradient, many.gradient[..., k], atol=1e-12 * scale)
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_separated_bodies_have_no_forces_and_no_gradient(kind):
+    """Also within arrays, with the semi-axes 0 of a contact without load."""
+    make, given = CASES[kind]
+    table = make()
+    if kind == "scene":
+        pytest.skip("its load is that of the scene")
+    loads = np.array([0.0, 1e4, 0.0])
+    axes = {name: np.where(loads > 0.0, given[name], 0.0) for name in "ab"}
+    f = table(1e-3, [0.0, 1e-3, np.inf], 0.0, **given | axes | {"load": loads})
+    single = table(1e-3, 1e-3, 0.0, **given)
+    for values in (f.Qx, f.Qy, f.Mz, *f.gradient.reshape(9, 3), *f.error):
+        assert values[[0, 2]].tolist() == [0.0, 0.0]
+    assert f.Qx[1] == pytest.approx(single.Qx, rel=1e-12)
+    np.testing.assert_allclose(f.gradient[..., 1], single.gradient, rtol=1e-12)
+    none = table(1e-3, 0.0, 0.0, **given | {"load": 0.0})
+    assert (none.Qx, none.gradient.any()) == (0.0, False)
+    with pytest.raises(ValueError, match="load"):
+        table(1e-3, 0.0, 0.0, **given | {"load": -1.0})
+
+
 def all_of(forces):
     gradient = np.moveaxis(forces.gradient, -1, 0).reshape(-1, 9)
     return np.concatenate([np.stack([forces.Qx, forces.Qy, forces.Mz], axis=1), gradient], axis=1)
@@ -151,16 +198,19 @@ def all_of(forces):
 
 @needs_cc
 @pytest.mark.parametrize("kind", CASES)
-def test_c_header(kind, tmp_path):
+def test_c_sources(kind, tmp_path):
     make, given = CASES[kind]
     table, (xi, rows) = make(), points(given)
     count = rows.shape[1]
     text = PROGRAM.replace("@COUNT@", str(count))
     text = text.replace("@GIVEN@", ", ".join(f"p[{k}]" for k in range(count)))
-    (tmp_path / "law.h").write_text(c_header(table, "law"))
+    for file, source in c_sources(table, "law").items():
+        (tmp_path / file).write_text(source)
     (tmp_path / "main.c").write_text(text)
     strict = ["-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-pedantic"]
-    subprocess.run(["cc", *strict, "main.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    subprocess.run(
+        ["cc", *strict, "main.c", "law.c", "-o", "main", "-lm"], cwd=tmp_path, check=True
+    )
     outside = rows[-1].copy()
     outside[-1] = 99.0
     lines = "\n".join(" ".join(map(repr, row)) for row in [*rows.tolist(), outside.tolist()])
@@ -176,14 +226,22 @@ def test_c_header(kind, tmp_path):
 @needs_cc
 @pytest.mark.parametrize("interface", ["CoSimulation", "ModelExchange"])
 @pytest.mark.parametrize("kind", CASES)
-def test_fmu(kind, interface, tmp_path):
-    """Loaded and stepped: what is put out is what Python finds of the inputs."""
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmu(fmi, kind, interface, tmp_path):
+    """Simulated over a course of all inputs: the outputs are what Python finds of the inputs."""
     fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
     make, given = CASES[kind]
     table, (xi, _) = make(), points(given)
-    assert write_fmu(table, tmp_path / "law.fmu")
+    assert write_fmu(table, tmp_path / "law.fmu", fmi)
     unit = fmpy.read_model_description(tmp_path / "law.fmu")
+    assert unit.fmiVersion == f"{fmi}.0"
     names = [one.name for one in unit.modelVariables if one.causality == "input"]
+    fixed = {
+        one.name: float(one.start) for one in unit.modelVariables if one.variability == "fixed"
+    }
+    assert fixed == ({"poisson": 0.3} if kind == "any" else {})
+    if "load" in given:  # the bodies separate in the middle
+        given = given | {"load": np.where(np.arange(len(xi[0])) == 25, 0.0, given["load"])}
     outputs = [one.name for one in unit.modelVariables if one.causality == "output"]
     signals = np.zeros(len(xi[0]), [("time", float), *((name, float) for name in names)])
     values = dict(zip(("xi_x", "xi_y", "spin"), np.nan_to_num(xi, posinf=1.0, neginf=-1.0),
@@ -196,8 +254,59 @@ def test_fmu(kind, interface, tmp_path):
         stop_time=len(signals) - 1.0, output_interval=1.0, step_size=1.0,
     )  # fmt: skip
     assert len(found) >= len(signals)
-    forces = table(**{name: found[name] for name in names})
+    forces = table(**{name: found[name] for name in names} | fixed)
     assert_equal(np.stack([found[name] for name in outputs], axis=1), all_of(forces))
+
+
+@needs_cc
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_variables_of_fmus_have_units_and_limits(fmi, tmp_path):
+    fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
+    write_fmu(of_any(), tmp_path / "law.fmu", fmi)
+    unit = fmpy.read_model_description(tmp_path / "law.fmu")
+    known = {one.name for one in unit.unitDefinitions}
+    for variable in unit.modelVariables:
+        if variable.name == "time":
+            continue
+        assert (variable.unit or variable.declaredType) in known
+        assert float(variable.min) <= float(variable.start or variable.min) <= float(variable.max)
+    units = {one.name: one.unit for one in unit.modelVariables}
+    assert (units["Qx_by_spin"], units["Mz_by_xi_x"], units["Mz_by_spin"]) == (
+        "N.mm", "N.mm", "N.mm2",
+    )  # fmt: skip
+
+
+@needs_cc
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_directional_derivatives_of_fmus(fmi, tmp_path):
+    """By every input: differences of the table in Python."""
+    fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
+    table, given = of_any(), CASES["any"][1] | {"xi_x": 2e-4, "xi_y": -1e-4, "spin": 5e-5}
+    write_fmu(table, tmp_path / "law.fmu", fmi)
+    description = fmpy.read_model_description(tmp_path / "law.fmu")
+    unit = fmpy.instantiate_fmu(
+        fmpy.extract(str(tmp_path / "law.fmu")), description, fmi_type="CoSimulation"
+    )
+    place = {one.name: one.valueReference for one in description.modelVariables}
+    get = unit.getReal if fmi == 2 else unit.getFloat64
+    write = unit.setReal if fmi == 2 else unit.setFloat64
+    unit.enterInitializationMode()
+    write([place[name] for name in given], [float(value) for value in given.values()])
+    unit.exitInitializationMode()
+    forces = ("Qx", "Qy", "Mz")
+    of = [place[name] for name in forces]
+    size = np.abs(get(of)).max()
+    for name, value in given.items():
+        if name == "poisson":
+            continue
+        slopes = unit.getDirectionalDerivative(of, [place[name]], [1.0])
+        step = 1e-6 * abs(value)
+        high, low = (table(**given | {name: value + sign * step}) for sign in (1.0, -1.0))
+        for slope, force in zip(slopes, forces, strict=True):
+            expected = (getattr(high, force) - getattr(low, force)) / (2.0 * step)
+            # Differences of second order in a step of 1e-6, and of rounding.
+            assert slope == pytest.approx(expected, abs=1e-6 * size / abs(value), rel=1e-6)
+    unit.freeInstance()
 
 
 @needs_cc
@@ -205,6 +314,8 @@ def test_fmus_refuse(tmp_path, monkeypatch):
     fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
     with pytest.raises(ValueError, match="name in C"):
         write_fmu(of_any(), tmp_path / "1.fmu")
+    with pytest.raises(ValueError, match="2 or 3"):
+        write_fmu(of_any(), tmp_path / "law.fmu", 4)
     write_fmu(of_any(), tmp_path / "law.fmu")
     reported = []
     with pytest.raises(fmpy.fmi1.FMICallException):
@@ -227,10 +338,11 @@ def test_a_name_of_no_file(tmp_path):
 def test_headers_report_error_bars_of_gradients():
     """At rest, or that there are none."""
     table = of_any()
-    assert "gradients are not known" in c_header(table)
+    assert "gradients are not known" in c_sources(table)["creep_forces.h"]
     bars = np.full((3, 3, 3), 0.5)
     bars[0] = np.array([1e-3, 2e-3, 4e-3])[:, None]
-    assert "1.0e-03, 2.0e-03, 4.0e-03 of Qx, Qy, Mz" in c_header(replace(table, gradient_bars=bars))
+    known = c_sources(replace(table, gradient_bars=bars))
+    assert "1.0e-03, 2.0e-03, 4.0e-03 of Qx, Qy, Mz" in known["creep_forces.h"]
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,9 @@
 """``tractive-sam table``: build creep-force tables for vehicle, gear and bearing models."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, cast
 
 import typer
 
@@ -33,16 +34,19 @@ Output = Annotated[
 Header = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE.h", help="Write it as a C header too; its function has the file's name."
+        metavar="FILE.h",
+        help="Write it in C too: a header and FILE.c beside it; the function has the file's name.",
     ),
 ]
 Fmu = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.fmu",
-        help="Write it as a unit of FMI 2.0 too, compiled by cc if that is installed.",
+        help="Write it as a unit of the Functional Mock-up Interface too, compiled by cc if that "
+        "is installed.",
     ),
 ]
+Fmi = Annotated[int, typer.Option(min=2, max=3, help="Version of the interface of --fmu.")]
 NodeText = Annotated[
     Path | None,
     typer.Option("--text", metavar="FILE.txt", help="Write its nodes as columns of text too."),
@@ -69,6 +73,7 @@ def table(
     output: Output = None,
     header: Header = None,
     fmu: Fmu = None,
+    fmi: Fmi = 2,
     text: NodeText = None,
     figure: Figure = None,
     scheduler: Scheduler = None,
@@ -77,8 +82,11 @@ def table(
 ) -> None:
     """Build a table of creep forces with gradients and error bars."""
     writers: dict[Path | None, Callable[[Any, Path], None]] = {
-        header: _write_header, fmu: _write_fmu, text: _write_text, figure: _write_figure,
-    }  # fmt: skip
+        header: _write_header,
+        fmu: partial(_write_fmu, fmi=cast(Literal[2, 3], fmi)),
+        text: _write_text,
+        figure: _write_figure,
+    }
     writers.pop(None, None)
     _check_arguments(file, output, writers)
     check_workers(scheduler, workers or None)
@@ -149,6 +157,8 @@ def _check_names(header: Path | None, fmu: Path | None) -> None:
     try:
         for path in filter(None, (header, fmu)):
             check_name(path.stem)
+        if header is not None and header.suffix != ".h":
+            raise ValueError(f"{header}: a file ending in .h is needed, which FILE.c includes")
     except ValueError as error:
         raise error_exit(Status.INVALID, str(error)) from None
     if fmu is not None:
@@ -157,15 +167,17 @@ def _check_names(header: Path | None, fmu: Path | None) -> None:
 
 
 def _write_header(built: "ts.CreepTable", path: Path) -> None:
-    from tractive_sam.lookup import c_header
+    from tractive_sam.lookup import c_sources
     from tractive_sam.output_file import write_file
 
-    write_file(path, c_header(built, path.stem))
+    header, source = c_sources(built, path.stem).values()
+    write_file(path.with_suffix(".c"), source)
+    write_file(path, header)
 
 
-def _write_fmu(built: "ts.CreepTable", path: Path) -> None:
+def _write_fmu(built: "ts.CreepTable", path: Path, fmi: Literal[2, 3]) -> None:
     try:
-        if not ts.write_fmu(built, path):
+        if not ts.write_fmu(built, path, fmi):
             cure = "fmpy compile adds the binary on a machine with a compiler"
             print_note(f"{path} contains only sources, as cc is not installed; {cure}")
     except RuntimeError as error:

@@ -1,9 +1,16 @@
 """Evaluation of creep-force tables, with NumPy alone.
 
 `hermite` interpolates, `coordinates` converts creepages to the bounded coordinates of a table,
-`creep_table` combines both, and `header` and `text` write a table as C code and as columns.
+`creep_table` combines both, and `c_sources` and `text` write a table as C code and as columns.
 """
 
+from tractive_sam.lookup.c_sources import (
+    arguments_of,
+    c_sources,
+    check_axis_name,
+    check_name,
+    plain_title,
+)
 from tractive_sam.lookup.coordinates import (
     CONTACT,
     MIRROR,
@@ -16,13 +23,6 @@ from tractive_sam.lookup.coordinates import (
 )
 from tractive_sam.lookup.creep_table import CreepTable, Forces, share_of_bar
 from tractive_sam.lookup.describe import describe_axis, describe_range
-from tractive_sam.lookup.header import (
-    arguments_of,
-    c_header,
-    check_axis_name,
-    check_name,
-    plain_title,
-)
 from tractive_sam.lookup.hermite import Hermite, cell_of
 from tractive_sam.lookup.text import columns_of
 
@@ -38,7 +38,7 @@ __all__ = [
     "Hermite",
     "arguments_of",
     "by_coordinates",
-    "c_header",
+    "c_sources",
     "cell_of",
     "check_axis_name",
     "check_name",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from tractive_sam.description import Description
 from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates
 from tractive_sam.lookup.describe import describe_table
 from tractive_sam.lookup.hermite import Hermite, cell_of
+from tractive_sam.lookup.single_point import Point, SinglePointLaw
 from tractive_sam.lookup.table_checks import table_faults
 from tractive_sam.markup import fill
 from tractive_sam.safe_text import printable_text
@@ -22,23 +23,50 @@ MARGIN = 1e-9
 """Relative distance outside a table that may be due to rounding."""
 
 
-@dataclass(frozen=True, eq=False)
-class Forces:
-    """Creep forces from a table; arrays have the shape of the arguments.
+class Scaled(NamedTuple):
+    """Contacts in the coordinates of a table.
 
     Attributes
     ----------
-    Qx, Qy : ndarray
+    points : tuple of ndarray, shape (P,)
+        Position on each axis.
+    coordinates : Coordinates
+        Coordinates of the creepages.
+    by_creepage, unit : ndarray, shape (3, P)
+        Scaled creepages over creepages, and units of the forces.
+    shape : tuple of int
+        Shape of the arguments.
+    """
+
+    points: tuple[np.ndarray, ...]
+    coordinates: Coordinates
+    by_creepage: np.ndarray
+    unit: np.ndarray
+    shape: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """Creep forces from a table; arrays have the shape of the arguments, numbers give numbers.
+
+    Attributes
+    ----------
+    Qx, Qy : ndarray or float
         Forces on body A, N.
-    Mz : ndarray
+    Mz : ndarray or float
         Spin moment on body A, N mm.
     """
 
-    Qx: np.ndarray
-    Qy: np.ndarray
-    Mz: np.ndarray
+    Qx: np.ndarray | np.float64
+    Qy: np.ndarray | np.float64
+    Mz: np.ndarray | np.float64
     _table: CreepTable = field(repr=False)
-    _at: tuple = field(repr=False)
+    _arguments: tuple[tuple[ArrayLike, ...], tuple[str, ...]] = field(repr=False)
+    _point: Point | None = field(default=None, repr=False)
+
+    @cached_property
+    def _at(self) -> Scaled:
+        return self._table.scale(*self._arguments)
 
     @cached_property
     def error(self) -> np.ndarray:
@@ -56,6 +84,8 @@ class Forces:
 
         For an infinite creepage they are zero.
         """
+        if self._point is not None:
+            return self._table.single_point.gradient(self._point)
         points, coordinates, by_creepage, unit, shape = self._at
         gradient = self._table.gradient_at(points, coordinates)
         return (gradient * unit[:, None] * by_creepage).reshape(3, 3, *shape)
@@ -204,7 +234,7 @@ class CreepTable:
             Semi-axes in rolling and in lateral direction, mm. Required, as the next three, except
             for the table of one scene, which contains all five.
         load : array_like
-            Normal load, N.
+            Normal load, N; 0 of separated bodies, which have no forces and gradients.
         mu : array_like
             Coefficient of friction, along the axis e1 if friction is orthotropic.
         shear : array_like
@@ -221,7 +251,50 @@ class CreepTable:
         """
         given = self._contact({"a": a, "b": b, "load": load, "mu": mu, "shear": shear})
         along = self._along(others)
-        flat, shape = _flatten([xi_x, xi_y, spin, *given, *along.values()])
+        numbers = (xi_x, xi_y, spin, *given, *along.values())
+        arguments = numbers, tuple(along)
+        if all(isinstance(value, float | int) for value in numbers):
+            point = self.single_point.locate(numbers[:3], numbers[3:8], along)
+            if point is not None:
+                Qx, Qy, Mz = map(np.float64, self.single_point.forces(point))
+                return Forces(Qx, Qy, Mz, self, arguments, point)
+        scaled = self.scale(*arguments)
+        points, coordinates, _, unit, shape = scaled
+        Qx, Qy, Mz = (unit * coordinates.signs * self.law(points)).reshape(3, *shape)
+        forces = Forces(Qx, Qy, Mz, self, arguments)
+        forces.__dict__["_at"] = scaled
+        return forces
+
+    @cached_property
+    def single_point(self) -> SinglePointLaw:
+        """Evaluation at single points."""
+        return SinglePointLaw(self.law, self.names, self.apart, self.whole)
+
+    def scale(self, numbers: tuple[ArrayLike, ...], along: tuple[str, ...]) -> Scaled:
+        """Return the points of `law` for contacts, and the units of their forces.
+
+        Parameters
+        ----------
+        numbers : tuple of array_like
+            xi_x, xi_y, spin, a, b, load, mu, shear, and the values on the axes `along`.
+        along : tuple of str
+            Axes except a/b and creepages.
+
+        Raises
+        ------
+        ValueError
+            See `__call__`.
+        """
+        arrays = [np.asarray(values, float) for values in numbers]
+        shape = np.broadcast_shapes(*(values.shape for values in arrays))
+        flat = np.empty((len(arrays), int(np.prod(shape))))
+        for row, values in zip(flat, arrays, strict=True):
+            row.reshape(shape)[...] = values
+        is_open = flat[5] == 0.0
+        if is_open.any():  # the contact does not matter: its forces are multiplied by 0
+            middle = np.sqrt(np.prod(self.ellipticity))
+            flat[:3, is_open] = 0.0
+            flat[3:8, is_open] = np.array([[middle], [1.0], [1.0], [1.0], [1.0]])
         creepages, (a_, b_, load_, mu_, shear_) = flat[:3], flat[3:8]
         if not ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all():
             is_valid = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)
@@ -234,13 +307,12 @@ class CreepTable:
         for name, nodes in zip(self.names, self.law.axes, strict=False):
             self._check_inside(name, points[name], nodes)
         c, bound = np.sqrt(a_ * b_), mu_ * load_
-        unit = np.array([bound, bound, bound * c])
-        scale = shear_ * (c * c) / bound
-        by_creepage = np.array([scale, scale, scale * c])
+        unit = np.array([bound, bound, bound * c]) * ~is_open
+        by_load = shear_ * (c * c) / bound
+        by_creepage = np.array([by_load, by_load, by_load * c])
         coordinates = Coordinates.of(creepages * by_creepage, ratio, self.whole)
         at = (*(points[name] for name in self.names), *coordinates.points)
-        Qx, Qy, Mz = (unit * coordinates.signs * self.law(at)).reshape(3, *shape)
-        return Forces(Qx, Qy, Mz, self, (at, coordinates, by_creepage, unit, shape))
+        return Scaled(at, coordinates, by_creepage, unit, shape)
 
     def _contact(self, given: dict[str, Any]) -> list[Any]:
         """Return a, b, load, mu and shear, given or of the scene of the table."""

@@ -71,7 +71,7 @@ class Hermite:
         return [d for d in range(2 ** len(self.axes)) if not d & fixed]
 
     @cached_property
-    def _of_nodes(self) -> np.ndarray:
+    def node_values(self) -> np.ndarray:
         """Derivatives by axes with several nodes, shape (nodes, 2**n, m)."""
         shape = self.coefficients.shape
         return np.ascontiguousarray(
@@ -79,15 +79,15 @@ class Hermite:
         )  # fmt: skip
 
     @cached_property
-    def _strides(self) -> np.ndarray:
+    def strides(self) -> np.ndarray:
         """Number of nodes between neighbours along each axis with several nodes."""
         counts = [len(self.axes[k]) for k in self.varying]
         return np.array([int(np.prod(counts[k + 1 :])) for k in range(len(counts))], int)
 
     @cached_property
-    def _corners(self) -> np.ndarray:
+    def corners(self) -> np.ndarray:
         """Number of nodes from the first corner of a cell to each corner."""
-        return sum(np.ix_(*([0, n] for n in self._strides)), np.zeros((), int)).ravel()
+        return sum(np.ix_(*([0, n] for n in self.strides)), np.zeros((), int)).ravel()
 
     def _interpolate(self, at: np.ndarray, by: tuple[int | None, ...]) -> np.ndarray:
         """Return the derivatives at points (axes, P), shape (len(by), m, P)."""
@@ -97,9 +97,9 @@ class Hermite:
         right = np.array([nodes[cell + 1] for nodes, cell in zip(axes, cells, strict=True)])
         width = right - left
         t = np.minimum(np.maximum((at - left) / width, 0.0), 1.0)
-        value, first = cubics(t, width), self._strides @ cells
+        value, first = cubics(t, width), self.strides @ cells
         slope = slopes(t, width) if any(k in self.varying for k in by) else value
-        nodes = self._of_nodes[first[:, None] + self._corners]
+        nodes = self.node_values[first[:, None] + self.corners]
         values = np.zeros((len(by), nodes.shape[-1], at.shape[1]))
         for place, axis in enumerate(by):
             if axis is None or axis in self.varying:

@@ -1,28 +1,9 @@
 /* FMI 2.0, co-simulation and model exchange: forces and their derivatives are outputs that follow
    from the inputs at once; there are no states. Written by tractive_sam. */
-#include <stdlib.h>
-#include <string.h>
 #include "fmi2Functions.h"
-#include "@NAME@.h"
 
-#define INPUTS @COUNT@
-#define OUTPUTS 12
-
-static const double starts[INPUTS] = {@STARTS@};
-
-typedef struct {
-    double value[INPUTS + OUTPUTS];
-    int known; /* whether the outputs are those of the inputs */
-    fmi2CallbackLogger logger;
-    fmi2ComponentEnvironment environment;
-    char name[128];
-} Unit;
-
-static const char *const reasons[] = {
-    "", "a creepage is no number, or several are infinite",
-    "a property of the contact is not positive and finite", "a/b is outside the table",
-    "a value is outside the table"
-};
+typedef fmi2CallbackLogger Logger;
+#include "unit.h"
 
 static fmi2Status refused(Unit *unit, const char *reason) {
     if (unit->logger)
@@ -31,13 +12,8 @@ static fmi2Status refused(Unit *unit, const char *reason) {
 }
 
 static fmi2Status computed(Unit *unit) {
-    double *out = unit->value + INPUTS;
-    int bad;
-    if (unit->known) return fmi2OK;
-    bad = @NAME@(@GIVEN@, out, out + 3);
-    if (bad) return refused(unit, reasons[bad]);
-    unit->known = 1;
-    return fmi2OK;
+    const char *reason = evaluate(unit);
+    return reason ? refused(unit, reason) : fmi2OK;
 }
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
@@ -51,9 +27,7 @@ fmi2Status fmi2SetDebugLogging(fmi2Component c, fmi2Boolean on, size_t n,
 }
 
 fmi2Status fmi2Reset(fmi2Component c) {
-    Unit *unit = c;
-    memcpy(unit->value, starts, sizeof starts);
-    unit->known = 0;
+    reset(c);
     return fmi2OK;
 }
 
@@ -62,15 +36,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                               fmi2Boolean logging) {
     Unit *unit;
     (void)type, (void)resources, (void)visible, (void)logging;
-    if (!guid || strcmp(guid, "@GUID@")) return NULL;
-    unit = calloc(1, sizeof *unit);
-    if (!unit) return NULL;
-    if (calls) {
+    unit = instantiate(name, guid);
+    if (unit && calls) {
         unit->logger = calls->logger;
         unit->environment = calls->componentEnvironment;
     }
-    if (name) strncpy(unit->name, name, sizeof unit->name - 1);
-    fmi2Reset(unit);
     return unit;
 }
 
@@ -89,26 +59,14 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c) { (void)c; return fmi2OK;
 fmi2Status fmi2Terminate(fmi2Component c) { (void)c; return fmi2OK; }
 
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference at[], size_t n, fmi2Real value[]) {
-    Unit *unit = c;
-    size_t k;
-    for (k = 0; k < n; k++) {
-        if (at[k] >= INPUTS + OUTPUTS) return refused(unit, "there is no such variable");
-        if (at[k] >= INPUTS && computed(unit) != fmi2OK) return fmi2Error;
-        value[k] = unit->value[at[k]];
-    }
-    return fmi2OK;
+    const char *reason = get(c, at, n, value);
+    return reason ? refused(c, reason) : fmi2OK;
 }
 
 fmi2Status fmi2SetReal(fmi2Component c, const fmi2ValueReference at[], size_t n,
                        const fmi2Real value[]) {
-    Unit *unit = c;
-    size_t k;
-    for (k = 0; k < n; k++) {
-        if (at[k] >= INPUTS) return refused(unit, "there is no such input");
-        unit->value[at[k]] = value[k];
-        unit->known = 0;
-    }
-    return fmi2OK;
+    const char *reason = set(c, at, n, value);
+    return reason ? refused(c, reason) : fmi2OK;
 }
 
 /* There are variables of no other kind. */
@@ -162,8 +120,8 @@ fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte from[], size_
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference of[], size_t n_of,
                                         const fmi2ValueReference by[], size_t n_by,
                                         const fmi2Real seed[], fmi2Real value[]) {
-    (void)of, (void)n_of, (void)by, (void)n_by, (void)seed, (void)value;
-    return refused(c, "derivatives by creepages are outputs");
+    const char *reason = directional(c, of, n_of, by, n_by, seed, value);
+    return reason ? refused(c, reason) : fmi2OK;
 }
 
 /* Model exchange: no states, no events. */

@@ -1,0 +1,250 @@
+"""Description of a unit of the Functional Mock-up Interface (XML), for FMI 2.0 and 3.0."""
+
+from dataclasses import dataclass, replace
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from tractive_sam.lookup import CreepTable, arguments_of, plain_title
+from tractive_sam.store import versions
+
+UNITS = {
+    "1": "",
+    "mm": 'm="1" factor="1e-3"',
+    "1/mm": 'm="-1" factor="1e3"',
+    "N": 'kg="1" m="1" s="-2"',
+    "MPa": 'kg="1" m="-1" s="-2" factor="1e6"',
+    "N.mm": 'kg="1" m="2" s="-2" factor="1e-3"',
+    "N.mm2": 'kg="1" m="3" s="-2" factor="1e-6"',
+}
+"""Base units of each unit, and the factor to them."""
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of a unit.
+
+    Attributes
+    ----------
+    name, meaning, unit : str
+        The unit is one of `UNITS`.
+    start : float, optional
+        Value before the start of an input; an output has none.
+    low, high : float
+        Limits.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    start: float | None = None
+    low: float = -1e30
+    high: float = 1e30
+
+    @property
+    def kind(self) -> str:
+        """Causality and variability: an input with one value is a fixed parameter."""
+        if self.start is None:
+            return 'causality="output" variability="continuous" initial="calculated"'
+        if self.is_fixed:
+            return 'causality="parameter" variability="fixed" initial="exact"'
+        return 'causality="input" variability="continuous"'
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether it has one value."""
+        return self.low == self.high
+
+    @property
+    def numbers(self) -> str:
+        """Unit, limits and start (XML attributes)."""
+        limits = f'unit={quoteattr(self.unit)} min="{self.low!r}" max="{self.high!r}"'
+        return limits if self.start is None else f'{limits} start="{self.start!r}"'
+
+
+_INPUTS = {
+    variable.name: variable
+    for variable in (
+        Variable("xi_x", "longitudinal creepage", "1", 0.0),
+        Variable("xi_y", "lateral creepage", "1", 0.0),
+        Variable("spin", "spin", "1/mm", 0.0),
+        Variable("a", "semi-axis in rolling direction", "mm", 1.0, 0.0),
+        Variable("b", "semi-axis in lateral direction", "mm", 1.0, 0.0),
+        Variable("load", "normal load; 0 of separated bodies", "N", 1000.0, 0.0),
+        Variable("mu", "coefficient of friction", "1", 0.3, 0.0),
+        Variable("shear", "combined shear modulus", "MPa", 80e3, 0.0),
+    )
+}
+
+_FORCES = (
+    Variable("Qx", "longitudinal force on body A", "N"),
+    Variable("Qy", "lateral force on body A", "N"),
+    Variable("Mz", "spin moment on body A", "N.mm"),
+)
+
+
+def inputs_of(table: CreepTable) -> list[Variable]:
+    """Return the inputs of the unit of a table, in the order of its function in C."""
+    inputs = []
+    for name in arguments_of(table):
+        if name in table.names:
+            nodes = table.axis(name)
+            low, high = float(nodes[0]), float(nodes[-1])
+            inputs.append(Variable(name, name, "1", low, low, high))
+        elif name == "a":  # at an a/b of the table
+            inputs.append(replace(_INPUTS[name], start=float(np.sqrt(np.prod(table.ellipticity)))))
+        else:
+            inputs.append(_INPUTS[name])
+    return inputs
+
+
+def outputs_of() -> list[Variable]:
+    """Return the outputs of a unit: forces, and their derivatives by creepages."""
+    slopes = {("N", "1/mm"): "N.mm", ("N.mm", "1/mm"): "N.mm2"}
+    creepages = [_INPUTS[name] for name in ("xi_x", "xi_y", "spin")]
+    return [
+        *_FORCES,
+        *(
+            Variable(
+                f"{force.name}_by_{by.name}",
+                f"derivative of {force.name} by {by.name}",
+                slopes.get((force.unit, by.unit), force.unit),
+            )
+            for force in _FORCES
+            for by in creepages
+        ),
+    ]
+
+
+class Description2:
+    """Description of a unit for FMI 2.0.
+
+    Parameters
+    ----------
+    table : CreepTable
+        The table.
+    name : str
+        Name of the model.
+    token : str
+        Number by which the library recognises its description.
+    """
+
+    def __init__(self, table: CreepTable, name: str, token: str):
+        self.title, self.name, self.token = plain_title(table), name, token
+        self.inputs, self.outputs = inputs_of(table), outputs_of()
+        self.sources = ("unit.c", f"{name}.c")
+        self.tool = f"tractive_sam {versions()['tractive-sam']}"  # type: ignore[operator]
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Text of each XML file, by its path in the unit."""
+        return {"modelDescription.xml": self.model}
+
+    @property
+    def units(self) -> str:
+        """Definitions of the units."""
+        return "".join(
+            f"<Unit name={quoteattr(unit)}><BaseUnit {base}/></Unit>"
+            for unit, base in UNITS.items()
+        )
+
+    @property
+    def varying(self) -> list[int]:
+        """Places of the inputs that are no parameters."""
+        return [k for k, one in enumerate(self.inputs) if not one.is_fixed]
+
+    @property
+    def model(self) -> str:
+        """Description of the model."""
+        variables = "".join(
+            f"<ScalarVariable name={quoteattr(one.name)} valueReference={quoteattr(str(place))} "
+            f"description={quoteattr(one.meaning)} {one.kind}><Real {one.numbers}/>"
+            "</ScalarVariable>\n"
+            for place, one in enumerate((*self.inputs, *self.outputs))
+        )
+        first, depends = len(self.inputs), " ".join(str(k + 1) for k in self.varying)
+        unknowns = "".join(
+            f'<Unknown index="{first + k + 1}" dependencies="{depends}"/>'
+            for k in range(len(self.outputs))
+        )
+        kind = (
+            f'modelIdentifier="{self.name}" canNotUseMemoryManagementFunctions="true" '
+            'canGetAndSetFMUstate="true" providesDirectionalDerivative="true"'
+        )
+        files = "".join(f'<File name="{file}"/>' for file in self.sources)
+        source = f"<SourceFiles>{files}</SourceFiles>"
+        return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="2.0" modelName="{self.name}" guid="{self.token}"
+  description={quoteattr(self.title)} generationTool={quoteattr(self.tool)}
+  variableNamingConvention="flat" numberOfEventIndicators="0">
+<ModelExchange {kind}>{source}</ModelExchange>
+<CoSimulation {kind} canHandleVariableCommunicationStepSize="true">{source}</CoSimulation>
+<UnitDefinitions>{self.units}</UnitDefinitions>
+<LogCategories><Category name="error"/></LogCategories>
+<DefaultExperiment startTime="0" stopTime="1"/>
+<ModelVariables>
+{variables}</ModelVariables>
+<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>
+</ModelStructure>
+</fmiModelDescription>
+"""
+
+
+class Description3(Description2):
+    """Description of a unit for FMI 3.0; see `Description2` for the parameters."""
+
+    @property
+    def files(self) -> dict[str, str]:
+        """See `Description2.files`; a second file lists the sources."""
+        return {
+            "modelDescription.xml": self.model,
+            "sources/buildDescription.xml": self.build,
+        }
+
+    @property
+    def model(self) -> str:
+        """See `Description2.model`."""
+        variables = "".join(
+            f"<Float64 name={quoteattr(one.name)} valueReference={quoteattr(str(place))} "
+            f"description={quoteattr(one.meaning)} {one.kind} {one.numbers}/>\n"
+            for place, one in enumerate((*self.inputs, *self.outputs))
+        )
+        first, depends = len(self.inputs), " ".join(map(str, self.varying))
+        time = first + len(self.outputs)
+        known = [
+            f'valueReference="{first + k}" dependencies="{depends}"/>'
+            for k in range(len(self.outputs))
+        ]
+        outputs = "".join(f"<Output {one}" for one in known)
+        initial = "".join(f"<InitialUnknown {one}" for one in known)
+        kind = (
+            f'modelIdentifier="{self.name}" canGetAndSetFMUState="true" '
+            'providesDirectionalDerivatives="true"'
+        )
+        return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="{self.name}" instantiationToken="{self.token}"
+  description={quoteattr(self.title)} generationTool={quoteattr(self.tool)}
+  variableNamingConvention="flat">
+<ModelExchange {kind}/>
+<CoSimulation {kind} canHandleVariableCommunicationStepSize="true"/>
+<UnitDefinitions>{self.units}</UnitDefinitions>
+<LogCategories><Category name="error"/></LogCategories>
+<DefaultExperiment startTime="0" stopTime="1"/>
+<ModelVariables>
+<Float64 name="time" valueReference="{time}" causality="independent" variability="continuous"/>
+{variables}</ModelVariables>
+<ModelStructure>{outputs}{initial}</ModelStructure>
+</fmiModelDescription>
+"""
+
+    @property
+    def build(self) -> str:
+        """Description of the sources."""
+        files = "".join(f'<SourceFile name="{file}"/>' for file in self.sources)
+        return f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiBuildDescription fmiVersion="3.0">
+<BuildConfiguration modelIdentifier="{self.name}">
+<SourceFileSet language="C99">{files}</SourceFileSet>
+</BuildConfiguration>
+</fmiBuildDescription>
+"""
