@@ -22,7 +22,7 @@ LIMITS = {
     "modules over 250 code lines": 11,
     "module constants": 570,
     "code lines": 36300,
-    "public names": 115,
+    "public names": 119,
 }
 
 PACKAGE = Path(tractive_sam.__file__).parent

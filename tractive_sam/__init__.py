@@ -27,6 +27,8 @@ Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Heat, Bulk, Thermal; 
 **Changing scenes** Transient, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
 
+**Wheel and rail** WheelTable, RailTable, WheelsetTable, contact_locus
+
 **Processes** Process, Step, StepRecord, ProcessTable, Observer, ObserverTable
 
 **Results** Contact, State, History, Quantity, PlaneStress, Maximum, FlashTemperature, BodyFatigue;

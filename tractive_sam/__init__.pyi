@@ -82,6 +82,7 @@ from .scene import Mesh as Mesh
 from .scene import ObserverTable as ObserverTable
 from .scene import ProcessTable as ProcessTable
 from .scene import Profiles as Profiles
+from .scene import RailTable as RailTable
 from .scene import Scene as Scene
 from .scene import Sets as Sets
 from .scene import Solver as Solver
@@ -90,8 +91,11 @@ from .scene import Thermal as Thermal
 from .scene import Transient as Transient
 from .scene import Wear as Wear
 from .scene import WearLaws as WearLaws
+from .scene import WheelsetTable as WheelsetTable
+from .scene import WheelTable as WheelTable
 from .scene import blocks_of as blocks_of
 from .scene import builtin_names as builtin_names
+from .scene import contact_locus as contact_locus
 from .schema import SceneError as SceneError
 from .schema import SceneWarning as SceneWarning
 from .store import GapError as GapError

@@ -153,8 +153,8 @@ def test_position_sweep_has_no_jumps(wheel, rail):
     ("change", "message"),
     [
         ({"y": 300.0}, "does not meet"),
-        ({"y": 12.0}, "derailed"),
-        ({"inner": 1380.0, "y": 4.0}, "derailed"),
+        ({"y": 25.0}, "derailed"),
+        ({"inner": 1410.0, "y": 4.0}, "derailed"),
         ({"y": -70.0}, "end"),
     ],
 )

@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from tractive_sam.contact.measured import Gap
 from tractive_sam.contact.roughness import follow, rough_maps
+from tractive_sam.rail import Patch
 from tractive_sam.results import Grid
 from tractive_sam.scene import ALONG, MOST_ELEMENTS, Scene
 from tractive_sam.schema import Fault, SceneError
@@ -54,6 +56,18 @@ def as_asked(grid: Grid) -> str:
     centre = ", ".join(f"{place:.10g}" for place in grid.centre[: grid.directions])
     text = f"grid.half_length=[{lengths}] and grid.elements=[{elements}]"
     return f"grid.centre=[{centre}], {text}" if any(grid.centre) else text
+
+
+class _Ellipse(NamedTuple):
+    """Semi-axes of a contact, mm."""
+
+    a: float
+    b: float
+
+    @classmethod
+    def of_overlap(cls, patch: Patch) -> Self:
+        """Return the contact of bodies that overlap in an ellipse: Hertz, if it is a circle."""
+        return cls(*(half / math.sqrt(2.0) for half in patch.half_length))
 
 
 def choose_grid(
@@ -126,8 +140,13 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
         along = WORN_MARGIN if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
         shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
         contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+        if scene.wheelset is not None:
+            contacts = [_Ellipse.of_overlap(patch) for patch in scene.wheel_rail.patches]
+            shifts = (0.0,) * len(contacts)
         reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
         half_length = length or (along * max(c.a for c in contacts), max(reach))
+        if scene.wheelset is not None:  # one mesh for all patches: small ones on fewer elements
+            contacts[1:] = [_Ellipse(3.0 * c.a, 3.0 * c.b) for c in contacts[1:]]
         a, b = (min(getattr(c, axis) for c in contacts) for axis in "ab")
         side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
         side = tuple(min(one, 2.0 * min(side)) for one in side)

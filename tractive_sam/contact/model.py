@@ -12,6 +12,7 @@ from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
+from tractive_sam.rail import Patch
 from tractive_sam.results import Grid, State
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import (
@@ -42,6 +43,10 @@ class Units:
     pressure: float
     gap: float
     slip: float
+
+
+_OF_PATCH = ("_patch_gap", "opening", "undeformed_gap", "rigid_slip", "scaled_rigid_slip")
+"""Cached properties that differ between the patches of a wheel."""
 
 
 class Model:
@@ -84,12 +89,14 @@ class Model:
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
         self.measured, self.profiles = measured, profiles
+        self.patch = None if scene.wheelset is None else scene.wheel_rail.patches[0]
+        self.approach: float | None = None
         self.grid = grid or choose_grid(scene, measured, profiles)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
         """Return the model on another mesh."""
-        return Model(
+        other = Model(
             self.scene,
             self.measured,
             grid,
@@ -99,6 +106,41 @@ class Model:
             self.profiles,
             self.datum,
         )
+        other.patch, other.approach = self.patch, self.approach
+        return other
+
+    def of_patch(self, patch: Patch, approach: float | None = None) -> "Model":
+        """Return the model of another patch of a wheel, on the same mesh.
+
+        Parameters
+        ----------
+        patch : Patch
+            The patch.
+        approach : float, optional
+            Approach of the bodies in this patch, mm, in place of the load of the scene.
+        """
+        _ = self.operators, self.units  # computed once for all patches
+        other = copy(self)
+        other.patch, other.approach = patch, approach
+        own = ("load",) if patch is self.patch else ("load", *_OF_PATCH)
+        for name in own:
+            other.__dict__.pop(name, None)
+        return other
+
+    @property
+    def shares_load(self) -> bool:
+        """Whether the load is that of a wheel, which its patches carry together."""
+        return self.patch is not None and self.approach is None
+
+    @cached_property
+    def opening(self) -> float:
+        """Least distance of wheel and rail normal to the plane of the patch, at first touch, mm."""
+        gap = self.grid.x, self.grid.y, self._patch_gap
+        return lowest(gap, self.grid, self._patch_gap, (np.inf, np.inf))
+
+    @cached_property
+    def _patch_gap(self) -> np.ndarray:
+        return self.patch.gap(self.grid.x, self.grid.y)
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
@@ -155,6 +197,8 @@ class Model:
         and measured gap, which may lie between elements. With ``gap.datum = "separation"`` the
         separation is not shifted.
         """
+        if self.patch is not None:
+            return self._patch_gap - self.opening
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
@@ -260,8 +304,22 @@ class Model:
     @cached_property
     def rigid_slip(self) -> np.ndarray:
         """Slip of the undeformed bodies by the prescribed creepages, s/V, shape (2, n_x, n_y)."""
+        if self._rolls_with_wheelset:
+            x = self.grid.x + self.stencil.rigid_ahead * self.grid.dx
+            return self.patch.rigid_slip(x, self.grid.y, self.scene.wheel_rail.pitch)
+        return self.rigid_slip_by(*self._motion)
+
+    @property
+    def _rolls_with_wheelset(self) -> bool:
+        return self.patch is not None and self.scene.wheel_rail.is_motion(self.scene.creepage)
+
+    @property
+    def _motion(self) -> tuple[float, float, float]:
+        """Longitudinal and lateral creepage and spin: of the wheelset, or of the scene."""
+        if self._rolls_with_wheelset:
+            return self.patch.creepages(self.scene.wheel_rail.pitch)
         creepage = self.scene.creepage
-        return self.rigid_slip_by(creepage.longitudinal, creepage.lateral, creepage.spin)
+        return creepage.longitudinal, creepage.lateral, creepage.spin
 
     def rigid_slip_by(self, longitudinal: float, lateral: float, spin: float) -> np.ndarray:
         """Return the slip of undeformed bodies by any creepages, at the points of the stencil."""
@@ -277,13 +335,13 @@ class Model:
     @property
     def given_approach(self) -> float:
         """The prescribed approach in units of gap, else zero."""
-        approach = self.scene.load.approach
+        approach = self.scene.load.approach if self.approach is None else self.approach
         return 0.0 if approach is None else approach / self.units.gap
 
     @cached_property
     def load(self) -> float | None:
         """Sum of the dimensionless pressure over the elements for a prescribed load, else None."""
-        normal = self.scene.normal_load
+        normal = self.scene.normal_load if self.approach is None else None
         return None if normal is None else normal / (self.units.pressure * self.grid.element_area)
 
     @cached_property
@@ -318,10 +376,10 @@ class Model:
 
     def creepages(self, computed: np.ndarray | None) -> tuple[float, float, float]:
         """Return (xi_x, xi_y, spin), prescribed or computed."""
-        creepage = self.scene.creepage
-        values = [creepage.longitudinal, creepage.lateral]
+        longitudinal, lateral, spin = self._motion
+        values = [longitudinal, lateral]
         if computed is not None:
             unknown = [k for k in (0, 1) if self.free[k]]
             for k, value in zip(unknown, computed, strict=True):
                 values[k] = float(value) * self.units.slip
-        return values[0], values[1], creepage.spin
+        return values[0], values[1], spin

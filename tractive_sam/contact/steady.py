@@ -10,6 +10,7 @@ from tractive_sam.contact.mesh import grown
 from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of, traction_of
+from tractive_sam.contact.wheel_rail import share_load
 from tractive_sam.operators import ConvolutionMeter
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements
@@ -51,6 +52,8 @@ def equilibrium(
     State
         Converged or not: see its status and message.
     """
+    if model.shares_load:
+        return max(_share_load(model, depth, start, tolerance), key=lambda contact: contact.P)
     tolerance = tolerance or model.scene.solver.tolerance
     meter = ConvolutionMeter(model.operators.lattice.padded)
     if model.scene.heat is None:
@@ -64,6 +67,39 @@ def equilibrium(
     if check_resolution and contact.converged and few:
         return replace(contact, status=Status.NOT_RESOLVED, note=not_resolved(contact))
     return contact
+
+
+def _share_load(
+    model: Model,
+    depth: np.ndarray | DepthInPass | None = None,
+    start: State | None = None,
+    tolerance: float | None = None,
+) -> tuple[State, ...]:
+    """Return all patches of a wheel; see `share_load`."""
+
+    def solve(patch: Model, start: State | None) -> State:
+        resolved = patch.approach is not None and patch.approach > 0.0
+        return equilibrium(patch, depth, start, tolerance, check_resolution=resolved)
+
+    return share_load(model, solve, start)
+
+
+def solve_patches_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
+    """Solve all patches of a wheel, enlarging a mesh that is chosen until it contains them.
+
+    Returns
+    -------
+    Model, tuple of State
+        The model on the mesh of the patches, and these in the order of `WheelRail.patches`.
+    """
+    contacts = _share_load(model)
+    for _ in range(GROWTHS):
+        edges = [one.at_edge for one in contacts if one.status is Status.OFF_GRID]
+        if not edges or model.scene.has_fixed_domain:
+            break
+        model = model.on(grown(model.grid, tuple(map(any, zip(*edges, strict=True)))))
+        contacts = _share_load(model)
+    return model, contacts
 
 
 def _equilibrium(
@@ -163,6 +199,17 @@ def _rolling_resistance(
     return float((pressure * slope).sum() * model.grid.element_area)
 
 
+def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
+    """Work of the tractions on the part of the rigid slip that is no creepage and no spin, N.
+
+    On a wheel, points beside the tangent plane of the patch have another rolling radius.
+    """
+    if model.patch is None:
+        return 0.0
+    beyond = model.rigid_slip - model.rigid_slip_by(*model.creepages(None))
+    return float(-(traction * beyond).sum() * model.grid.element_area)
+
+
 def _to_state(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
 ) -> State:
@@ -176,4 +223,5 @@ def _to_state(
         depth = np.zeros(model.grid.elements)
     creepages = model.creepages(outcome.creepage)
     resistance = _rolling_resistance(model, pressure, gap, depth)
+    resistance += _work_beyond_creepage(model, traction)
     return state_of(model, problem, outcome, slip, creepages, depth, resistance)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy  # its parts are loaded when first used
@@ -146,19 +147,24 @@ def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-13) -> float:
     return float(scipy.optimize.newton(difference, right.roll, x1=right.roll + 1e-5, tol=tolerance))
 
 
-def _check_contact(found: Clearance, wheel: Wheel) -> None:
-    """Raise an error unless the wheel rests on the rail by its tread or the face of its flange.
+def _check_contact(found: Clearance, wheel: Wheel, flange_top: float = 2.0) -> None:
+    """Raise an error unless the wheel rests on the rail with its tread or the face of its flange.
 
-    Beyond the steepest part of the flange the wheel climbs.
+    Parameters
+    ----------
+    found : Clearance
+        At the nodes of the wheel profile.
+    wheel : Wheel
+        The wheel.
+    flange_top : float
+        Height of the top of the flange, mm; its face ends there (EN 13715).
     """
     if not np.isfinite(found.gap).any():
         raise NoContactError("the wheel does not meet the rail: check y, inner and gauge")
     k = int(np.argmin(found.gap))
-    angles = np.arctan2(wheel.profile.tangents[:, 1], wheel.profile.tangents[:, 0])
-    tip = int(np.argmax(wheel.profile.points[:, 1]))
-    steepest = tip + int(np.argmax(angles[tip:] < angles[tip:].min() + 1e-6))
-    if k < steepest:
-        raise NoContactError("the wheel has derailed: its flange is above its steepest part")
+    height = wheel.profile.points[:, 1]
+    if height[k] > height.max() - flange_top or k <= np.argmax(height):
+        raise NoContactError("the wheel has derailed: the top of its flange is on the rail")
     measured = np.isfinite(found.gap[max(k - 1, 0) : k + 2])
     if k == found.gap.size - 1 or not measured.all():
         raise NoContactError(
@@ -185,6 +191,8 @@ class Patch:
         Half lengths in x and y within which the undeformed bodies would overlap, mm.
     angle_range : float
         Difference of the contact angles over the overlap, rad: large if the contact is conformal.
+    limits : tuple of float
+        Lateral positions in the plane beyond which other patches touch, mm.
     """
 
     wheel: Wheel
@@ -193,6 +201,7 @@ class Patch:
     angle: float
     half_length: tuple[float, float]
     angle_range: float
+    limits: tuple[float, float] = (-np.inf, np.inf)
 
     @property
     def lateral(self) -> Array:
@@ -229,10 +238,23 @@ class Patch:
         height, s = self._wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
         return height[0], s[0]
 
-    def gap(self, x: Array, y: Array) -> Array:
-        """Return the normal distance of the undeformed surfaces, shape (len(x), len(y)), mm."""
+    def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
+        """Return the normal distance of the undeformed surfaces, mm.
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (n,) and (m,)
+            Positions in the plane, mm.
+        apart : float
+            Distance to add beyond the limits, mm, so that other patches are not counted again.
+
+        Returns
+        -------
+        ndarray, shape (n, m)
+        """
         height, _ = self._wheel_at(np.asarray(x)[:, None], np.asarray(y)[None, :])
-        return height - self.rail_profile(y)[0]
+        outside = (y < self.limits[0]) | (y > self.limits[1])
+        return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
 
     def _wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
         """Return height of the wheel over points of the plane, and arc length of its profile.
@@ -327,8 +349,14 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
     if excess(deepest) < 0.0:
         raise NoContactError(f"the load of {load:g} N presses the wheel more than 0.5 mm deep")
     depth = float(scipy.optimize.brentq(excess, 1e-9, deepest, xtol=1e-9))
-    overlaps = sorted(_overlaps(found, wheel, depth), key=lambda one: -one.force(e_star))
-    return [one.patch(wheel, rail) for one in overlaps]
+    overlaps = _overlaps(found, wheel, depth)
+    between = [-np.inf]
+    for one, other in pairwise(overlaps):
+        ends = slice(one.part.stop - 1, other.part.start + 1)
+        between.append(float(found.points[ends, 1][np.argmax(found.gap[ends])]))
+    between.append(np.inf)
+    pairs = sorted(zip(overlaps, pairwise(between), strict=True), key=lambda p: -p[0].force(e_star))
+    return [one.patch(wheel, rail, limits) for one, limits in pairs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -372,8 +400,8 @@ class _Overlap:
         normal = 4.0 / 3.0 * e_star * self.depth.max() * cosine * np.sqrt(area / (2.0 * np.pi))
         return float(normal * cosine)
 
-    def patch(self, wheel: Wheel, rail: Profile) -> Patch:
-        """Return the patch of the overlap."""
+    def patch(self, wheel: Wheel, rail: Profile, limits: tuple[float, float]) -> Patch:
+        """Return the patch of the overlap, between lateral positions in the track, mm."""
         points = self.clearance.points
         y = self._mean(points[:, 1])
         z = float(rail.at(rail.locate(y, near=_top(rail)))[1])
@@ -381,17 +409,34 @@ class _Overlap:
         wide = 0.5 * float(np.ptp(points[self.part, 1])) / float(np.cos(self.angle))
         angles = self._angles[self.part]
         half = float(self._half_length.max()), wide
-        return Patch(wheel, rail, origin, self.angle, half, float(np.ptp(angles)))
+        first, last = ((limit - y) / float(np.cos(self.angle)) for limit in limits)
+        return Patch(wheel, rail, origin, self.angle, half, float(np.ptp(angles)), (first, last))
 
 
 def _overlaps(found: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
     """Return the regions of overlap of a wheel at a depth, mm, below the first touch."""
     overlap = depth - found.gap
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (overlap > 0.0).astype(int), [0]))))
-    parts = [slice(*pair) for pair in edges.reshape(-1, 2)]
+    parts = [part for first, last in edges.reshape(-1, 2) for part in _divide(overlap, first, last)]
     radius = [wheel.radius + float(wheel.profile.at(found.s[part])[:, 1].mean()) for part in parts]
     return [
         _Overlap(found, part, overlap[part], r)
         for part, r in zip(parts, radius, strict=True)
         if part.stop - part.start > 1
     ]
+
+
+def _divide(overlap: Array, first: int, last: int, share: float = 0.5) -> list[slice]:
+    """Divide a region of overlap between its maxima.
+
+    In Hertz contacts the surfaces touch where the undeformed bodies overlap by more than half of
+    the approach. So two patches are separate if the overlap between them falls below this share of
+    both maxima.
+    """
+    lowest = [
+        k for k in range(first + 1, last - 1) if overlap[k - 1] > overlap[k] <= overlap[k + 1]
+    ]
+    for k in sorted(lowest, key=lambda k: overlap[k]):
+        if overlap[k] < share * min(overlap[first:k].max(), overlap[k:last].max()):
+            return [*_divide(overlap, first, k, share), *_divide(overlap, k, last, share)]
+    return [slice(first, last)]

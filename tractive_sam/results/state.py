@@ -267,6 +267,10 @@ class State:
         """Largest `utilisation` that friction allows in each element under its slip, MPa."""
         return self.pressure if self.traction_bound is None else self.traction_bound
 
+    def with_cost(self, cost: Cost) -> "State":
+        """Return the contact with another cost."""
+        return replace(self, cost=cost)
+
     def with_convolutions(self, number: float) -> "State":
         """Return the contact with the number of convolutions that its solve took."""
         return replace(self, cost=replace(self.cost, convolutions=number))

@@ -85,7 +85,7 @@ def explain(scene: Scene) -> Description:
 
 
 SECTIONS = (
-    ("Bodies", ("body", "elasticity", "load", "gap")),
+    ("Bodies", ("body", "elasticity", "load", "gap", "wheel", "rail", "wheelset")),
     ("State", ("creepage", "friction", "solver")),
     ("Wear", ("wear",)),
     ("Load spectrum", ("load_history", "duty")),

@@ -55,3 +55,8 @@ from .wear_laws import PER_INTENSITY as PER_INTENSITY
 from .wear_laws import Coefficients as Coefficients
 from .wear_laws import Sets as Sets
 from .wear_laws import WearLaws as WearLaws
+from .wheel_rail import WheelRail as WheelRail
+from .wheel_rail import contact_locus as contact_locus
+from .wheel_tables import RailTable as RailTable
+from .wheel_tables import WheelsetTable as WheelsetTable
+from .wheel_tables import WheelTable as WheelTable

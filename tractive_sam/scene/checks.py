@@ -19,6 +19,7 @@ from .process import PROCESS_CHECKS
 from .readings import Pair
 from .transient import TRANSIENT_CHECKS
 from .wear import Wear
+from .wheel_rail import WHEEL_CHECKS
 
 
 def _check_wear_has_friction(entries: ValidEntries) -> Iterator[Fault]:
@@ -65,8 +66,8 @@ def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
     """Report a grid smaller than the contact."""
-    if entries["gap"] is not None:  # the Hertz ellipse is not the contact
-        return
+    if entries["gap"] is not None or entries["wheel"] is not None:
+        return  # the Hertz ellipse is not the contact
     half_length, contact = entries["grid.half_length"] or (), entries["body"].hertz(entries["load"])
     if contact is None or len(half_length) != (1 if is_line(entries) else 2):
         return
@@ -97,7 +98,9 @@ def _check_slender_contact_has_grid(
     """
     grid = entries["grid"]
     complete = grid is not None and None not in (grid.half_length, grid.elements)
-    if entries["gap"] is not None or complete or is_line(entries):
+    if entries["gap"] is not None or entries["wheel"] is not None:
+        return
+    if complete or is_line(entries):
         return
     contact = entries["body"].hertz(entries["load"])
     if contact is not None and not 1.0 / most_slender <= contact.a / contact.b <= most_slender:
@@ -193,6 +196,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_inputs_of_wear_law,
     check_blocks,
     *LINE_CHECKS,
+    *WHEEL_CHECKS,
     *TRANSIENT_CHECKS,
     *PROCESS_CHECKS,
     check_observers,

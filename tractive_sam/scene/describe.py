@@ -12,7 +12,7 @@ from tractive_sam.schema import describe_tables
 
 
 def describe_load(
-    scene: Any, keys: Iterable[str] = ("load", "wear", "load_history", "duty")
+    scene: Any, keys: Iterable[str] = ("load", "wheelset", "wear", "load_history", "duty")
 ) -> dict[str, str]:
     """Describe the load, the wear and the blocks of a scene, for the report of a run.
 

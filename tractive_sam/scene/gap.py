@@ -51,6 +51,11 @@ def allow_missing_files() -> Iterator[None]:
         _MAY_BE_MISSING.reset(before)
 
 
+def may_be_missing() -> bool:
+    """Return whether files of a scene may be missing; see `allow_missing_files`."""
+    return _MAY_BE_MISSING.get()
+
+
 def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
     """Return the absolute path of a file, which may be missing.
 
@@ -68,7 +73,7 @@ def _check_file(path: Path) -> Path:
     """Return the absolute path of a gap file; raise a ValueError if there is no such file."""
     absolute = absolute_path(path, (".h5", ".npy", ".npz", *TEXTS))
     # os.path.isfile, unlike Path.is_file, accepts any text.
-    if not _MAY_BE_MISSING.get() and not os.path.isfile(absolute):
+    if not may_be_missing() and not os.path.isfile(absolute):
         raise ValueError("an existing file")
     return absolute
 

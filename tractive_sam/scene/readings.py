@@ -70,7 +70,7 @@ class Pair:
             if largest > 0.0 and hertz is not None:
                 load = type(scene.load)(**{name: largest})
                 hertz, key = scene.body.hertz(load), f"transient.load.{name}"
-        return cls(scene.body, hertz, key, scene.gap is not None)
+        return cls(scene.body, hertz, key, scene.has_gap)
 
 
 @dataclass(frozen=True)

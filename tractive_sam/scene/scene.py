@@ -52,6 +52,8 @@ from .tables import (
 )
 from .transient import Transient
 from .wear import Wear
+from .wheel_rail import WheelRail, add_wheel_contact, resolve_profiles, without_wheel_contact
+from .wheel_tables import RailTable, WheelsetTable, WheelTable
 
 
 class Scene(Document):
@@ -89,6 +91,9 @@ class Scene(Document):
     grid: Mesh | None = entry("the grid", default=None)
     accuracy: Accuracy | None = entry("the requested accuracy", default=None)
     gap: Gap | None = entry("the separation added to the radii", default=None)
+    wheel: WheelTable | None = entry("body A as a wheel", default=None)
+    rail: RailTable | None = entry("body B as a rail", default=None)
+    wheelset: WheelsetTable | None = entry("the position of the wheelset", default=None)
     heat: Heat | None = entry("the flash temperature", default=None)
     subsurface: Subsurface | None = entry("the subsurface stress", default=None)
     fatigue: Fatigue | None = entry("the fatigue of the material", default=None)
@@ -107,7 +112,7 @@ class Scene(Document):
         (
             *("contact_type", "finds_creepage", "from_name", "has", "has_fixed_domain"),
             *("has_prescribed_force", "schedule", "spectrum", "under_largest_load"),
-            *("without_blocks",),
+            *("has_gap", "wheel_rail", "without_blocks"),
         )
     )
 
@@ -121,7 +126,7 @@ class Scene(Document):
         if self.wear and self.schedule.revolves:
             warn_if_unequal(self.body, self.wear)
         hertz = self.hertz
-        if self.gap or hertz is None:  # with a gap the Hertz ellipse is not the contact
+        if self.has_gap or hertz is None:  # with a gap the Hertz ellipse is not the contact
             return
         warn_if_large(self.body, hertz)
         if self.grid:
@@ -130,7 +135,28 @@ class Scene(Document):
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return the tables with the blocks of a load history."""
-        return add_blocks(given)
+        return add_wheel_contact(add_blocks(given))
+
+    def entries(self) -> dict[str, Any]:
+        """Return the given entries, without those that follow from the wheel."""
+        entries = super().entries()
+        return entries if self.wheelset is None else without_wheel_contact(entries, self.wheel_rail)
+
+    @cached_property
+    def wheel_rail(self) -> WheelRail:
+        """Geometry of a scene with [wheel], [rail] and [wheelset].
+
+        Raises
+        ------
+        ValueError
+            If there are no such tables, or a profile file is missing.
+        """
+        return WheelRail.from_scene(self)
+
+    @property
+    def has_gap(self) -> bool:
+        """Whether the bodies differ from ellipsoids, so that the contact is not that of Hertz."""
+        return self.gap is not None or self.wheel is not None
 
     def _check_blocks(self) -> None:
         """Raise the faults of the blocks, and issue the warnings that concern only them."""
@@ -288,7 +314,7 @@ class Scene(Document):
     @cached_property
     def schedule(self) -> Schedule:
         """Coordinate along which the scene is solved, its end, and where fields are stored."""
-        tables = (self.process, self.transient, self.wear)
+        tables = (self.process, self.transient, self.wear, self.wheelset)
         return next((table.schedule for table in tables if table is not None), Schedule())
 
     def has(self, key: str) -> bool:
@@ -335,6 +361,7 @@ class Scene(Document):
             match tables.get(name):
                 case {"file": str(file)}:
                     tables[name]["file"] = str(folder / file)
+        resolve_profiles(folder, tables)
         match tables:
             case {"transient": {"profile": dict(profiles)}}:
                 for profile in profiles.values():

@@ -96,6 +96,14 @@ class Shifts(Distance):
     message_start = "after {:g} of the parameter: "
 
 
+class Patches(Schedule):
+    """Schedule of the patches of a wheel, by increasing load."""
+
+    save_key = end_key = "wheelset"
+    revolves = False
+    message_start = "patch {:g}: "
+
+
 class NamedSchedule(Schedule):
     """Schedule of a process of another package."""
 

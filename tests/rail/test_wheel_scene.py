@@ -1,0 +1,274 @@
+import math
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.rail import Patch, Profile, Wheel
+
+STEEL = {"shear": 82e3, "poisson": 0.28}
+TABLES = {
+    "body": {"A": STEEL, "B": STEEL},
+    "wheel": {"profile": "S1002", "radius": 460.0},
+    "rail": {"profile": "UIC60-manchester"},
+    "friction": {"mu": 0.3},
+}
+GRID = {"half_length": [4.4, 3.0], "elements": [25, 31]}
+
+
+def scene(y=2.0, grid=GRID, **wheelset):
+    return ts.Scene(**TABLES, grid=grid, wheelset={"y": y, "load": 1e4, **wheelset})
+
+
+def arc(radius, half=30.0, number=601):
+    """A profile of one radius, its lowest point at the origin and its centre above."""
+    angles = np.linspace(-half / abs(radius), half / abs(radius), number)
+    points = np.stack((abs(radius) * np.sin(angles), radius * (np.cos(angles) - 1.0)), axis=1)
+    tangents = np.stack((np.cos(angles), -np.sign(radius) * np.sin(angles)), axis=1)
+    return Profile.from_pieces([(points, tangents)])
+
+
+def patch_of(wheel_profile, rail_profile, radius):
+    wheel = Wheel(wheel_profile, radius, 1360.0)
+    rail = rail_profile.moved(0.0, (750.0, 0.0))
+    return Patch(wheel, rail, np.array([0.0, 750.0, 0.0]), 0.0, (5.0, 5.0), 0.0)
+
+
+def flat():
+    y = np.linspace(-30.0, 30.0, 601)
+    tangents = np.tile([1.0, 0.0], (601, 1))
+    return Profile.from_pieces([(np.stack((y, 0 * y), axis=1), tangents)])
+
+
+X, Y = np.linspace(-4.0, 4.0, 9), np.linspace(-3.0, 3.0, 7)
+
+
+def test_a_cylinder_on_a_plane_has_the_gap_of_a_cylinder():
+    gap = patch_of(flat(), flat(), 460.0).gap(X, Y)
+    exact = 460.0 - np.sqrt(460.0**2 - X**2)
+    assert np.abs(gap - exact[:, None]).max() < 1e-10
+
+
+def test_spherical_profiles_have_the_gap_of_spheres():
+    gap = patch_of(arc(460.0), arc(-300.0), 460.0).gap(X, Y)
+    sphere = 460.0 - np.sqrt(460.0**2 - X[:, None] ** 2 - Y**2)
+    rail = 300.0 - np.sqrt(300.0**2 - Y**2)
+    assert np.abs(gap - sphere - rail).max() < 1e-9  # cubics between nodes 0.1 mm apart
+
+
+def test_a_spherical_wheel_rolls_without_slip_on_its_axis_plane():
+    patch = patch_of(arc(460.0), flat(), 460.0)
+    assert patch.creepages() == pytest.approx((0.0, 0.0, 0.0), abs=1e-15)
+    assert np.abs(patch.rigid_slip(X, Y)).max() < 1e-15
+
+
+def test_scene_round_trip_keeps_only_what_was_given():
+    one = scene()
+    entries = one.entries()
+    assert "load" not in entries
+    assert "creepage" not in entries
+    assert "radius_x" not in entries["body"]["A"]
+    assert ts.Scene(**entries) == one
+    again = ts.Scene.from_toml_text(one.to_toml())
+    assert again.fingerprint() == one.fingerprint()
+
+
+def test_changes_of_the_position_change_the_contact():
+    one, other = scene(), scene().replace(**{"wheelset.y": 4.0})
+    assert other.wheel_rail.patches[0].origin[1] < one.wheel_rail.patches[0].origin[1] - 1.0
+    assert other.creepage.spin != one.creepage.spin
+
+
+@pytest.mark.parametrize("name", ["wheel-rail", "wheel-flange"])
+def test_builtin_scenes_have_their_patches(name):
+    patches = ts.Scene.builtin(name).wheel_rail.patches
+    assert len(patches) == {"wheel-rail": 1, "wheel-flange": 2}[name]
+
+
+def test_patches_carry_the_vertical_load():
+    for y, patches in ((2.0, 1), (4.92, 2)):
+        history = ts.roll(scene(y, yaw=11.8))
+        assert len(history) == patches
+        angle = np.radians(history["contact_angle"])
+        carried = history["P"] * np.cos(angle) - history["Qy"] * np.sin(angle)
+        assert carried.sum() == pytest.approx(1e4, rel=2e-6)  # tolerance of the shared load
+        assert (np.diff(history["P"]) > 0.0).all()
+        assert set(history["patches"]) == {patches}
+
+
+def test_solve_returns_the_patch_with_most_load():
+    one = scene(4.92, yaw=11.8)
+    contact, history = ts.solve(one), ts.roll(one)
+    assert pytest.approx(history["P"][-1], rel=1e-9) == contact.P
+
+
+def test_patches_share_one_approach():
+    one = scene(4.92, yaw=11.8)
+    history, patches = ts.roll(one), one.wheel_rail.patches
+    depths = []
+    for k in range(2):
+        row = int(np.argmin(np.abs(history["contact_y"] - patches[k].origin[1])))
+        x = np.linspace(-1.0, 1.0, 41)
+        opening = patches[k].gap(x, np.linspace(-0.5, 0.5, 101)).min()
+        depths.append((history["approach"][row] + opening) / math.cos(patches[k].angle))
+    assert depths[0] == pytest.approx(depths[1], abs=2e-5)  # openings of samples
+
+
+def test_normal_load_is_that_of_the_patches():
+    one = ts.Scene(**TABLES, grid=GRID, wheelset={"y": 2.0, "normal_load": 1e4})
+    assert pytest.approx(1e4, rel=2e-6) == ts.solve(one).P
+
+
+def test_friction_dissipates_the_work_supplied():
+    """Also with the slip that varies over the patch, which is no creepage and no spin."""
+    contact = ts.solve(scene(5.5, grid={"elements": [35, 15]}, yaw=13.2))
+    assert contact.dissipation == pytest.approx(contact.work_supplied, rel=1e-6)
+    assert contact.work_supplied != pytest.approx(contact.t_gamma, rel=1e-5)
+
+
+def test_left_and_right_are_mirrored():
+    right = ts.solve(scene(3.0, yaw=5.0))
+    left = ts.solve(scene(-3.0, yaw=-5.0, side="left"))
+    for name in ("P", "Qx", "Qy", "Mz", "p_max", "approach"):
+        assert getattr(left, name) == pytest.approx(getattr(right, name), rel=1e-9)
+
+
+def test_given_creepages_replace_those_of_the_wheelset():
+    one = scene().replace(**{"creepage.longitudinal": -0.001})
+    contact = ts.solve(one)
+    assert (contact.xi_x, contact.xi_y, contact.spin) == (-0.001, 0.0, 0.0)
+    faster = scene().replace(**{"creepage.speed": 2e4})
+    assert faster.creepage.spin == scene().creepage.spin
+
+
+def test_a_given_speed_keeps_the_motion():
+    contact = ts.solve(scene())
+    assert contact.xi_x == pytest.approx(scene().creepage.longitudinal)
+
+
+def test_results_are_stored_and_resumed(tmp_path):
+    one, path = scene(4.92, yaw=11.8), tmp_path / "a.h5"
+    history = ts.roll(one, path)
+    again = ts.open_history(path)
+    assert np.array_equal(again["contact_y"], history["contact_y"])
+    assert again.scene == one
+    assert len(ts.roll(one, path, resume=True)) == 2
+    assert again.state(2).p_max == pytest.approx(history["p_max"][-1])
+
+
+# Forces and creepages of the reference program have the signs of the rail on the wheel; its left
+# side is not mirrored.
+MANCHESTER = {
+    "both": (0, 0, 0, 751.8726, (-5.665e-5, 0, 6.302e-5), (9997, 338.3, 0.01596, 0.28, -253.6)),
+    "left 1.5": (1.5, 3.6, -8.103e-2, 755.9669, (-7.53e-4, 3.599e-3, -3.33e-5),
+                 (10050, 446.5, 0.02007, 641.1, 2942)),
+    "left 4.5": (4.5, 10.8, -0.2977, 757.799, (-1.591e-3, 1.079e-2, -2.049e-5),
+                 (10030, 540.2, 0.02209, 440.6, 2976)),
+    "right 5.5": (5.5, 13.2, -0.4777, 726.1169, (4.379e-3, 1.401e-2, 7.122e-4),
+                  (9629, 1486, 0.02926, -850.2, -2759)),
+    "right 6.0": (6.0, 14.4, -0.6272, 725.1371, (5.077e-3, 1.580e-2, 8.744e-4),
+                  (9709, 1149, 0.02728, -880, -2775)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MANCHESTER)
+def test_positions_of_the_manchester_benchmark(name):
+    """Printed by the reference program, case A2.2, mesh 0.2 mm, first-order slip."""
+    y, yaw, roll, contact_y, creepages, expected = MANCHESTER[name]
+    left = name.startswith("left")
+    place = {"yaw": yaw, "roll": roll, "side": "left" if left else "right"}
+    patch = scene(y, **place).wheel_rail.patches[0]
+    sign = 1.0 if left else -1.0
+    spin = sign * creepages[2]
+    across = (patch.origin[1] - contact_y) / math.cos(patch.angle)
+    motion = (-creepages[0] - spin * across, sign * creepages[1], spin)
+    half = [1.15 * length for length in patch.half_length]
+    elements = [2 * round(length / 0.2) + 1 for length in half]
+    found = ts.solve(
+        ts.Scene(
+            **TABLES,
+            wheelset={"y": y, "load": 1e4, **place},
+            creepage=dict(zip(("longitudinal", "lateral", "spin"), motion, strict=True)),
+            grid={"half_length": [0.1 * n for n in elements], "elements": elements},
+            solver={"slip": "upwind"},
+        )
+    )
+    values = (found.P, found.p_max, found.approach, -found.Qx, -found.Qy)
+    P, p_max, approach, Qx, Qy = expected
+    steep = abs(patch.angle) > math.radians(20.0)
+    tolerance = 0.01 if steep else 0.005  # of the task; reached: 0.8 % and 0.4 %
+    assert values[:3] == pytest.approx((P, p_max, approach), rel=tolerance)
+    # Printed with 4 digits. Spin alone: both programs take it at another point of the element.
+    if name == "both":
+        assert abs(values[4]) == pytest.approx(abs(Qy), rel=0.03)
+    else:
+        assert abs(values[3]) == pytest.approx(abs(Qx), rel=0.01 if steep else 0.005)
+        assert abs(values[4]) == pytest.approx(abs(Qy), rel=tolerance)
+
+
+def test_forces_change_little_over_small_displacements():
+    """Where no patch appears, 0.05 mm change pressure and approach by a few per cent."""
+    found = [ts.solve(scene(y, grid={"elements": [25, 31]})) for y in (2.9, 2.95, 3.0, 3.05)]
+    for name in ("p_max", "approach", "P"):
+        values = np.array([getattr(one, name) for one in found])
+        assert np.abs(np.diff(values, 2)).max() < 0.02 * values.max()  # elements of 0.2 mm
+    assert all(one.converged for one in found)
+
+
+def faults(**changes):
+    tables = {**TABLES, "wheelset": {"load": 1e4}}
+    for key, value in changes.items():
+        if isinstance(value, dict) and key in tables:
+            tables[key] = {**tables[key], **value}
+        else:
+            tables[key] = value
+    with pytest.raises(ts.SceneError) as error:
+        ts.Scene(**{key: value for key, value in tables.items() if value is not None})
+    return {fault.key for fault in error.value.faults}
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"wheelset": {"y": 300.0}}, "wheelset"),
+        ({"wheelset": {"y": 60.0}}, "wheelset"),
+        ({"wheelset": {"inner": 1200.0}}, "wheelset"),
+        ({"wheelset": {"load": -1.0}}, "wheelset.load"),
+        ({"wheelset": {"normal_load": 1e4}}, "wheelset.load"),
+        ({"wheelset": {"load": 1e12}}, "wheelset"),
+        ({"wheelset": {"yaw": 500.0}}, "wheelset.yaw"),
+        ({"wheelset": {"yaw": "8"}}, "wheelset.yaw"),
+        ({"wheelset": {"roll": "fixed"}}, "wheelset.roll"),
+        ({"wheelset": {"side": "middle"}}, "wheelset.side"),
+        ({"wheelset": {"pitch": "none"}}, "wheelset.pitch"),
+        ({"wheelset": {"speed": 1.0}}, "wheelset.speed"),
+        ({"wheelset": {"y": math.nan}}, "wheelset.y"),
+        ({"wheel": {"radius": 0.0}}, "wheel.radius"),
+        ({"wheel": {"profile": "S1003"}}, "wheel.profile"),
+        ({"wheel": {"profile": "none.prw"}}, "wheel.profile"),
+        ({"wheel": {"profile": 5}}, "wheel.profile"),
+        ({"wheel": {"unit": "inch"}}, "wheel.unit"),
+        ({"wheel": {"smoothing": 0.0}}, "wheel.smoothing"),
+        ({"rail": {"profile": "60E9"}}, "rail.profile"),
+        ({"rail": {"inclination": 1.0}}, "rail.inclination"),
+        ({"rail": {"gauge": 1000.0}}, "wheelset"),
+        ({"rail": {"gauge": -1435.0}}, "rail.gauge"),
+        ({"wheel": None}, "wheel"),
+        ({"rail": None}, "rail"),
+        ({"wheelset": None}, "wheelset"),
+        ({"load": {"normal": 5.0}}, "load"),
+        ({"body": {"A": {**STEEL, "radius_x": 1.0}}}, "body.A.radius_x"),
+        ({"gap": {"y": [-1, 0, 1], "separation": [0, 0, 0]}}, "gap"),
+        ({"accuracy": {"tolerance": 0.01}}, "accuracy"),
+    ],
+)
+def test_faults_name_their_keys(changes, key):
+    assert key in faults(**changes)
+
+
+def test_files_that_are_no_profiles_are_faults(tmp_path):
+    path = tmp_path / "bad.whl"
+    path.write_text("1 2\n3 4\n")
+    assert faults(wheel={"profile": str(path)}) == {"wheel.profile"}
+    path.write_text("\n".join(f"{k / 25.4} {k * k / 2540}" for k in range(-40, 41)))
+    assert faults(rail={"profile": str(path)}) == {"rail.profile"}

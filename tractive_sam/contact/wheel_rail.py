@@ -1,0 +1,77 @@
+"""All patches of a wheel on a rail: they share one approach, and carry its load together.
+
+The wheel is a vertical distance d below its first touch. A patch at the contact angle delta, whose
+surfaces are an opening g apart at the first touch, is pressed together by d cos(delta) - g. Its
+pressure and its lateral traction carry P cos(delta) - Q_y sin(delta) of the vertical force.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tractive_sam.contact.model import Model
+from tractive_sam.rail import Patch
+from tractive_sam.results import Cost, State
+
+Solve = Callable[[Model, State | None], State]
+"""Solves a patch under its approach, from the contact at another depth."""
+
+
+def share_load(
+    model: Model, solve: Solve, start: State | None, tolerance: float = 1e-6, most: int = 12
+) -> tuple[State, ...]:
+    """Return the patches of a wheel that carry its load together.
+
+    By the secant method for the load to the power 2/3, which for a Hertz contact is linear in the
+    depth of the wheel. The first patch has the cost of all.
+
+    Parameters
+    ----------
+    model : Model
+        Model of a scene with a wheel.
+    solve : callable
+        Solves a patch.
+    start : State, optional
+        A similar contact in the first patch.
+    tolerance : float
+        Relative error of the load.
+    most : int
+        Largest number of depths.
+
+    Returns
+    -------
+    tuple of State
+        The patches in the order of `WheelRail.patches`; one that is open has no pressure.
+    """
+    wheelset, patches = model.scene.wheelset, model.scene.wheel_rail.patches
+    load, by_normal = float(wheelset.load or wheelset.normal_load), wheelset.load is None
+    models, cost = [model.of_patch(patch) for patch in patches], Cost()
+    approach = model.scene.hertz.approach if start is None else start.approach
+    depth, known = approach / np.cos(patches[0].angle), (0.0, 0.0)
+    last: list[State | None] = [start, *(None for _ in patches[1:])]
+    for _ in range(most):
+        contacts = [
+            solve(one.of_patch(patch, depth * np.cos(patch.angle) - one.opening), before)
+            for one, patch, before in zip(models, patches, last, strict=True)
+        ]
+        cost = sum((contact.cost for contact in contacts), cost)
+        carried = sum(
+            supported_load(contact, patch, by_normal)
+            for contact, patch in zip(contacts, patches, strict=True)
+        )
+        solved = all(contact.converged for contact in contacts)
+        if not solved or abs(carried - load) <= tolerance * load:
+            break
+        power = max(carried, 0.0) ** (2.0 / 3.0)
+        slope = (power - known[1]) / (depth - known[0])
+        known = depth, power
+        depth += (load ** (2.0 / 3.0) - power) / slope
+        last = [contact if contact.touching.any() else None for contact in contacts]
+    return (contacts[0].with_cost(cost), *contacts[1:])
+
+
+def supported_load(contact: State, patch: Patch, normal: bool = False) -> float:
+    """Return the vertical force that a patch carries, or its normal force, N."""
+    if normal:
+        return contact.P
+    return float(contact.P * np.cos(patch.angle) - contact.Qy * np.sin(patch.angle))

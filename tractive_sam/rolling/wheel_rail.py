@@ -1,0 +1,123 @@
+"""The patches of a wheel on a rail, one record each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+from tractive_sam.contact import Model, solve_patches_on_fitted_mesh
+from tractive_sam.rail import Patch
+from tractive_sam.results import COORDINATE, Grid, Quantity, State
+from tractive_sam.rolling.process import Process, Step, StepRecord, StoredStep
+from tractive_sam.scene import Scene
+
+WHEEL_COLUMNS = (
+    Quantity("contact_y", "mm", "lateral position of the patch on the rail, outward", label="y"),
+    Quantity("contact_angle", "degrees", "angle of the patch to the horizontal"),
+    Quantity("angle_range", "degrees", "difference of the contact angles over the overlap"),
+    Quantity("rolling_radius", "mm", "rolling radius of the wheel at the patch"),
+    Quantity("patches", "1", "number of patches of the wheel that carry load", format="d"),
+)
+"""Columns of a patch of a wheel."""
+
+
+def describe_patch(patch: Patch, patches: int) -> dict[str, Any]:
+    """Return the values of `WHEEL_COLUMNS`."""
+    return {
+        "contact_y": float(patch.origin[1]),
+        "contact_angle": math.degrees(patch.angle),
+        "angle_range": math.degrees(patch.angle_range),
+        "rolling_radius": patch.rolling_radius,
+        "patches": patches,
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class PatchStep(Step):
+    """A patch of a wheel.
+
+    Attributes
+    ----------
+    patch : Patch
+        Its geometry.
+    number : int
+        Its place among the patches by increasing load, from 1.
+    patches : int
+        Number of patches.
+    """
+
+    patch: Patch | None = None
+    number: int = 1
+    patches: int = 1
+
+    @property
+    def place(self) -> float:
+        """See `Step.place`."""
+        return self.number
+
+    def on(self, grid: Grid) -> Self:
+        """See `Step.on`."""
+        return replace(self, contacts=tuple(contact.on(grid) for contact in self.contacts))
+
+    def record(self, block: int | None = None) -> StepRecord:
+        """See `Step.record`."""
+        assert self.patch is not None
+        values = {"patch": self.number} | describe_patch(self.patch, self.patches)
+        return StepRecord(self.contact, values)
+
+
+class WheelRailPatches(Process[PatchStep]):
+    """Solves all patches of a wheel on a rail: they carry its load together."""
+
+    columns = (
+        Quantity(
+            "patch", "1", "patches by increasing load", format="d", whole=True, role=COORDINATE
+        ),
+        *WHEEL_COLUMNS,
+    )
+
+    def begin(self) -> PatchStep:
+        """See `Process.begin`."""
+        return self.begin_fitted()[1]
+
+    def begin_fitted(self) -> tuple[Self, PatchStep]:
+        """See `Process.begin_fitted`."""
+        model, steps = solve_patches(self.model)
+        process = self._with(model)
+        process.solved = steps
+        return process, steps[0]
+
+    solved: tuple[PatchStep, ...] = ()
+
+    def advance(self, last: PatchStep) -> Iterator[PatchStep]:
+        """See `Process.advance`."""
+        steps = self.solved or solve_patches(self.model)[1]
+        yield from (step for step in steps if step.number > last.number and last.converged)
+
+    @classmethod
+    def restore(cls, scene: Scene, stored: StoredStep) -> PatchStep:
+        """See `Process.restore`."""
+        number = int(stored.history["patch"][stored.row])
+        return PatchStep((stored.contact(scene),), number=number)
+
+    @classmethod
+    def expected_records(cls, scene: Scene, dx: float) -> int:
+        """See `Process.expected_records`."""
+        return len(scene.wheel_rail.patches)
+
+
+def solve_patches(model: Model) -> tuple[Model, tuple[PatchStep, ...]]:
+    """Return the patches that touch, by increasing load, and the model on their mesh."""
+    model, contacts = solve_patches_on_fitted_mesh(model)
+    pairs = [*zip(contacts, model.scene.wheel_rail.patches, strict=True)]
+    touching = [pair for pair in pairs if pair[0].touching.any()] or pairs[:1]
+    ordered: list[tuple[State, Patch]] = sorted(touching, key=lambda pair: pair[0].P)
+    failed = next((contact for contact in contacts if not contact.converged), None)
+    if failed is not None:  # the history ends with it
+        ordered = [(failed, ordered[0][1])]
+    return model, tuple(
+        PatchStep((contact,), patch=patch, number=k + 1, patches=len(ordered))
+        for k, (contact, patch) in enumerate(ordered)
+    )

@@ -1,0 +1,262 @@
+"""A wheel on a rail: its patches, and what follows from them for the other tables of a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from tractive_sam.mechanics import Material, combine
+from tractive_sam.rail import (
+    BUILTIN,
+    ContactLocus,
+    NoContactError,
+    Patch,
+    Profile,
+    Wheel,
+    find_locus,
+    find_patches,
+    free_roll,
+)
+from tractive_sam.schema import Check, Fault, SceneError, Table, ValidEntries, to_python
+
+from .gap import may_be_missing
+from .tables import Creepage
+from .wheel_tables import RailTable, WheelsetTable, WheelTable
+
+TABLES: Mapping[str, type[Table]] = {
+    "wheel": WheelTable,
+    "rail": RailTable,
+    "wheelset": WheelsetTable,
+}
+
+
+@dataclass(frozen=True)
+class WheelRail:
+    """A wheel on a rail: the geometry of a scene with [wheel], [rail] and [wheelset].
+
+    Attributes
+    ----------
+    wheel, rail : Wheel and Profile
+        The wheel that is computed, as a right one, and the right rail in the track frame.
+    roll, pitch : float
+        Roll of the wheelset, rad; its angular velocity over V / radius, minus 1.
+    patches : tuple of Patch
+        All patches, the one with most load first.
+    """
+
+    wheel: Wheel
+    rail: Profile
+    roll: float
+    pitch: float
+    patches: tuple[Patch, ...]
+
+    @classmethod
+    def from_tables(
+        cls, wheel: WheelTable, rail: RailTable, wheelset: WheelsetTable, e_star: float
+    ) -> WheelRail:
+        """Find the patches of a scene.
+
+        Raises
+        ------
+        ValueError
+            If a profile cannot be used, or the wheel does not rest on the rail.
+        """
+        return _find(wheel.curve, wheel.radius, rail.curve, wheelset, e_star)
+
+    @classmethod
+    def from_scene(cls, scene: Any) -> WheelRail:
+        """Find the patches of a scene; a ValueError reports one without a wheel."""
+        if scene.wheelset is None:
+            raise ValueError("the scene has no [wheel], [rail] and [wheelset]")
+        return cls.from_tables(scene.wheel, scene.rail, scene.wheelset, scene.material.E_star)
+
+    @property
+    def equivalent_radii(self) -> tuple[float, float]:
+        """R_x and R_y of the ellipsoid on a plane that overlaps like the first patch, mm."""
+        first = self.patches[0]
+        long, wide = first.half_length
+        return first.radius_x, first.radius_x * (wide / long) ** 2
+
+    @property
+    def creepages(self) -> tuple[float, float, float]:
+        """Creepages and spin of the first patch."""
+        return self.patches[0].creepages(self.pitch)
+
+    def is_motion(self, creepage: Creepage) -> bool:
+        """Return whether creepages are those of the motion of the wheelset."""
+        return tuple(getattr(creepage, key) for key in _MOTIONS) == self.creepages
+
+
+@lru_cache(maxsize=256)
+def _find(
+    profile: Profile, radius: float, rail: Profile, wheelset: WheelsetTable, e_star: float
+) -> WheelRail:
+    placed = Wheel(profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw)
+    free = wheelset.roll == "free"
+    roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
+    placed = replace(placed, roll=roll)
+    load = wheelset.load or wheelset.normal_load or 0.0
+    right, left = (find_patches(one, rail, load, e_star) for one in (placed, placed.mirrored()))
+    mean = 0.5 * (right[0].rolling_radius + left[0].rolling_radius)
+    pitch = radius / mean - 1.0 if wheelset.pitch == "free" else float(wheelset.pitch)
+    patches = right if wheelset.side == "right" else left
+    return WheelRail(patches[0].wheel, rail, roll, pitch, tuple(patches))
+
+
+def contact_locus(scene: Any, positions: Any) -> ContactLocus:
+    """Return the contact locus of a scene with [wheel], [rail] and [wheelset].
+
+    Parameters
+    ----------
+    scene : Scene
+        Profiles, yaw and roll; its lateral position and its load have no influence.
+    positions : sequence of float
+        Lateral positions, mm.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no wheel, or a position no contact.
+
+    Examples
+    --------
+    >>> locus = ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-1.0, 0.0, 1.0])
+    >>> locus.radius.shape
+    (2, 3)
+    """
+    if scene.wheelset is None:
+        raise ValueError("contact_locus: a scene with [wheel], [rail] and [wheelset] is needed")
+    wheelset = scene.wheelset
+    wheel = Wheel(scene.wheel.curve, scene.wheel.radius, wheelset.inner, yaw=1e-3 * wheelset.yaw)
+    roll = None if scene.wheelset.roll == "free" else 1e-3 * scene.wheelset.roll
+    return find_locus(wheel, scene.rail.curve, positions, roll)
+
+
+def add_wheel_contact(given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """Return the tables of a scene with radii, load and creepages that follow from its wheel.
+
+    The bodies get the radii of the ellipsoid on a plane that overlaps like the first patch: units
+    and mesh follow from its Hertz contact. Keys that are given stay, and are checked later.
+    """
+    if all(given.get(name) is None for name in TABLES):
+        return given
+    body = {name: dict(_plain(_plain(given.get("body")).get(name))) for name in "AB"}
+    found = _try_contact(given, body)
+    radius_x, radius_y = (1.0, 1.0) if found is None else found.equivalent_radii
+    for name, radii in (("A", (radius_x, math.inf)), ("B", (math.inf, radius_y))):
+        body[name] = dict(zip(("radius_x", "radius_y"), radii, strict=True)) | body[name]
+    changed = {**given, "body": {**_plain(given.get("body")), **body}}
+    wheelset = _plain(given.get("wheelset"))
+    load = to_python(wheelset.get("load") or wheelset.get("normal_load"))
+    usable = isinstance(load, int | float) and load > 0.0
+    changed.setdefault("load", {"normal": float(load) if usable else 1.0})
+    creepage = _plain(given.get("creepage"))
+    if found is not None and not set(_MOTIONS) & set(creepage):
+        changed["creepage"] = {**creepage, **dict(zip(_MOTIONS, found.creepages, strict=True))}
+    return changed
+
+
+_MOTIONS = ("longitudinal", "lateral", "spin")
+
+
+def _plain(table: Any) -> Mapping[Any, Any]:
+    """Return the entries of a table that is given in any form; none of what is no table."""
+    if isinstance(table, Table):
+        return table.entries()
+    return table if isinstance(table, Mapping) else {}
+
+
+def _try_contact(given: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRail | None:
+    """Return the geometry of a scene that is given, None if it is not valid."""
+    try:
+        wheel, rail, wheelset = (kind(**_plain(given.get(name))) for name, kind in TABLES.items())
+        pair = []
+        for name in "AB":
+            material = body[name]
+            kind = Material.from_young if "young" in material else Material
+            first = material.get("young", material.get("shear"))
+            pair.append(kind(float(first), float(material["poisson"])))
+        assert isinstance(wheel, WheelTable)
+        assert isinstance(rail, RailTable)
+        assert isinstance(wheelset, WheelsetTable)
+        return WheelRail.from_tables(wheel, rail, wheelset, combine(*pair).E_star)
+    except (SceneError, RuntimeError, ValueError, TypeError, KeyError, ZeroDivisionError):
+        return None
+
+
+def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
+    """Report some of the three tables without the others, and tables that they replace."""
+    given = [name for name in TABLES if name in entries.given]
+    if not given:
+        return
+    for name in TABLES:
+        if name not in given:
+            yield Fault(name, "nothing", f"a [{name}] table: [{given[0]}] is given")
+    for name in ("gap", "transient", "process", "accuracy", "load_history", "elasticity"):
+        if entries[name]:
+            yield Fault(name, "with [wheel]", f"no [{name}]: it is not available for wheels")
+
+
+def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a wheel that does not rest on its rail, and keys that follow from its contact."""
+    if entries["wheelset"] is None or entries["wheel"] is None or entries["rail"] is None:
+        return
+    wheel, rail, wheelset = (entries[name] for name in TABLES)
+    faults = [*_profile_faults(wheel=wheel, rail=rail)]
+    if faults:
+        yield from faults if not may_be_missing() else ()
+        return
+    try:
+        found = WheelRail.from_tables(wheel, rail, wheelset, entries["body"].material.E_star)
+    except (NoContactError, RuntimeError) as error:  # the roll may not converge without contact
+        yield Fault("wheelset", f"y = {wheelset.y:g} mm", str(error))
+        return
+    radii = found.equivalent_radii
+    expected = {"A": (radii[0], math.inf), "B": (math.inf, radii[1])}
+    for name, pair in expected.items():
+        body = getattr(entries["body"], name)
+        for axis, radius in zip("xy", pair, strict=True):
+            if not math.isclose(getattr(body, f"radius_{axis}"), radius, rel_tol=1e-9):
+                key = f"body.{name}.radius_{axis}"
+                yield Fault(key, f"{getattr(body, f'radius_{axis}'):g}", "nothing with [wheel]")
+    load = entries["load"]
+    if load.normal != (wheelset.load or wheelset.normal_load) or load.force_x or load.force_y:
+        yield Fault("load", "with [wheelset]", "wheelset.load or normal_load, and no [load]")
+
+
+def _profile_faults(**tables: Any) -> Iterator[Fault]:
+    """Report profiles that cannot be used."""
+    for name, table in tables.items():
+        try:
+            _ = table.curve
+        except ValueError as error:
+            yield Fault(f"{name}.profile", Path(table.profile).name, str(error))
+
+
+WHEEL_CHECKS: tuple[Check, ...] = (_check_wheel_is_complete, _check_wheel_contact)
+"""Checks between [wheel], [rail], [wheelset] and the other tables."""
+
+
+def resolve_profiles(folder: Path, tables: dict[str, Any]) -> None:
+    """Let relative paths of profile files start from a folder."""
+    for name in ("wheel", "rail"):
+        match tables.get(name):
+            case {"profile": str(profile)} if profile not in BUILTIN:
+                tables[name]["profile"] = str(folder / profile)
+
+
+def without_wheel_contact(entries: dict[str, Any], found: WheelRail) -> dict[str, Any]:
+    """Return the entries of a scene without those that follow from its wheel."""
+    body = {
+        name: {k: v for k, v in table.items() if not k.startswith("radius_")}
+        for name, table in entries["body"].items()
+    }
+    creepage = dict(entries.get("creepage", {}))
+    if tuple(creepage.get(key) for key in _MOTIONS) == found.creepages:
+        creepage = {key: value for key, value in creepage.items() if key not in _MOTIONS}
+    kept = {key: value for key, value in entries.items() if key not in ("load", "creepage")}
+    return {**kept, "body": body, **({"creepage": creepage} if creepage else {})}

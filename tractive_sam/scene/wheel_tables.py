@@ -1,0 +1,178 @@
+"""The tables [wheel], [rail] and [wheelset]: profiles, and the position of a wheelset."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from tractive_sam.rail import (
+    BUILTIN,
+    SUFFIXES,
+    UNITS,
+    Profile,
+    builtin_profile,
+    place_rail,
+    read_profile,
+)
+from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one
+
+from .gap import absolute_path, may_be_missing
+from .schedule import Patches, Schedule
+
+MOST_PATCHES = 8
+"""Most patches of a wheel whose fields are stored."""
+
+
+def _check_profile(given: str) -> str:
+    """Return a built-in name, or the absolute path of a profile file, which must exist."""
+    if given in BUILTIN:
+        return given
+    allowed = f"{', '.join(BUILTIN)}, or a file ending in {', '.join(SUFFIXES)}"
+    if Path(given).suffix not in SUFFIXES:
+        raise ValueError(allowed)
+    path = absolute_path(Path(given), SUFFIXES)
+    if not may_be_missing() and not os.path.isfile(path):
+        raise ValueError(f"an existing file, or one of {', '.join(BUILTIN)}")
+    return str(path)
+
+
+_Unit = Literal["mm", "m", "in"]
+_Profile = Annotated[
+    str,
+    BeforeValidator(lambda given: str(given) if isinstance(given, Path) else given),
+    AfterValidator(_check_profile),
+]
+_FreeOrReal = Literal["free"] | Real
+
+
+class _ProfileTable(Table):
+    """Keys that tell where a profile comes from."""
+
+    unit: _Unit | None = entry(
+        f"unit of a profile file, one of {', '.join(UNITS)}; default: that of the file, or mm",
+        default=None,
+    )
+    smoothing: Positive | None = entry(
+        "rms distance of a smoothing spline from the points of a file, mm; by default the profile "
+        "interpolates them",
+        default=None,
+    )
+
+    def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Profile:
+        if profile in BUILTIN:
+            return builtin_profile(profile)
+        changed = os.stat(profile).st_mtime_ns if os.path.isfile(profile) else 0
+        return _read_once(profile, kind, self.unit, self.smoothing, changed)
+
+
+@lru_cache(maxsize=32)
+def _read_once(
+    path: str, kind: Any, unit: str | None, smoothing: float | None, changed: int
+) -> Profile:
+    """Read a profile file once for each time at which it changed."""
+    return read_profile(path, kind, unit, smoothing)
+
+
+class WheelTable(_ProfileTable):
+    """The [wheel] table: body A is a wheel with this profile.
+
+    Examples
+    --------
+    >>> ts.WheelTable(profile="S1002", radius=460.0).radius
+    460.0
+    """
+
+    profile: _Profile = entry("wheel profile: S1002, or a file", f"S1002, or {SUFFIXES[0]} ...")
+    radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
+
+    @property
+    def curve(self) -> Profile:
+        """The profile."""
+        return self._read(self.profile, "wheel")
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        yield Row("wheel", f"{Path(self.profile).name}, radius {self.radius:g} mm", brief=True)
+
+
+class RailTable(_ProfileTable):
+    """The [rail] table: body B is a rail with this profile.
+
+    Examples
+    --------
+    >>> ts.RailTable(profile="60E1").inclination
+    40.0
+    """
+
+    profile: _Profile = entry("rail profile: 60E1, UIC60-manchester, or a file", "60E1 ...")
+    inclination: Annotated[float, Field(ge=5.0)] = entry(
+        "inclination towards the track centre: 40 for 1:40, inf for none", "5 to inf", 40.0
+    )
+    gauge: Positive = entry("distance of the gauge faces, mm", default=1435.0)
+
+    @property
+    def curve(self) -> Profile:
+        """The right rail in the track frame."""
+        return _placed(self._read(self.profile, "rail"), self.inclination, self.gauge)
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        text = f"{Path(self.profile).name}, 1:{self.inclination:g}, gauge {self.gauge:g} mm"
+        yield Row("rail", text, brief=True)
+
+
+_placed = lru_cache(maxsize=32)(place_rail)
+
+
+class WheelsetTable(Table):
+    """The [wheelset] table: position of a wheelset on the track, and load of the wheel.
+
+    Examples
+    --------
+    >>> ts.WheelsetTable(y=3.5, yaw=8.4, load=1e4).roll
+    'free'
+    """
+
+    inner: Positive = entry("distance of the backs of the wheels, mm", default=1360.0)
+    y: Real = entry("lateral position, to the right, mm", default=0.0)
+    yaw: Real = entry("yaw angle, mrad, clockwise from above", default=0.0, ge=-100, le=100)
+    roll: _FreeOrReal = entry(
+        'roll angle, mrad, positive if the right wheel is lower; "free": both wheels rest on the '
+        "rails",
+        '"free" or a number',
+        "free",
+    )
+    side: Literal["right", "left"] = entry("wheel to compute", default="right")
+    pitch: _FreeOrReal = entry(
+        'angular velocity of the wheelset over V / radius, minus 1; "free": it rolls on the mean '
+        "rolling radius of both wheels",
+        '"free" or a number',
+        "free",
+    )
+    load: Positive | None = entry("vertical force on this wheel, N", default=None)
+    normal_load: Positive | None = entry("sum of the normal forces of its patches, N", default=None)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("load", "normal_load"),)
+
+    @property
+    def schedule(self) -> Schedule:
+        """Schedule of the patches: as many as there may be."""
+        return Patches(MOST_PATCHES, tuple(range(1, MOST_PATCHES + 1)))
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """See `Table.describe`."""
+        contact = scene.wheel_rail
+        load = f"{self.load:g} N vertical" if self.load else f"{self.normal_load:g} N normal"
+        place = f"y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"
+        yield Row("wheelset", f"{place}, {self.side} wheel, {load}", brief=True)
+        for k, patch in enumerate(contact.patches):
+            text = (
+                f"at y = {patch.origin[1]:.2f} mm, angle {math.degrees(patch.angle):.2f} deg, "
+                f"rolling radius {patch.rolling_radius:.2f} mm"
+            )
+            yield Row(f"patch {k + 1}", text, brief=True)
