@@ -16,7 +16,7 @@ from tractive_sam.contact import Model, equilibrium
 from tractive_sam.operators.fft import transform
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Nested, Problem, Uzawa
-from tractive_sam.solvers.ladder import HELD, NORMAL
+from tractive_sam.solvers.ladder import FIXED_PRESSURE, NORMAL
 from tractive_sam.solvers.sequential import rectangle
 
 TOLERANCE = 1e-8
@@ -40,9 +40,9 @@ def problem_on(n: int, slip: str = "auto") -> Problem:
 
 
 METHODS = {
-    "newton": (Nested(HELD), "auto"),
-    "newton, upwind": (Nested(HELD), "upwind"),
-    "newton, one mesh": (HELD, "auto"),
+    "newton": (Nested(FIXED_PRESSURE), "auto"),
+    "newton, upwind": (Nested(FIXED_PRESSURE), "upwind"),
+    "newton, one mesh": (FIXED_PRESSURE, "auto"),
     "anderson": (Anderson(), "auto"),
     "uzawa": (Uzawa(), "upwind"),
 }
@@ -55,7 +55,7 @@ def raw_applications(problem) -> int:
         space = space.coarsened
         spaces.append(space)
     before = sum(s.slip.applications for s in spaces)
-    Nested(HELD).solve(problem, TOLERANCE)
+    Nested(FIXED_PRESSURE).solve(problem, TOLERANCE)
     return sum(s.slip.applications for s in spaces) - before
 
 

@@ -21,8 +21,8 @@ LARGE = {
 
 @pytest.fixture
 def little(monkeypatch):
-    monkeypatch.setattr(memory, "available", lambda: FREE)
-    monkeypatch.setattr(explain, "available", lambda: FREE)
+    monkeypatch.setattr(memory, "available_memory", lambda: FREE)
+    monkeypatch.setattr(explain, "available_memory", lambda: FREE)
 
 
 @pytest.mark.parametrize("key", LARGE)

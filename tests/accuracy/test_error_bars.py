@@ -11,8 +11,8 @@ import tractive_sam as ts
 from tractive_sam.contact import Model, solve_on_fitted_mesh
 from tractive_sam.run.accuracy.error_bars import (
     BodyColumn,
+    BodyStress,
     Sample,
-    StressMaximum,
     error_bars,
     relative_error_bars,
 )
@@ -21,7 +21,7 @@ from tractive_sam.subsurface import stress_maxima
 
 pytestmark = pytest.mark.slow  # meshes far finer than requested
 
-INSIDE, SURFACE = (StressMaximum("von_mises_max", "A", surface) for surface in (False, True))
+INSIDE, SURFACE = (BodyStress("von_mises_max", "A", surface) for surface in (False, True))
 
 NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")
 

@@ -6,7 +6,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
-from tractive_sam.contact.measured import lowest, resampled, sampled
+from tractive_sam.contact.measured import lowest_separation, resample, sample_gap
 from tractive_sam.results import Grid
 
 STEEL = {"young": 2e5, "poisson": 0.3}
@@ -74,9 +74,9 @@ def test_no_point_of_a_rough_profile_lies_below_the_datum(shift):
     y = np.linspace(-0.5, 0.5, 38)
     profile = np.array([-1e9, 1e9]), y, np.tile(1e-3 * rng.normal(size=38), (2, 1))
     grid, radii = Grid((0.4, 0.4), (12, 12), shift), (10.0, 15.0)
-    least = lowest(profile, grid, resampled(profile, grid), radii)
+    least = lowest_separation(profile, grid, resample(profile, grid), radii)
     x, places = np.linspace(grid.x[0], grid.x[-1], 21), np.linspace(grid.y[0], grid.y[-1], 20_001)
-    dense = sampled(profile, x, places)
+    dense = sample_gap(profile, x, places)
     dense += 0.5 * (x[:, None] ** 2 / radii[0] + places[None, :] ** 2 / radii[1])
     # The squared distance of 4e-5 mm between the points times the curvature of the roughness.
     assert least == pytest.approx(dense.min(), abs=1e-8)

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.scenes import size, steady
-from tractive_sam.contact import Model, equilibrium, grown
+from tractive_sam.contact import Model, enlarge, equilibrium
 from tractive_sam.reference import Carter, bentall_johnson_creepage
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
@@ -255,8 +255,8 @@ def test_chosen_mesh():
     assert grid.elements[0] % 2 == 1
     assert grid.elements[1] == 1
     assert grid.dy == 1.0  # mm: what is summed is per length
-    assert grown(grid).elements[1] == 1
-    assert grown(grid).half_length[0] > 1.2 * grid.half_length[0]
+    assert enlarge(grid).elements[1] == 1
+    assert enlarge(grid).half_length[0] > 1.2 * grid.half_length[0]
 
 
 def test_off_the_grid_is_said():

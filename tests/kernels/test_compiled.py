@@ -95,10 +95,10 @@ def test_kernels_are_compiled_where_the_disk_is_full(monkeypatch):
 
 
 TOLD = """
-from {room}.compiled import compiling_told
+from {room}.compiled import notify_compilation
 from {room}.outer import total
 
-with compiling_told(lambda: print(1)):
+with notify_compilation(lambda: print(1)):
     print(0, total(3.0), total(2.0), total(2))
 """
 

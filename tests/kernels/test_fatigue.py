@@ -57,10 +57,10 @@ def ball(points):
     squares = np.empty(n)
     if m == 2:
         support, weights = np.zeros(3, int), np.empty(3)
-        count, radius2 = fatigue.circle(support, weights, points, squares)
+        count, radius2 = fatigue.enclosing_circle(support, weights, points, squares)
         return support[:count], weights[:count], radius2
     support, weights = np.empty(m + 2, int), np.empty(m + 2)
-    count, radius2 = fatigue.enclosing(np.empty(m), support, weights, points, squares)
+    count, radius2 = fatigue.enclosing_ball(np.empty(m), support, weights, points, squares)
     return support[:count], weights[:count], radius2
 
 
@@ -116,7 +116,7 @@ def room(points):
 
 def plane(cycle, normal, sum_k, product_k, within=None):
     within = room(cycle.shape[1]) if within is None else within
-    return fatigue._plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
+    return fatigue._evaluate_plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
 
 
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
@@ -128,7 +128,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
         normal /= np.linalg.norm(normal)
 
         def value(a, b, normal=normal, within=within, near=near, cycle=cycle):
-            fatigue._turned(near, normal, a * difference, b * difference)
+            fatigue._turn_normal(near, normal, a * difference, b * difference)
             found, held, at = plane(cycle[..., None], near, sum_k, product_k, within)
             return found, (frozenset(within[2][:held]), at)
 
@@ -137,14 +137,16 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
             continue
         here, held, at = plane(cycle[..., None], normal, sum_k, product_k, within)
         path = to_paths(cycle[..., None])[0]
-        step = fatigue._uphill(path, here, held, at, sum_k, product_k, within)
+        step = fatigue._newton_step(path, here, held, at, sum_k, product_k, within)
         v = {k: one / difference for k, (one, _) in around.items()}
         ga, gb = 0.5 * (v[1, 0] - v[-1, 0]), 0.5 * (v[0, 1] - v[0, -1])
         haa, hbb = v[1, 0] + v[-1, 0] - 2.0 * v[0, 0], v[0, 1] + v[0, -1] - 2.0 * v[0, 0]
         hab = 0.25 * (v[1, 1] + v[-1, -1] - v[1, -1] - v[-1, 1])
         second = (one / difference for one in (haa, hab, hbb))
         # The square of the difference, and rounding over it.
-        np.testing.assert_allclose(step, fatigue._newton(here, ga, gb, *second), atol=1e-5)
+        np.testing.assert_allclose(
+            step, fatigue._solve_newton_step(here, ga, gb, *second), atol=1e-5
+        )
         number[held] += 1
     assert min(number.values()) > 5
 
@@ -243,9 +245,9 @@ def test_balls_begun_by_the_one_before_are_the_same():
     sliding = to_paths(line(0.3, np.linspace(0.01, 1.5, 40), points=61))
     mixed = np.concatenate((sliding, to_paths(random_cycles(40, 62)), sliding[::-1], 0.0 * sliding))
     together, single = np.empty(len(mixed)), np.empty(len(mixed))
-    fatigue.balls(together, mixed)
+    fatigue.enclosing_radii(together, mixed)
     for k in range(len(mixed)):
-        fatigue.balls(single[k : k + 1], mixed[k : k + 1])
+        fatigue.enclosing_radii(single[k : k + 1], mixed[k : k + 1])
     np.testing.assert_allclose(together, single, rtol=1e-12)  # of the last step
 
 

@@ -186,11 +186,13 @@ def test_sweep_sums_from_the_leading_edge_where_it_sticks():
     state[0] = friction.OPEN
     row, increments, out = 7.0 * np.ones((2, 4, 1)), np.ones((2, 4, 1)), np.empty((2, 4, 1))
     zero, own = np.zeros((4, 1)), (1.0, 0.0, 1.0)
-    friction.sweep(state, np.zeros((2, 4, 1)), zero + 1, zero, own, row, increments, zero, out)
+    friction.sweep_upwind(
+        state, np.zeros((2, 4, 1)), zero + 1, zero, own, row, increments, zero, out
+    )
     np.testing.assert_array_equal(out[0, :, 0], [7, 3, 2, 1])  # an open one: what its row says
 
 
 def test_wear_gathers_against_the_rolling_direction():
     rate = np.array([[0.0, 1.0], [2.0, 0.0], [3.0, 0.0]])
-    depth = wear.sweep(np.array([10.0, 20.0]), rate, 0.5)
+    depth = wear.sweep_wear(np.array([10.0, 20.0]), rate, 0.5)
     np.testing.assert_allclose(depth, [[12.5, 20.5], [12.5, 20.0], [11.5, 20.0]])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress import stress_patch
-from tractive_sam.kernels.stress_sum import stress_around, stress_at, summed
+from tractive_sam.kernels.stress_sum import stress_around, sum_patch_stress, summed
 
 POINTS = np.array([[0.3, -0.2, 0.4], [5.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
 CENTRES = np.array([[0.0, 0.0], [1.0, -0.6], [-2.0, 0.6]])
@@ -14,7 +14,7 @@ CENTRES = np.array([[0.0, 0.0], [1.0, -0.6], [-2.0, 0.6]])
 def test_sums_the_patches(loads):
     tractions = np.random.default_rng(0).normal(size=(3, 3)) * loads
     out = np.empty((3, 6))
-    stress_at(out, POINTS, CENTRES, tractions, 1.0, 0.6, 0.3)
+    sum_patch_stress(out, POINTS, CENTRES, tractions, 1.0, 0.6, 0.3)
     for point, stress in zip(POINTS, out, strict=True):
         parts = [
             traction @ np.array(stress_patch(*(point - [*centre, 0.0]), 1.0, 0.6, 0.3))
@@ -25,7 +25,7 @@ def test_sums_the_patches(loads):
 
 def test_no_patches_no_stress():
     out = np.ones((3, 6))
-    stress_at(out, POINTS, np.empty((0, 2)), np.empty((0, 3)), 1.0, 0.6, 0.3)
+    sum_patch_stress(out, POINTS, np.empty((0, 2)), np.empty((0, 3)), 1.0, 0.6, 0.3)
     assert not out.any()
 
 
@@ -52,7 +52,7 @@ def both_sums(around, widest=0.3, blocks=(8, 16), tractions=None):
     own = around[None], np.array([sign]), np.array([POISSON])
     stress_around(near, points[None], *own, CORNER, summed(tractions), SIDES, blocks, widest)
     loads = np.ascontiguousarray(tractions.reshape(3, -1).T) * (sign, sign, 1.0)
-    stress_at(exact, points, centres.reshape(-1, 2), loads, *SIDES, POISSON)
+    sum_patch_stress(exact, points, centres.reshape(-1, 2), loads, *SIDES, POISSON)
     return near[:, 0].T, exact
 
 

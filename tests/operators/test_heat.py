@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad
 
-from tractive_sam.operators.heat import STEPS_FROM, SurfaceHeat, coefficients
+from tractive_sam.operators.heat import STEPS_FROM, SurfaceHeat, temperature_coefficients
 from tractive_sam.results import Grid
 
 
 def at(x, y, k, dx=1.0, dy=1.0):
     """By unit diffusivity and conductivity, of the speed 2 k."""
-    return coefficients(np.atleast_1d(x), np.atleast_1d(y), dx, dy, 2.0 * k, 1.0, 1.0)
+    return temperature_coefficients(np.atleast_1d(x), np.atleast_1d(y), dx, dy, 2.0 * k, 1.0, 1.0)
 
 
 @pytest.mark.parametrize("k", [1e-3, 0.3, 3.0])
@@ -116,8 +116,10 @@ def test_heat_goes_with_the_body():
     """
     speed, behind = 200.0, -30.0
     y = 0.05 * np.arange(-600, 601)
-    wake = coefficients(np.array([behind]), y, 0.5, 0.5, speed, 1.0, 1.0)[0]
-    strip = coefficients(np.array([behind]), np.zeros(1), 0.5, np.inf, speed, 1.0, 1.0)[0, 0]
+    wake = temperature_coefficients(np.array([behind]), y, 0.5, 0.5, speed, 1.0, 1.0)[0]
+    strip = temperature_coefficients(np.array([behind]), np.zeros(1), 0.5, np.inf, speed, 1.0, 1.0)[
+        0, 0
+    ]
     assert wake.sum() * 0.05 == pytest.approx(0.5 * strip, rel=1e-6)  # the bell's tails
 
 

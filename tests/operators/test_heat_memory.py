@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tractive_sam.operators.heat import SurfaceHeat, coefficients
+from tractive_sam.operators.heat import SurfaceHeat, temperature_coefficients
 from tractive_sam.operators.heat_memory import Exponentials, HeatMemory
 from tractive_sam.results import Grid
 
@@ -40,7 +40,7 @@ def test_exponentials_are_the_inverse_root(longest):
 def test_uniform_flux_warms_by_the_root_of_time():
     """2 q sqrt(t/pi)/sqrt(k rho c), to rounding: below a wide element nothing goes aside."""
     place, time = np.zeros(1), 0.7
-    rise = coefficients(place, place, 1e3, 1e3, 0.0, 2.0, 3.0, time)[0, 0]
+    rise = temperature_coefficients(place, place, 1e3, 1e3, 0.0, 2.0, 3.0, time)[0, 0]
     assert rise == pytest.approx(2.0 * sqrt(time / pi) * sqrt(2.0) / 3.0, rel=1e-12)
 
 
@@ -48,11 +48,11 @@ def test_a_later_time_adds_what_comes_between():
     """The flux of a time since 0 is that of the last part and that of the time before it."""
     x, y = np.arange(-4.0, 5.0), np.arange(3.0)
     short, long, steady = (
-        coefficients(x, y, 1.0, 1.0, 3.0, KAPPA, LAM, t) for t in (0.3, 5.0, np.inf)
+        temperature_coefficients(x, y, 1.0, 1.0, 3.0, KAPPA, LAM, t) for t in (0.3, 5.0, np.inf)
     )
     assert (short <= long + 1e-15).all()
     assert (long <= steady + 1e-15).all()
-    late = coefficients(x, y, 1.0, 1.0, 3.0, KAPPA, LAM, 1e6)
+    late = temperature_coefficients(x, y, 1.0, 1.0, 3.0, KAPPA, LAM, 1e6)
     np.testing.assert_allclose(late, steady, rtol=1e-9)  # quadrature
 
 
@@ -64,12 +64,12 @@ def test_suddenly_started_strip(peclet):
     steady = SurfaceHeat(grid, speed, KAPPA, LAM)(flux).max()
 
     def exact(x, time):
-        def passed(s):
+        def front_integrand(s):
             ends = ((x + side + speed * s * s) / (2.0 * s) for side in (1.0, -1.0))
             first, last = map(erf, ends)
             return first - last
 
-        return quad(passed, 0.0, sqrt(time), limit=200, epsabs=1e-9)[0] / sqrt(pi)
+        return quad(front_integrand, 0.0, sqrt(time), limit=200, epsabs=1e-9)[0] / sqrt(pi)
 
     for steps in (1, 3, 12, 40):
         rise = warmed(grid, flux, speed, steps)[0][:, 0]

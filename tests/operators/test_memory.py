@@ -18,14 +18,14 @@ def groups(tmp_path):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
         (tmp_path / "reported").write_text(reported)
-        return memory._of_groups(tmp_path / "root", tmp_path / "reported")
+        return memory._memory_of_groups(tmp_path / "root", tmp_path / "reported")
 
     return left
 
 
 def test_something_is_free():
-    assert memory.available() > 2**20
-    assert memory.available() < math.inf or not Path("/proc/meminfo").exists()
+    assert memory.available_memory() > 2**20
+    assert memory.available_memory() < math.inf or not Path("/proc/meminfo").exists()
 
 
 def test_the_narrowest_group_counts(groups):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.kernels.stress_sum import stress_at
+from tractive_sam.kernels.stress_sum import sum_patch_stress
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.mirror import tractions_on_bodies
@@ -34,7 +34,7 @@ def direct(tractions, body, points):
     loads = np.ascontiguousarray(tractions_on_bodies(tractions, SIGNS)[body].reshape(3, -1).T)
     out = np.empty((len(points), 6))
     sides = GRID.dx, GRID.dy
-    stress_at(out, np.array(points, float), centres, loads, *sides, POISSON[body])
+    sum_patch_stress(out, np.array(points, float), centres, loads, *sides, POISSON[body])
     return out.T
 
 

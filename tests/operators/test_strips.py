@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.strip import logarithm, step
-from tractive_sam.kernels.strip_stress import stress_at
+from tractive_sam.kernels.strip_stress import sum_strip_stress
 from tractive_sam.mechanics.elasticity import Strips
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.material import Material
@@ -125,5 +125,5 @@ def test_stress_of_layers_is_the_sum_over_strips(n, depth):
         acting = tractions[:, :, 0].T * (sign, sign, 1.0)
         jumps = np.diff(acting, axis=0, prepend=0.0, append=0.0)
         wanted = np.empty((n, 6))
-        stress_at(wanted, points, edges, jumps, DX, nu)
+        sum_strip_stress(wanted, points, edges, jumps, DX, nu)
         np.testing.assert_allclose(stress[:, :, 0].T, wanted, atol=ROUNDING)

@@ -39,15 +39,15 @@ def test_nor_below_the_surface():
 def test_large_transforms_take_the_cores_there_are(monkeypatch):
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     monkeypatch.setattr(threads, "cores", lambda: 16)
-    assert threads.of_transform((256, 256)) == 1
-    assert threads.of_transform((2048, 2048)) == threads.MOST
+    assert threads.threads_for_transform((256, 256)) == 1
+    assert threads.threads_for_transform((2048, 2048)) == threads.MOST
 
 
 @pytest.mark.parametrize(("bound", "taken"), [("1", 1), ("3", 3), ("2,1", 2), ("0", 1), ("x", 2)])
 def test_threads_are_bounded_as_those_of_other_libraries(bound, taken, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", bound)
     monkeypatch.setattr(threads, "cores", lambda: 2)
-    assert threads.of_transform((2048, 2048)) == taken
+    assert threads.threads_for_transform((2048, 2048)) == taken
 
 
 @pytest.mark.parametrize("known", [6, None])

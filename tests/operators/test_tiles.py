@@ -30,7 +30,7 @@ def in_tiles(monkeypatch, threads=1):
     """Have tiles of eight columns, and perhaps several threads."""
     edges = [0, 8, 16, 25]  # of different widths
     monkeypatch.setattr(tiles, "tile_edges", lambda fields, padded: edges)
-    monkeypatch.setattr(tiles, "of_transform", lambda padded: threads)
+    monkeypatch.setattr(tiles, "threads_for_transform", lambda padded: threads)
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float64])

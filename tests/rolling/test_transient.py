@@ -13,7 +13,7 @@ from tests.scenes import interrupted
 from tractive_sam.contact import Model, StepInput, Stepper
 from tractive_sam.run.resume import last_step
 from tractive_sam.solvers import Sequential
-from tractive_sam.solvers.ladder import COUPLED, HELD, NORMAL
+from tractive_sam.solvers.ladder import COUPLED, FIXED_PRESSURE, NORMAL
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU = SPHERES.normal_load, SPHERES.friction.mu[0]
@@ -306,7 +306,7 @@ def test_figures_of_a_transient(tmp_path):
 def test_steps_are_those_of_newtons_method_at_less_cost(changes):
     table = {"distance": [0, 3], "creepage.longitudinal": [-0.003] * 2, "creepage.spin": [1e-4] * 2}
     rolling = scene(table, **changes)
-    method = COUPLED if "body.B.shear" in changes else Sequential(NORMAL, HELD)
+    method = COUPLED if "body.B.shear" in changes else Sequential(NORMAL, FIXED_PRESSURE)
     ours, plain = (ts.roll(rolling, solver=solver) for solver in (None, method))
     # Both to the tolerance of the scene, 1e-8, summed over a dozen steps.
     np.testing.assert_allclose(ours["Qx"], plain["Qx"], atol=1e-6 * MU * P)

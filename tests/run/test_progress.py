@@ -24,7 +24,7 @@ SCENE = SCENE.replace(subsurface=None)
 
 def rolled_on(terminal, requested):
     """What a terminal is shown of a roll."""
-    with progress.show_progress(SCENE, requested, terminal) as called:
+    with progress.show_roll_progress(SCENE, requested, terminal) as called:
         if called is not None:
             ts.roll(SCENE, progress=called)
     return terminal.file.getvalue()

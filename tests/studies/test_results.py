@@ -15,7 +15,7 @@ from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.figures import _short, _texts, _variable
 from tractive_sam.studies.folder import Folder
-from tractive_sam.studies.task import Outcome
+from tractive_sam.studies.task import CaseOutcome
 
 xarray = pytest.importorskip("xarray", reason="xarray is of the extra study")
 
@@ -130,7 +130,7 @@ def test_every_status_is_reported(tmp_path):
 
     with folder.lock(requested):
         roll(found[0].scene, files[0])
-        folder.log_failure(found[1], Outcome("failed", "no space left"))
+        folder.log_failure(found[1], CaseOutcome("failed", "no space left"))
         with results_writer(files[2]):
             statuses = [row.status for row in open_study(tmp_path).rows]
         files[4].write_text("no HDF5")

@@ -8,7 +8,7 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
-    Status,
+    ExitStatus,
     error_exit,
     print_line,
     print_note,
@@ -18,7 +18,7 @@ from tractive_sam.cli.output import (
 from tractive_sam.cli.scene_input import RESULTS, Settings, read_scene
 
 
-class Body(StrEnum):
+class BodyName(StrEnum):
     """The bodies."""
 
     A = "A"
@@ -78,7 +78,7 @@ def export(
     settings: Settings = None,
     output: Output = None,
     revolution: Revolution = None,
-    body: Annotated[Body, typer.Option(help="Body.")] = Body.A,
+    body: Annotated[BodyName, typer.Option(help="Body.")] = BodyName.A,
     block: Block = None,
     surface: Surface = False,
     depth: Depth = None,
@@ -91,7 +91,7 @@ def export(
     if surface and (revolution is not None or depth is not None or elements is not None):
         cure = "omit --revolution, --depth and --elements"
         message = f"--surface exports every stored revolution, without a depth; {cure}"
-        raise error_exit(Status.INVALID, message)
+        raise error_exit(ExitStatus.INVALID, message)
     output = output or Path(f"{Path(source).stem}-{'surface' if surface else body}.vtkhdf")
     with report_errors():
         check_volume(output, overwrite=True)
@@ -108,10 +108,10 @@ def export(
                             elements=elements, overwrite=True,
                         )  # fmt: skip
                 except (LookupError, ValueError) as error:
-                    raise error_exit(Status.INVALID, f"{source}: {error}") from None
+                    raise error_exit(ExitStatus.INVALID, f"{source}: {error}") from None
         except KeyboardInterrupt:
             message = f"interrupted; {output} was not written"
-            raise error_exit(Status.INCOMPLETE, message) from None
+            raise error_exit(ExitStatus.INCOMPLETE, message) from None
     print_line(output)
 
 
@@ -135,7 +135,7 @@ def _open_source(
     if Path(source).suffix in RESULTS:
         if settings:
             message = "--set changes a scene; a results file contains what was computed"
-            raise error_exit(Status.INVALID, message)
+            raise error_exit(ExitStatus.INVALID, message)
         history = ts.open_history(source)
         if not history.finished:
             print_note(f"{source} is {history.status}: {history.message}")
@@ -143,8 +143,10 @@ def _open_source(
     scene = read_scene(source, settings)
     if revolution is not None:
         cure = f"compute them by tractive-sam run {source}, and export the results file"
-        raise error_exit(Status.INVALID, f"--revolution: a scene has no revolutions yet; {cure}")
+        raise error_exit(
+            ExitStatus.INVALID, f"--revolution: a scene has no revolutions yet; {cure}"
+        )
     contact = ts.solve(scene, throw=False)
     if not contact.converged:
-        raise error_exit(Status.INCOMPLETE, f"not a solution: {contact.message}")
+        raise error_exit(ExitStatus.INCOMPLETE, f"not a solution: {contact.message}")
     return contact

@@ -11,8 +11,8 @@ from rich.table import Table
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
+    ExitStatus,
     Quiet,
-    Status,
     console,
     error_exit,
     print_line,
@@ -67,7 +67,7 @@ def fit(
 ) -> None:
     """Fit coefficients to measurements: creep curves, worn masses, worn profiles."""
     if output.suffix != ".nc":
-        raise error_exit(Status.INVALID, f"{output}: the result is a netCDF file, FILE.nc")
+        raise error_exit(ExitStatus.INVALID, f"{output}: the result is a netCDF file, FILE.nc")
     for path in filter(None, (output, scene)):
         _check_folder(path)
     with report_errors():
@@ -87,8 +87,8 @@ def fit(
                     progress=report,
                 )  # fmt: skip
         except KeyboardInterrupt:
-            held = f"{output} holds the computations so far, the same command resumes from them"
-            raise error_exit(Status.INCOMPLETE, f"interrupted; {held}") from None
+            note = f"{output} holds the computations so far, the same command resumes from them"
+            raise error_exit(ExitStatus.INCOMPLETE, f"interrupted; {note}") from None
         if scene is not None:
             from tractive_sam.output_file import write_file
 
@@ -98,14 +98,16 @@ def fit(
     print_message(f"{output}: {result.status}")
     if result.status != "done":
         raise error_exit(
-            Status.INCOMPLETE, "the fit did not converge; the file holds where it ended"
+            ExitStatus.INCOMPLETE, "the fit did not converge; the file holds where it ended"
         )
 
 
 def _check_folder(path: Path) -> None:
     """End with a message if the folder of an output does not exist."""
     if not path.absolute().parent.is_dir():
-        raise error_exit(Status.INVALID, f"{path}: there is no folder {path.parent}; make it first")
+        raise error_exit(
+            ExitStatus.INVALID, f"{path}: there is no folder {path.parent}; make it first"
+        )
 
 
 def print_fit(result: "ts.FitResult") -> None:
@@ -141,6 +143,7 @@ STRONG = 0.1
 
 
 def _print_tests(result: "ts.FitResult") -> None:
+    """Print the table of the next tests, if there are any."""
     tests = result.next_tests()
     if not tests:
         return
@@ -159,8 +162,10 @@ def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
     if not is_fit(file):
         return False
     if as_csv:
-        raise error_exit(Status.INVALID, f"--csv is of results, and {file} a fit: --json prints it")
-    result = _opened(file)
+        raise error_exit(
+            ExitStatus.INVALID, f"--csv is of results, and {file} a fit: --json prints it"
+        )
+    result = _open_fit(file)
     if as_json:
         print_line(json.dumps(result.to_dict(), allow_nan=False))
     elif result.finished:
@@ -177,7 +182,7 @@ def plot_fit(file: Path, folder: Path | None, format: str, dpi: int) -> bool:
 
     if not is_fit(file):
         return False
-    result = _complete(file)
+    result = _open_complete_fit(file)
     with report_errors():
         from tractive_sam.fitting import save_fit_figures
 
@@ -187,13 +192,13 @@ def plot_fit(file: Path, folder: Path | None, format: str, dpi: int) -> bool:
     return True
 
 
-def report_fit(file: Path, output: Path | None) -> bool:
+def write_fit_report(file: Path, output: Path | None) -> bool:
     """Write the page of a fit; False if the file is no fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
         return False
-    result = _complete(file)
+    result = _open_complete_fit(file)
     with report_errors():
         from tractive_sam.fitting import report_fit
 
@@ -201,16 +206,18 @@ def report_fit(file: Path, output: Path | None) -> bool:
     return True
 
 
-def _opened(file: Path) -> "ts.FitResult":
+def _open_fit(file: Path) -> "ts.FitResult":
+    """Open the file of a fit; exit with a message if that fails."""
     with report_errors():
         from tractive_sam.fitting import open_fit
 
         return open_fit(file)
 
 
-def _complete(file: Path) -> "ts.FitResult":
-    result = _opened(file)
+def _open_complete_fit(file: Path) -> "ts.FitResult":
+    """Open the file of a fit that has estimates; exit with a message otherwise."""
+    result = _open_fit(file)
     if not result.finished:
         cure = "tractive-sam fit resumes it"
-        raise error_exit(Status.INVALID, f"{file} holds no estimates yet; {cure}")
+        raise error_exit(ExitStatus.INVALID, f"{file} holds no estimates yet; {cure}")
     return result

@@ -6,7 +6,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from tractive_sam.cli.output import Status, console, error_exit, report_errors
+from tractive_sam.cli.output import ExitStatus, console, error_exit, report_errors
 
 
 def keys(
@@ -25,7 +25,9 @@ def keys(
     with report_errors():
         if wanted is not None and wanted not in names:
             allowed = suggest_name(wanted, names)
-            raise error_exit(Status.INVALID, f"a scene has no table {shorten(table)}; {allowed}")
+            raise error_exit(
+                ExitStatus.INVALID, f"a scene has no table {shorten(table)}; {allowed}"
+            )
     out = console()
     for group in groups:
         inside = wanted is None or any(f"{name}.".startswith(f"{wanted}.") for name in group.names)

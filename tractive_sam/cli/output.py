@@ -20,7 +20,7 @@ from tractive_sam.interrupt import mark_reported
 from tractive_sam.safe_text import printable_text
 
 
-class Status(IntEnum):
+class ExitStatus(IntEnum):
     """Exit statuses."""
 
     DONE = 0
@@ -121,6 +121,7 @@ def _running() -> _Command:
 
 
 def _set_quiet(quiet: bool) -> bool:
+    """Suppress output except errors, if quiet."""
     _running().quiet = quiet
     return quiet
 
@@ -170,7 +171,7 @@ def print_line(text: object) -> None:
     console().print(Text(printable_text(str(text), max_length=None)), soft_wrap=True)
 
 
-def error_exit(status: Status, *parts: str | tuple[str, str]) -> typer.Exit:
+def error_exit(status: ExitStatus, *parts: str | tuple[str, str]) -> typer.Exit:
     """Print an error, and return the exception that ends the command with a status."""
     print_message(("error: ", "bold red"), *parts, error=True)
     mark_reported()
@@ -222,7 +223,7 @@ def report_compiling() -> Iterator[None]:
     from tractive_sam.kernels import compiled
 
     line = "compiling kernels for this machine, once: 10 to 30 seconds; later runs load them"
-    with compiled.compiling_told(lambda: print_note(line)):
+    with compiled.notify_compilation(lambda: print_note(line)):
         yield
 
 
@@ -241,20 +242,20 @@ def report_errors() -> Iterator[None]:
     except GapError as error:
         raise _fault_exit([error]) from None
     except OutputPlaceError as error:
-        raise error_exit(Status.INVALID, str(error)) from None
+        raise error_exit(ExitStatus.INVALID, str(error)) from None
     except (StorageError, OutputError) as error:
-        raise error_exit(Status.INCOMPLETE, str(error)) from None
+        raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
     except (ResultsError, MissingExtraError) as error:
-        raise error_exit(Status.INVALID, str(error)) from None
+        raise error_exit(ExitStatus.INVALID, str(error)) from None
     except OSError as error:
         if error.filename is None:
             raise  # of the output itself
         cure = "choose another file, or change its permissions"
         message = f"{error.filename} cannot be used: {error.strerror}; {cure}"
-        raise error_exit(Status.INVALID, message) from None
+        raise error_exit(ExitStatus.INVALID, message) from None
     except MemoryError:
         cure = "choose a coarser [grid]; tractive-sam explain estimates the memory of a scene"
-        raise error_exit(Status.INVALID, f"the memory is too small; {cure}") from None
+        raise error_exit(ExitStatus.INVALID, f"the memory is too small; {cure}") from None
 
 
 def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
@@ -262,7 +263,7 @@ def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
     from tractive_sam.schema import SceneError
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
-    leave = error_exit(Status.INVALID, f"{count} in the {subject}")
+    leave = error_exit(ExitStatus.INVALID, f"{count} in the {subject}")
     for fault in faults[: SceneError.most_listed]:
         text = f": given {fault.given}; allowed: {fault.allowed}"
         print_message("  ", (fault.key, "bold"), text, error=True)

@@ -9,7 +9,7 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.fit import plot_fit
-from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
+from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
 
 
@@ -21,7 +21,7 @@ class Format(StrEnum):
     SVG = "svg"
 
 
-class Units(StrEnum):
+class UnitSystem(StrEnum):
     """Units of figures, as `tractive_sam.plot.UNITS`."""
 
     HERTZ = "hertz"
@@ -46,7 +46,7 @@ Output = Annotated[
     ),
 ]
 Scales = Annotated[
-    Units,
+    UnitSystem,
     typer.Option(help="Divide by the half widths and pressure of Hertz, or use mm and MPa."),
 ]
 Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")]
@@ -88,14 +88,14 @@ def _find_blocks(history: "ts.History", names: list[str]) -> list[int]:
     try:
         return [history.place_of(name) for name in names]
     except LookupError as error:
-        raise error_exit(Status.INVALID, str(error)) from None
+        raise error_exit(ExitStatus.INVALID, str(error)) from None
 
 
 def plot(
     file: Results,
     output: Output = None,
     format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
-    units: Scales = Units.HERTZ,
+    units: Scales = UnitSystem.HERTZ,
     dpi: Dpi = 200,
     block: Blocks = None,
     title: Titles = True,
@@ -122,9 +122,9 @@ def plot(
             if animated:
                 paths.append(animate(history, folder / "evolution.gif"))
         except ValueError as error:
-            raise error_exit(Status.INVALID, str(error)) from None
+            raise error_exit(ExitStatus.INVALID, str(error)) from None
     if not paths:
-        raise error_exit(Status.INVALID, f"{file} contains no record to draw yet")
+        raise error_exit(ExitStatus.INVALID, f"{file} contains no record to draw yet")
     if not history.finished:
         print_note(f"{file} is {history.status}: {history.message}")
     if history.block_names and not block:

@@ -14,7 +14,7 @@ from tractive_sam.cli.export import export
 from tractive_sam.cli.fit import fit
 from tractive_sam.cli.keys import keys
 from tractive_sam.cli.output import (
-    Status,
+    ExitStatus,
     discard_output,
     error_exit,
     print_line,
@@ -40,10 +40,10 @@ def _handle_end() -> Iterator[None]:
         interrupt.raise_if_interrupted()
         yield
     except KeyboardInterrupt:
-        raise error_exit(Status.INCOMPLETE, "interrupted") from None
+        raise error_exit(ExitStatus.INCOMPLETE, "interrupted") from None
     except (BrokenPipeError, SystemExit):  # rich raises the latter while it prints help
         discard_output(sys.stdout)
-        raise typer.Exit(Status.DONE) from None
+        raise typer.Exit(ExitStatus.DONE) from None
     except Exception as error:
         # The messages of typer contain arguments as they were given.
         message = getattr(error, "message", None)
@@ -89,11 +89,12 @@ def run_program() -> None:
         app()
     except OSError as error:  # of the output itself: commands report all others
         discard_output(sys.stdout)
-        leave = error_exit(Status.INCOMPLETE, f"the output is lost: {error}")
+        leave = error_exit(ExitStatus.INCOMPLETE, f"the output is lost: {error}")
         raise SystemExit(leave.exit_code) from None
 
 
 def _print_version(wanted: bool) -> None:
+    """Print the version and exit, if wanted."""
     if wanted:
         from importlib.metadata import version
 
@@ -108,4 +109,5 @@ _Version = typer.Option(
 
 @app.callback()
 def _options(version: Annotated[bool, _Version] = False) -> None:
+    """Accept the options of the program itself."""
     pass

@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from tractive_sam.cli.fit import report_fit
-from tractive_sam.cli.output import Status, error_exit, print_line, print_note, report_errors
+from tractive_sam.cli.fit import write_fit_report
+from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_note, report_errors
 from tractive_sam.cli.show import Results
 
 
@@ -24,7 +24,7 @@ def report(
     ] = None,
 ) -> None:
     """Write a results file as one interactive page, which needs no other file and no network."""
-    if report_fit(file, output):
+    if write_fit_report(file, output):
         return
     with report_errors():
         from tractive_sam import pages
@@ -32,7 +32,7 @@ def report(
 
         history = open_history(file)
         if not len(history):
-            raise error_exit(Status.INVALID, f"{file} contains no record to show yet")
+            raise error_exit(ExitStatus.INVALID, f"{file} contains no record to show yet")
         path = output or Path(f"{file.stem}.html")
         pages.report(history, path)
     if not history.finished:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from tractive_sam.cli.output import (
-    Status,
+    ExitStatus,
     error_exit,
     print_line,
     print_message,
@@ -54,10 +54,10 @@ def reproduce(
                 )
         except KeyboardInterrupt:
             message = "interrupted; the page was not written"
-            raise error_exit(Status.INCOMPLETE, message) from None
+            raise error_exit(ExitStatus.INCOMPLETE, message) from None
         except NotConverged as error:
-            raise error_exit(Status.INCOMPLETE, f"not a solution: {error}") from None
+            raise error_exit(ExitStatus.INCOMPLETE, f"not a solution: {error}") from None
         except RuntimeError as error:
-            raise error_exit(Status.INCOMPLETE, str(error)) from None
+            raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
     print_message(f"{page} needs no network and no other file: open it in any browser, or print it")
     print_line(page)

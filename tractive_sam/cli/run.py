@@ -7,8 +7,8 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
+    ExitStatus,
     Quiet,
-    Status,
     console,
     error_exit,
     print_message,
@@ -63,15 +63,15 @@ def run(
     """Compute a scene, all its revolutions, into a results file."""
     if resume and overwrite:
         message = "--resume continues a results file, --overwrite replaces it: use one of them"
-        raise error_exit(Status.INVALID, message)
+        raise error_exit(ExitStatus.INVALID, message)
     with report_errors():
         requested = read_scene(scene, settings)
         if output is None and scene == STANDARD_INPUT:
             message = "-o FILE.h5 is needed for a scene from the standard input"
-            raise error_exit(Status.INVALID, message)
+            raise error_exit(ExitStatus.INVALID, message)
         path = output or Path(Path(scene).name).with_suffix(".h5")
         if path.exists() and not (resume or overwrite):
-            raise error_exit(Status.INVALID, _describe_existing(path, requested))
+            raise error_exit(ExitStatus.INVALID, _describe_existing(path, requested))
         worn = None if start is None else ts.open_history(start)
         history, printed = _compute(requested, path, worn, resume)
     if not quiet:
@@ -82,18 +82,18 @@ def run(
             "inaccurate": "less accurate than requested; see the error bars",
             "not resolved": "the mesh does not resolve the contact",
         }.get(history.status, "the computation ended early; the file contains the records so far")
-        raise error_exit(Status.INCOMPLETE, message)
+        raise error_exit(ExitStatus.INCOMPLETE, message)
 
 
 def _compute(
     scene: "ts.Scene", path: Path, start: "ts.History | None", resume: bool
 ) -> tuple["ts.History", set[str]]:
     """Compute a scene into a file; return its history, and the notes that were printed."""
-    from tractive_sam.run import roll, show_progress
+    from tractive_sam.run import roll, show_roll_progress
 
     before = _modified_at(path)
     try:
-        shown = show_progress(scene, True, console(stderr=True))
+        shown = show_roll_progress(scene, True, console(stderr=True))
         with report_compiling(), shown as progress, report_warnings() as notes:
             history = roll(
                 scene, path, start=start, overwrite=True, resume=resume, progress=progress
@@ -102,9 +102,9 @@ def _compute(
         cure = f"; {path} contains the records so far, and --resume continues it"
         written = resume or _modified_at(path) != before
         message = f"interrupted{cure if written else ''}"
-        raise error_exit(Status.INCOMPLETE, message) from None
+        raise error_exit(ExitStatus.INCOMPLETE, message) from None
     except OSError as error:
-        raise error_exit(Status.INCOMPLETE, f"{path} cannot be written: {error}") from None
+        raise error_exit(ExitStatus.INCOMPLETE, f"{path} cannot be written: {error}") from None
     return history, {str(note.message) for note in notes}
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, TypeAlias
 import typer
 
 import tractive_sam as ts
-from tractive_sam.cli.output import Status, error_exit, report_warnings
+from tractive_sam.cli.output import ExitStatus, error_exit, report_warnings
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes that distinguish a results file from a scene."""
@@ -100,7 +100,7 @@ def _from_standard_input(most: int = 2**26) -> "ts.Scene":
         return Scene.from_toml_text(read_piped(most))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "no text in UTF-8"
-        raise error_exit(Status.INVALID, f"standard input: {reason}") from None
+        raise error_exit(ExitStatus.INVALID, f"standard input: {reason}") from None
 
 
 def _refuse_other_files(name: str) -> None:
@@ -109,7 +109,7 @@ def _refuse_other_files(name: str) -> None:
 
     if Path(name).suffix in RESULTS and Path(name).is_file():
         cure = f"tractive-sam show, plot or report {name}; run SCENE --start {name} starts from it"
-        raise error_exit(Status.INVALID, f"{name} is a results file and no scene: {cure}")
+        raise error_exit(ExitStatus.INVALID, f"{name} is a results file and no scene: {cure}")
     if is_study(name):
         cure = f"tractive-sam study {name} -o DIR, or tractive-sam table {name} -o FILE.nc"
-        raise error_exit(Status.INVALID, f"{name} has axes and is no single scene: {cure}")
+        raise error_exit(ExitStatus.INVALID, f"{name} has axes and is no single scene: {cure}")

@@ -10,7 +10,7 @@ import typer
 
 from tractive_sam.cli.explain import print_description
 from tractive_sam.cli.fit import show_fit
-from tractive_sam.cli.output import Status, console, error_exit, print_line, report_errors
+from tractive_sam.cli.output import ExitStatus, console, error_exit, print_line, report_errors
 from tractive_sam.safe_text import csv_cell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
@@ -30,7 +30,7 @@ def show(
 ) -> None:
     """Print a results file, also while it is computed; or a table of creep forces."""
     if as_json and as_csv:
-        raise error_exit(Status.INVALID, "--json and --csv: use one of them")
+        raise error_exit(ExitStatus.INVALID, "--json and --csv: use one of them")
     if show_fit(file, as_json, as_csv):
         return
     from tractive_sam.tables import is_table
@@ -68,7 +68,7 @@ def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
     if as_csv:
         cure = f"tractive-sam table {file} --text FILE.txt writes its nodes"
         message = f"--csv prints results, and {file} is a table of creep forces; {cure}"
-        raise error_exit(Status.INVALID, message)
+        raise error_exit(ExitStatus.INVALID, message)
     with report_errors():
         table = open_table(file)
     if as_json:

@@ -8,8 +8,8 @@ import typer
 import tractive_sam as ts
 from tractive_sam import interrupt
 from tractive_sam.cli.output import (
+    ExitStatus,
     Quiet,
-    Status,
     error_exit,
     print_message,
     print_note,
@@ -72,7 +72,7 @@ def study(
 
     check_workers(scheduler, workers)
     if scheduler is not None and encrypted:
-        raise error_exit(Status.INVALID, f"--encrypted: {studies.SCHEDULER_ENCRYPTS}")
+        raise error_exit(ExitStatus.INVALID, f"--encrypted: {studies.SCHEDULER_ENCRYPTS}")
     with report_errors():
         try:
             with report_warnings():
@@ -89,23 +89,23 @@ def study(
                 )
         except KeyboardInterrupt:
             message = f"interrupted; the same command continues the study in {output}"
-            raise error_exit(Status.INCOMPLETE, message) from None
+            raise error_exit(ExitStatus.INCOMPLETE, message) from None
         except studies.SchedulerLostError as error:
-            raise error_exit(Status.INCOMPLETE, str(error)) from None
+            raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
     print_failures(results)
     report_versions(results)
     complete = f"{results.counts['complete']} of {len(results)} cases complete"
     print_message(f"{output}: {complete}; tractive-sam study-show {output}")
     if not results.complete:
         message = "not all cases are complete; the same command tries them again"
-        raise error_exit(Status.INCOMPLETE, message)
+        raise error_exit(ExitStatus.INCOMPLETE, message)
 
 
 def check_workers(scheduler: str | None, workers: int | None) -> None:
     """Refuse a number of workers together with a scheduler."""
     if scheduler is not None and workers is not None:
         message = "--workers: a scheduler has its workers; start them by dask worker ADDRESS"
-        raise error_exit(Status.INVALID, message)
+        raise error_exit(ExitStatus.INVALID, message)
 
 
 def _describe_progress(state: "ts.studies.Progress") -> tuple[str, str]:

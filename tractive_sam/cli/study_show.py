@@ -9,7 +9,7 @@ from rich.table import Table
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
-    Status,
+    ExitStatus,
     console,
     error_exit,
     print_line,
@@ -74,7 +74,7 @@ def study_show(
             if figures is not None:
                 written += save_figures(results, figures, quantities=names, at=fixed, format=format)
         except ValueError as error:
-            raise error_exit(Status.INVALID, str(error)) from None
+            raise error_exit(ExitStatus.INVALID, str(error)) from None
     if (csv, netcdf, figures) == (None, None, None):
         console().print(_case_table(results))
     print_failures(results)

@@ -9,8 +9,8 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
+    ExitStatus,
     Quiet,
-    Status,
     error_exit,
     print_message,
     print_note,
@@ -107,14 +107,14 @@ def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | Non
     if not (exists or Path(file).exists()):
         names = ", ".join(builtin_tables())
         message = f"{file} is no file and no built-in table; the built-in tables are: {names}"
-        raise error_exit(Status.INVALID, message)
+        raise error_exit(ExitStatus.INVALID, message)
     if output is None and not (exists and writers):
         needed = "--output, --header, --fmu, --text or --figure" if exists else "--output FILE.nc"
-        raise error_exit(Status.INVALID, f"{file}: {needed} is needed")
+        raise error_exit(ExitStatus.INVALID, f"{file}: {needed} is needed")
     for path in filter(None, (output, *writers)):
         if not path.absolute().parent.is_dir():
             message = f"{path}: the folder {path.parent} does not exist; create it first"
-            raise error_exit(Status.INVALID, message)
+            raise error_exit(ExitStatus.INVALID, message)
 
 
 def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.CreepTable":
@@ -132,7 +132,7 @@ def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.
                 file, output, report, scheduler=scheduler, workers=workers, say=print_note
             )
     except (ConnectionError, RuntimeError) as error:  # no scheduler, or an unsolved contact
-        raise error_exit(Status.INCOMPLETE, str(error)) from None
+        raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
 
 
 def _describe_cost(about: Mapping[str, Any]) -> str:
@@ -160,13 +160,14 @@ def _check_names(header: Path | None, fmu: Path | None) -> None:
         if header is not None and header.suffix != ".h":
             raise ValueError(f"{header}: a file ending in .h is needed, which FILE.c includes")
     except ValueError as error:
-        raise error_exit(Status.INVALID, str(error)) from None
+        raise error_exit(ExitStatus.INVALID, str(error)) from None
     if fmu is not None:
         with report_errors():
             check_extra("fmpy", "--fmu")
 
 
 def _write_header(built: "ts.CreepTable", path: Path) -> None:
+    """Write a table as a C header."""
     from tractive_sam.lookup import c_sources
     from tractive_sam.output_file import write_file
 
@@ -176,15 +177,17 @@ def _write_header(built: "ts.CreepTable", path: Path) -> None:
 
 
 def _write_fmu(built: "ts.CreepTable", path: Path, fmi: Literal[2, 3]) -> None:
+    """Write a table as a functional mock-up unit."""
     try:
         if not ts.write_fmu(built, path, fmi):
             cure = "fmpy compile adds the binary on a machine with a compiler"
             print_note(f"{path} contains only sources, as cc is not installed; {cure}")
     except RuntimeError as error:
-        raise error_exit(Status.INCOMPLETE, str(error)) from None
+        raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
 
 
 def _write_text(built: "ts.CreepTable", path: Path) -> None:
+    """Write a table as text columns."""
     from tractive_sam.lookup import columns_of
     from tractive_sam.output_file import write_file
 
@@ -192,9 +195,10 @@ def _write_text(built: "ts.CreepTable", path: Path) -> None:
 
 
 def _write_figure(built: "ts.CreepTable", path: Path) -> None:
+    """Write the figure of the errors of a table."""
     from tractive_sam.plot import DPI, table_errors
 
     try:
         table_errors(built).savefig(path, dpi=DPI)
     except ValueError as error:
-        raise error_exit(Status.INVALID, f"{path}: {error}") from None
+        raise error_exit(ExitStatus.INVALID, f"{path}: {error}") from None

@@ -162,6 +162,7 @@ def record_table(history: "ts.History", most: int = 20) -> Table:
 
 
 def _unit_of(quantity: "ts.Quantity") -> str:
+    """Return the unit of a quantity; empty if it has none."""
     return "" if quantity.unit == "1" else quantity.unit
 
 

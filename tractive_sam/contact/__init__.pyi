@@ -6,13 +6,13 @@ from .heat import with_heat as with_heat
 from .jacobian import check_jacobian as check_jacobian
 from .jacobian import jacobian_of as jacobian_of
 from .laws import Laws as Laws
-from .measured import across as across
+from .measured import gap_across as gap_across
 from .measured import standing_roughness as standing_roughness
 from .measured import uncovered_axes as uncovered_axes
-from .mesh import as_asked as as_asked
 from .mesh import choose_grid as choose_grid
-from .mesh import grown as grown
-from .mesh import reaching as reaching
+from .mesh import describe_grid_entries as describe_grid_entries
+from .mesh import enlarge as enlarge
+from .mesh import extend_to as extend_to
 from .message import not_resolved as not_resolved
 from .model import Gap as Gap
 from .model import Model as Model

@@ -26,7 +26,7 @@ from tractive_sam.mechanics import (
 )
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
-from tractive_sam.solvers import combined, gmres
+from tractive_sam.solvers import combine_images, gmres
 
 TOLERANCE = 1e-12
 """Relative residual of the equality of both temperatures."""
@@ -274,7 +274,7 @@ def solve_with_heat(
         # oscillate without end if friction falls steeply.
         temperatures = [*temperatures[-MEMORY:], new]
         changes = [*changes[-MEMORY:], new - temperature]
-        temperature, start = combined(temperatures, changes), contact
+        temperature, start = combine_images(temperatures, changes), contact
     cure = "let friction.temperature fall less steeply, or raise solver.tolerance"
     note = f"not converged: friction and temperature still differ by {missed:.1e} K; {cure}"
     return replace(contact, status=Status.OUT_OF_ITERATIONS, note=note)

@@ -128,6 +128,7 @@ class _WarmSystem(System):
         super().__init__(problem, at, float)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
+        """Return the linearised conditions with the change of the bound by heat."""
         rows = super()._rows(step, response)
         change = self._bound_change(step[-2:], response[-2:])
         rows[-2:] -= self.at.ratio * change * self.at.law.direction

@@ -157,6 +157,7 @@ class Laws:
         }
 
     def _differing_from(self, others: "Laws") -> dict[str, Any]:
+        """Return the laws that differ from others, by attribute."""
         return {
             name: law
             for name, law in vars(self).items()
@@ -174,11 +175,13 @@ def _elasticity(scene: Scene) -> Elasticity:
 
 
 def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:
+    """Return the bodies with the interfacial layer of a scene, if it has one."""
     layer = 0.0 if scene.friction is None else scene.friction.layer
     return InterfacialLayer(bodies, layer) if layer else bodies
 
 
 def _named_elasticity(scene: Scene) -> Elasticity | None:
+    """Return the elastic law of another package that a scene names; else None."""
     table = scene.elasticity
     if table is None or table.named_law is None:
         return None
@@ -207,12 +210,14 @@ def _named_friction(scene: Scene) -> FrictionLaw | None:
 
 
 def _named_wear(scene: Scene) -> WearLaw | None:
+    """Return the wear law of another package that a scene names; else None."""
     if scene.wear is None or scene.wear.named_law is None:
         return None
     return build_law("wear.law", scene.wear.named_law, WearLaw, _tribology(scene))
 
 
 def _named_criterion(scene: Scene) -> CycleCriterion | None:
+    """Return the fatigue criterion of another package that a scene names; else None."""
     table = scene.fatigue
     if table is None or table.limit is None or table.named_law is None:
         return None
@@ -237,6 +242,7 @@ _NAMED = {
 
 
 def _friction(scene: Scene) -> Coulomb | None:
+    """Return the friction law of this package; None for other packages or no friction."""
     table = scene.friction
     if table is None or table.named_law:
         return None
@@ -263,6 +269,7 @@ def _wear(scene: Scene) -> WearLaw | None:
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
+    """Return a wear law that has intensities."""
     friction, frame = _friction(scene), scene.friction.frame
     mu, angle = frame.mu, frame.angle
     if law == "energy":
@@ -293,6 +300,7 @@ def _of_body(scene: Scene, name: str) -> WearLaw | None:
 
 
 def _fatigue(scene: Scene) -> CycleCriterion | None:
+    """Return the fatigue criterion of this package; None without a limit."""
     table = scene.fatigue
     if table is None or table.limit is None or table.named_law:
         return None
@@ -305,6 +313,7 @@ def _fatigue(scene: Scene) -> CycleCriterion | None:
 
 
 def _life(scene: Scene) -> Woehler | None:
+    """Return the Woehler curve of a scene; None without a limit."""
     table = scene.fatigue
     if table is None or table.limit is None:
         return None
@@ -312,6 +321,7 @@ def _life(scene: Scene) -> Woehler | None:
 
 
 def _volume(scene: Scene) -> VolumeLife | None:
+    """Return the law of the life of a stressed volume; None without one."""
     table = None if scene.fatigue is None else scene.fatigue.volume
     if table is None:
         return None

@@ -12,22 +12,24 @@ ROUND = 4
 """Degree of the polynomial in x that is taken for the form of a body, which stays as it turns."""
 
 
-def resampled(measured: Gap, grid: Grid) -> np.ndarray:
-    """The measured separation at the elements, mm; beyond its edge, its value there.
+def resample(measured: Gap, grid: Grid) -> np.ndarray:
+    """Return the measured separation at the elements, mm; constant beyond its edge.
 
     By Akima's interpolation (1970, J. ACM 17, 589-602) in x and then in y: it is exact for the
     parabolas that bodies are near a contact, where facets of a bilinear one would carry the
     pressure, and unlike a spline it does not ring at the steps of a profile.
     """
-    return sampled(measured, *_clipped(measured, grid.x, grid.y))
+    return sample_gap(measured, *_clipped(measured, grid.x, grid.y))
 
 
-def across(measured: Gap, grid: Grid) -> np.ndarray:
-    """The measured separation across the track, at x = 0 and the rows of a mesh, mm."""
-    return sampled(measured, *_clipped(measured, np.zeros(1), grid.y))[0]
+def gap_across(measured: Gap, grid: Grid) -> np.ndarray:
+    """Return the measured separation across the track, at x = 0 and the rows of a mesh, mm."""
+    return sample_gap(measured, *_clipped(measured, np.zeros(1), grid.y))[0]
 
 
-def lowest(measured: Gap, grid: Grid, taken: np.ndarray, radii: tuple[float, float]) -> float:
+def lowest_separation(
+    measured: Gap, grid: Grid, taken: np.ndarray, radii: tuple[float, float]
+) -> float:
     """Return the least separation of radii and measured gap on a mesh, between samples too, mm.
 
     It depends on the mesh only by what that covers. From the lowest sample, and from the lowest
@@ -40,7 +42,7 @@ def lowest(measured: Gap, grid: Grid, taken: np.ndarray, radii: tuple[float, flo
     grid : Grid
         The mesh.
     taken : ndarray, shape (n_x, n_y)
-        The gap as it is `resampled` there, mm.
+        The gap as it is `resample` there, mm.
     radii : tuple of float
         R_x and R_y of both bodies together, mm.
     """
@@ -66,14 +68,14 @@ def _lowest_around(
             np.linspace(*_around(places, k, side, *end), 9)
             for places, k, side, end in zip((x, y), (i, j), (grid.dx, grid.dy), ends, strict=True)
         )
-        separation = sampled(_near(measured, x, y), *_clipped(measured, x, y))
+        separation = sample_gap(_near(measured, x, y), *_clipped(measured, x, y))
     return least
 
 
 def _around(
     places: np.ndarray, k: int, side: float, first: float, last: float
 ) -> tuple[float, float]:
-    """Return the places beside one of several, or a side from it, on the mesh."""
+    """Return the neighbours of one of several places, within the mesh."""
     before = places[k - 1] if k > 0 else places[k] - side
     after = places[k + 1] if k + 1 < len(places) else places[k] + side
     return float(np.clip(before, first, last)), float(np.clip(after, first, last))
@@ -123,7 +125,7 @@ def standing_roughness(measured: Gap, grid: Grid) -> float:
 
 
 def _within(measured: Gap, grid: Grid) -> Gap:
-    """What of a gap lies on the mesh; a profile may be told at places far beside it alone."""
+    """Return the part of a gap on the mesh; a profile may have places outside only."""
     x, y, separation = measured
     middles = grid.centre[0], grid.centre[1] - grid.shift
     x_in, y_in = (
@@ -133,23 +135,23 @@ def _within(measured: Gap, grid: Grid) -> Gap:
     if x_in.size and y_in.size:
         return x_in, y_in, separation[np.ix_(np.isin(x, x_in), np.isin(y, y_in))]
     x_in, y_in = (one if one.size else np.zeros(1) for one in (x_in, y_in))
-    return x_in, y_in, sampled(measured, x_in, y_in)
+    return x_in, y_in, sample_gap(measured, x_in, y_in)
 
 
 def samples_per_length(known: np.ndarray) -> float:
-    """Samples per length, 1/mm; of those in the middle, as ends may be far away."""
+    """Return the samples per length, 1/mm, by their median distance."""
     return 1.0 / float(np.median(np.diff(known))) if known.size > 1 else 0.0
 
 
-def sampled(known: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """A gap at any places, shape (len(x), len(y))."""
+def sample_gap(known: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return a gap at any places, shape (len(x), len(y))."""
     rows = interpolate(known[0], known[2], x)
     return interpolate(known[1], rows.T, y).T
 
 
-def interpolate(known: np.ndarray, values: np.ndarray, asked: np.ndarray) -> np.ndarray:
-    """Interpolate rows of values along the first axis; beyond its ends, on as it was there."""
-    if known.size == 2:  # a straight line; Akima's slopes need a third point
-        share = ((asked - known[0]) / (known[1] - known[0]))[:, None]
+def interpolate(samples: np.ndarray, values: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Interpolate rows of values along the first axis; extrapolate beyond its ends."""
+    if samples.size == 2:  # a straight line; Akima's slopes need a third point
+        share = ((places - samples[0]) / (samples[1] - samples[0]))[:, None]
         return (1.0 - share) * values[0] + share * values[1]
-    return scipy.interpolate.Akima1DInterpolator(known, values, extrapolate=True)(asked)
+    return scipy.interpolate.Akima1DInterpolator(samples, values, extrapolate=True)(places)

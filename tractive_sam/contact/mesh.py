@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from tractive_sam.contact.measured import Gap
-from tractive_sam.contact.roughness import follow, rough_maps
+from tractive_sam.contact.roughness import refine_for_maps, rough_maps
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid
 from tractive_sam.scene import ALONG, MOST_ELEMENTS, Scene
@@ -30,17 +30,17 @@ GROWTH = 1.25
 """Factor by which a chosen mesh grows when the contact reaches its edge."""
 
 
-def grown(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
-    """A mesh of the same elements that is larger along some axes; a row stays a row."""
+def enlarge(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
+    """Return a mesh of elements of equal size that is larger along some axes; a row stays a row."""
     sides = zip(grid.half_length, axes, strict=True)
-    return reaching(grid, tuple(half * (GROWTH if grows else 1.0) for half, grows in sides))
+    return extend_to(grid, tuple(half * (GROWTH if grows else 1.0) for half, grows in sides))
 
 
-def reaching(grid: Grid, half_length: tuple[float, float]) -> Grid:
-    """A mesh of the same elements, as many more on either side, at least so long; a row stays."""
+def extend_to(grid: Grid, half_length: tuple[float, float]) -> Grid:
+    """Return a mesh with elements added equally on both sides, to at least a half length."""
     more = [
-        max(0, int(np.ceil(0.5 * n * (asked / half - 1.0) - 1e-9))) if n > 1 else 0
-        for asked, half, n in zip(half_length, grid.half_length, grid.elements, strict=True)
+        max(0, int(np.ceil(0.5 * n * (required / half - 1.0) - 1e-9))) if n > 1 else 0
+        for required, half, n in zip(half_length, grid.half_length, grid.elements, strict=True)
     ]
     if not any(more):
         return grid
@@ -49,8 +49,8 @@ def reaching(grid: Grid, half_length: tuple[float, float]) -> Grid:
     return replace(grid, half_length=half_length, elements=elements)
 
 
-def as_asked(grid: Grid) -> str:
-    """A mesh as a scene asks for it, in digits enough to be the same elements."""
+def describe_grid_entries(grid: Grid) -> str:
+    """Return the entries of a scene that give a mesh, with enough digits for equal elements."""
     lengths = ", ".join(f"{half:.10g}" for half in grid.half_length[: grid.directions])
     elements = ", ".join(map(str, grid.elements[: grid.directions]))
     centre = ", ".join(f"{place:.10g}" for place in grid.centre[: grid.directions])
@@ -76,7 +76,7 @@ def choose_grid(
     profiles: tuple[Gap, ...] = (),
     finer: float | None = None,
 ) -> Grid:
-    """The scene's [grid]; what it does not give is chosen from the Hertzian contact or the gap.
+    """Choose the mesh: the scene's [grid], completed from the Hertzian contact or the gap.
 
     Chosen elements are at most twice as long as wide or the reverse; their number is odd, so that
     one is centred on the axis. Where a map is finer than they are, they follow it as far as its
@@ -105,7 +105,7 @@ def choose_grid(
     if given or finer is not None or scene.accuracy is not None:
         return grid
     maps = rough_maps(scene, measured, profiles, grid.half_length)
-    return follow(grid, [one for _, one in maps])
+    return refine_for_maps(grid, [one for _, one in maps])
 
 
 def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from tractive_sam.contact.mesh import as_asked, grown
+from tractive_sam.contact.mesh import describe_grid_entries, enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.results import Grid, State, Status
 from tractive_sam.scene import FewestElements
@@ -12,7 +12,7 @@ from tractive_sam.solvers import Outcome
 
 
 def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0.0) -> str:
-    """Explain how a solve ended; of a solution what else there is to say (`State.message`).
+    """Return the message of a solve: its failure and the remedy, or a remark on a solution.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     if status is Status.OFF_GRID:
         text = (
             f"the contact reaches the edge of the mesh, {_half_length(model.grid)} mm: enlarge it, "
-            f"as by {as_asked(grown(model.grid))}"
+            f"as by {describe_grid_entries(enlarge(model.grid))}"
         )
         if scene.body.infinitely_long and model.measured is not None:
             text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
@@ -95,7 +95,7 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
     needed = [math.ceil(FewestElements.slip / count) for count in across]
     refined = (n * more for n, more in zip(grid.elements, (*needed, 1), strict=False))
     finer = replace(grid, elements=tuple(refined))
-    advised = as_asked(finer)
+    advised = describe_grid_entries(finer)
     smooth = scene.gap is None and largest is None and not contact.wear.any()
     if smooth and scene.hertz is not None:
         semi_axes = (scene.hertz.a, scene.hertz.b)[: len(across)]
@@ -111,7 +111,7 @@ GENTLER = (
 
 
 def too_steep(steepness: float) -> str:
-    """What a friction law says that falls faster with sliding than the mesh can hold.
+    """Return the message for friction that falls faster with sliding than the mesh can resolve.
 
     Parameters
     ----------
@@ -130,6 +130,7 @@ def too_steep(steepness: float) -> str:
 
 
 def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
+    """Return the message for a force beyond the maximum of the traction curve."""
     force = top[0] * model.units.pressure * model.grid.element_area
     top_force = f"{force:.5g} {model.scene.force_unit}"
     return (
@@ -140,5 +141,6 @@ def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
 
 
 def _half_length(grid: Grid) -> str:
+    """Format the half lengths of a mesh."""
     sides = zip(grid.half_length, grid.elements, strict=True)
     return " x ".join(f"{length:g}" for length, elements in sides if elements > 1)

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.contact.laws import Laws
-from tractive_sam.contact.measured import Gap, lowest, resampled, sampled
+from tractive_sam.contact.measured import Gap, lowest_separation, resample, sample_gap
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
@@ -136,7 +136,7 @@ class Model:
     def opening(self) -> float:
         """Least distance of wheel and rail normal to the plane of the patch, at first touch, mm."""
         gap = self.grid.x, self.grid.y, self._patch_gap
-        return lowest(gap, self.grid, self._patch_gap, (np.inf, np.inf))
+        return lowest_separation(gap, self.grid, self._patch_gap, (np.inf, np.inf))
 
     @cached_property
     def _patch_gap(self) -> np.ndarray:
@@ -203,10 +203,12 @@ class Model:
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)
         if self.measured is not None:
-            taken = resampled(self.measured, self.grid)
+            taken = resample(self.measured, self.grid)
             # Subtract first: a distance common to all elements would cost digits of the parabola.
             if self.scene.gap is None or self.scene.gap.datum == "touch":
-                taken = taken - lowest(self.measured, self.grid, taken, self.scene.body.radii)
+                taken = taken - lowest_separation(
+                    self.measured, self.grid, taken, self.scene.body.radii
+                )
             gap = gap + taken
         return gap if self.datum == "vertex" else gap - gap.min()
 
@@ -227,7 +229,7 @@ class Model:
         grid, added = self.grid, 0.0
         for x, y, separation in self.profiles:
             at_x = np.clip(grid.x + distance, x[0], x[-1])
-            added = added + sampled((x, y, separation), at_x, np.clip(grid.y, y[0], y[-1]))
+            added = added + sample_gap((x, y, separation), at_x, np.clip(grid.y, y[0], y[-1]))
         return added
 
     @cached_property

@@ -27,7 +27,7 @@ from tractive_sam.scene import Scene
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What a mesh leaves out of a map along one axis.
+    """The part of a map along one axis that a mesh does not resolve.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Roughness:
-    """A map beside the pressure of its contact.
+    """A measured map and the pressure of its contact.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class Roughness:
     share: float = 0.1
 
     def left_out(self, grid: Grid) -> tuple[LeftOut, LeftOut]:
-        """Return what a mesh leaves out along x and along y."""
+        """Return the parts of the map that a mesh does not resolve, along x and along y."""
         x, y, heights = self.map
         if grid.elements[1] == 1:  # a row: only y = 0 counts
             heights = interpolate(y, heights.T, np.clip([0.0], y[0], y[-1])).T
@@ -87,7 +87,7 @@ class Roughness:
     def _along(
         self, known: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
     ) -> LeftOut:
-        """Return what samples at places along the first axis leave out."""
+        """Return the part along the first axis that samples at places do not resolve."""
         samples = side * samples_per_length(known)
         if self.travels if travels is None else travels:
             at = np.arange(known[0], known[-1] + side, side)
@@ -103,17 +103,17 @@ class Roughness:
         return LeftOut(samples, height, slope)
 
     def flattening(self, part: LeftOut) -> float:
-        """Return the rms pressure, MPa, that flattens what is left out."""
+        """Return the rms pressure that flattens an unresolved part, MPa."""
         return 0.5 * self.e_star * part.slope
 
     def unresolved(self, grid: Grid) -> tuple[bool, bool]:
-        """Return whether a mesh leaves out too much along x and along y."""
+        """Return whether a mesh fails to resolve the map, along x and along y."""
         allowed = self.share * self.pressure
         along_x, along_y = (self.flattening(part) > allowed for part in self.left_out(grid))
         return along_x, along_y
 
     def resolving(self, grid: Grid) -> Grid:
-        """Return the coarsest mesh of the same domain that leaves out little.
+        """Return the coarsest mesh of a domain that resolves the map.
 
         Its elements are shorter by roots of 2, and not shorter than the step of the map; their
         number along a refined axis is odd.
@@ -133,13 +133,14 @@ class Roughness:
 
 
 def _odd(number: float) -> int:
+    """Return the smallest odd number of at least a number."""
     return 2 * math.ceil(0.5 * (number - 1.0) - 1e-9) + 1
 
 
 def rough_maps(
     scene: Scene, measured: Gap | None, profiles: tuple[Gap, ...], half_length: tuple[float, ...]
 ) -> Iterator[tuple[str, Roughness]]:
-    """Yield the maps of a scene with their tables.
+    """Yield the tables and maps of a scene: its [gap] and its moving profiles.
 
     Parameters
     ----------
@@ -175,8 +176,10 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
     return 0.5 * scene.material.plane_strain_modulus * approach / length
 
 
-def follow(grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float = 5.0) -> Grid:
-    """Return the mesh that resolves the maps, if it has not too many elements, or the same mesh.
+def refine_for_maps(
+    grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float = 5.0
+) -> Grid:
+    """Return the mesh that resolves the maps; the given mesh if that has too many elements.
 
     A mesh that resolves a part of the waves costs more and settles nothing.
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tractive_sam.contact.heat import solve_with_heat
-from tractive_sam.contact.mesh import grown
+from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of, traction_of
@@ -97,7 +97,7 @@ def solve_patches_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]
         edges = [one.at_edge for one in contacts if one.status is Status.OFF_GRID]
         if not edges or model.scene.has_fixed_domain:
             break
-        model = model.on(grown(model.grid, tuple(map(any, zip(*edges, strict=True)))))
+        model = model.on(enlarge(model.grid, tuple(map(any, zip(*edges, strict=True)))))
         contacts = _share_load(model)
     return model, contacts
 
@@ -105,6 +105,7 @@ def solve_patches_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]
 def _equilibrium(
     model: Model, depth: np.ndarray | DepthInPass | None, start: State | None, tolerance: float
 ) -> State:
+    """Solve one steady state without heat."""
     gap, in_pass = model.undeformed_gap, None
     if callable(depth):
         in_pass = _dimensionless_depth(model, depth)
@@ -132,7 +133,7 @@ def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]
         chosen = not model.scene.has_fixed_domain and model.scene.hertz is not None
         if all(contact.status is not Status.OFF_GRID for contact in contacts) or not chosen:
             break
-        model = model.on(grown(model.grid))
+        model = model.on(enlarge(model.grid))
         contacts = _solve_blocks(model)
     return model, contacts
 
@@ -144,6 +145,7 @@ def solve_on_fitted_mesh(model: Model) -> tuple[Model, State]:
 
 
 def _solve_blocks(model: Model) -> tuple[State, ...]:
+    """Solve the unrolled bodies of each block."""
     return tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
 
 
@@ -160,6 +162,7 @@ def dimensionless_start(model: Model, contact: State) -> Start:
 
 
 def _dimensionless_depth(model: Model, depth: DepthInPass) -> DepthInPass:
+    """Return a dimensionless function for the wear depth within a pass."""
     units = model.units
 
     def scaled(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
@@ -213,6 +216,7 @@ def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
 def _to_state(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
 ) -> State:
+    """Convert the outcome of a steady problem to a contact in mm, N and MPa."""
     units = model.units
     pressure = units.pressure * outcome.pressure
     traction, gap = traction_of(model, outcome.traction), units.gap * outcome.gap

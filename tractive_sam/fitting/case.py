@@ -24,7 +24,7 @@ Y = "y"
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class FitCase:
     """One computation.
 
     Attributes
@@ -85,7 +85,7 @@ class Answer:
 class Reply:
     """The answer of a case."""
 
-    case: Case
+    case: FitCase
     answer: Answer
 
     @property
@@ -108,14 +108,14 @@ class Reply:
         return numbers[[known.index(repr(at)) if len(numbers) > 1 else 0 for at in places]]
 
 
-def merged(cases: Iterable[Case]) -> dict[str, Case]:
+def merged(cases: Iterable[FitCase]) -> dict[str, FitCase]:
     """Return one case for each scene, by its fingerprint, with all that is wanted of it."""
-    found: dict[str, Case] = {}
+    found: dict[str, FitCase] = {}
     for case in cases:
         name = case.scene.fingerprint()
         other = found.get(name, case)
         places = {repr(at): at for at in (*other.places, *case.places)}
-        found[name] = Case(
+        found[name] = FitCase(
             case.scene,
             tuple(dict.fromkeys((*other.columns, *case.columns))),
             tuple(places.values()),
@@ -131,7 +131,7 @@ def is_one_contact(scene: Scene) -> bool:
 
 
 @one_blas_thread()
-def compute(case: Case, start: State | None = None) -> tuple[Answer, State | None]:
+def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | None]:
     """Compute a case.
 
     Parameters
@@ -153,7 +153,8 @@ def compute(case: Case, start: State | None = None) -> tuple[Answer, State | Non
         return _solve(case, start) if case.one_contact else (_roll(case), None)
 
 
-def _solve(case: Case, start: State | None) -> tuple[Answer, State | None]:
+def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
+    """Solve the single contact of a case."""
     model, contact = solve_from_nearby(Model(case.scene, read_measured_gap(case.scene)), start)
     convolutions = float(contact.cost.convolutions)
     if not contact.converged:
@@ -166,7 +167,8 @@ def _solve(case: Case, start: State | None) -> tuple[Answer, State | None]:
     return Answer(numbers, 1, 0, convolutions), contact
 
 
-def _roll(case: Case) -> Answer:
+def _roll(case: FitCase) -> Answer:
+    """Roll the scene of a case."""
     history = roll(case.scene, progress=False)
     cost = int(history.totals["contact_solves"]), 1, float(np.nansum(history["convolutions"]))
     if not history.finished:

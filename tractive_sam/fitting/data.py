@@ -111,10 +111,12 @@ def read_measured(data: Data, key: str) -> Measured:
 
 
 def _source(data: Data) -> str:
+    """Describe the source of a data set."""
     return "file" if data.values is None else "values"
 
 
 def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measured:
+    """Return the measurements of a data set."""
     names = (DEPTH,) if data.profile else data.observe
     observed = np.stack([numbers[name] for name in names], axis=1)
     noise = _noise_of(data.uncertainty, observed, numbers)

@@ -37,7 +37,8 @@ class FitError(SceneError):
     subject: ClassVar[str] = "fit"
 
 
-def _parameters_are_free(entries: ValidEntries) -> Iterator[Fault]:
+def _check_parameters(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of [[parameter]] tables whose key is not free or is given twice."""
     free = entries["free"]
     for k, one in enumerate(entries["parameter"]):
         if one.key not in free:
@@ -47,7 +48,8 @@ def _parameters_are_free(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("parameter", f"{key} {keys.count(key)} times", "each once")
 
 
-def _free_is_numeric(entries: ValidEntries) -> Iterator[Fault]:
+def _check_free_keys(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of free keys without a numeric start."""
     given = {one.key: one for one in entries["parameter"]}
     for key in entries["free"]:
         try:
@@ -60,7 +62,8 @@ def _free_is_numeric(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault("free", f"{key} and {base_of(key)}", "one of them")
 
 
-def _varied_is_not_free(entries: ValidEntries) -> Iterator[Fault]:
+def _check_varied_keys(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of keys that a data set varies although they are free."""
     bases = {base_of(key) for key in entries["free"]}
     for name in ("data", "test"):
         for k, one in enumerate(entries[name]):
@@ -70,11 +73,12 @@ def _varied_is_not_free(entries: ValidEntries) -> Iterator[Fault]:
                     continue
                 if key in bases:
                     yield Fault(f"{name}[{k}].vary", key, "an entry that is not free")
-                elif (fault := _unknown(key)) is not None:
+                elif (fault := _find_unknown_key(key)) is not None:
                     yield Fault(f"{name}[{k}].vary", shorten(key), fault.allowed)
 
 
-def _unknown(key: str) -> Fault | None:
+def _find_unknown_key(key: str) -> Fault | None:
+    """Return the fault of a key that no scene has; None if it exists."""
     try:
         Scene.find_field(base_of(key))
     except SceneError as error:
@@ -82,13 +86,15 @@ def _unknown(key: str) -> Fault | None:
     return None
 
 
-def _target_is_free(entries: ValidEntries) -> Iterator[Fault]:
+def _check_target(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault if the target of the next test is not a free key."""
     target, free = entries["target"], entries["free"]
     if target is not None and target not in free:
         yield Fault("target", shorten(target), suggest_name(target, free))
 
 
-def _one_mesh(entries: ValidEntries) -> Iterator[Fault]:
+def _check_mesh(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault if the scene has [accuracy], since fits need a constant mesh."""
     if entries["scene"].accuracy is not None:
         cure = "[grid], or neither: the mesh stays the same while parameters vary"
         yield Fault("scene.accuracy", "given", cure)
@@ -156,11 +162,11 @@ class Fit(Table):
         "whether the solution is computed on a finer mesh as well", "true or false", True
     )
     checks: ClassVar[tuple[Check, ...]] = (
-        _parameters_are_free,
-        _free_is_numeric,
-        _varied_is_not_free,
-        _target_is_free,
-        _one_mesh,
+        _check_parameters,
+        _check_free_keys,
+        _check_varied_keys,
+        _check_target,
+        _check_mesh,
     )
 
     def settings_of(self, key: str) -> Parameter:

@@ -12,7 +12,7 @@ from scipy.stats import chi2 as chi2_distribution
 from scipy.stats import norm, qmc
 
 from tractive_sam.fitting.design import Fit, FitError
-from tractive_sam.fitting.problem import Problem
+from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.schema import Fault
 
 TOLERANCE = 2e-5
@@ -57,7 +57,7 @@ class Estimate:
         Whether the scatter of the residuals scales the noise.
     """
 
-    problem: Problem
+    problem: FitProblem
     u: np.ndarray
     predicted: np.ndarray
     jacobian: np.ndarray
@@ -199,7 +199,7 @@ class Directions:
         return 0.02
 
 
-def estimate(problem: Problem, fit: Fit, start: np.ndarray | None = None) -> Estimate:
+def estimate(problem: FitProblem, fit: Fit, start: np.ndarray | None = None) -> Estimate:
     """Minimise the weighted squares from the first values, and from random ones if requested.
 
     Parameters
@@ -229,7 +229,8 @@ def estimate(problem: Problem, fit: Fit, start: np.ndarray | None = None) -> Est
     return found
 
 
-def _random_starts(problem: Problem, fit: Fit) -> list[np.ndarray]:
+def _random_starts(problem: FitProblem, fit: Fit) -> list[np.ndarray]:
+    """Return random starting points of the search, within the bounds."""
     n = len(problem.parameters)
     if fit.starts < 2:
         return []
@@ -258,7 +259,7 @@ class _Search:
         Coordinates at which derivatives were computed last, and these.
     """
 
-    problem: Problem
+    problem: FitProblem
     u: np.ndarray
     varies: np.ndarray
     last: tuple[np.ndarray, np.ndarray] | None = None
@@ -289,7 +290,7 @@ class _Search:
         return self.problem.jacobian(u)
 
 
-def search(problem: Problem, fit: Fit, u: np.ndarray, held: int | None = None) -> Estimate:
+def search(problem: FitProblem, fit: Fit, u: np.ndarray, fixed: int | None = None) -> Estimate:
     """Minimise from one start.
 
     Parameters
@@ -308,7 +309,7 @@ def search(problem: Problem, fit: Fit, u: np.ndarray, held: int | None = None) -
     FitError
         If the predictions at the start, or derivatives, cannot be computed.
     """
-    inner = _Search(problem, u, np.arange(problem.size) != (-1 if held is None else held))
+    inner = _Search(problem, u, np.arange(problem.size) != (-1 if fixed is None else fixed))
     varies, n = inner.varies, len(problem.parameters)
     if not np.isfinite(inner.residuals(u[varies])).all():
         reason = problem.failures[-1] if problem.failures else "a scene that is solved"

@@ -9,12 +9,12 @@ from time import monotonic
 from typing import TypeVar
 
 from tractive_sam import interrupt
-from tractive_sam.fitting.case import Answer, Case, compute
+from tractive_sam.fitting.case import Answer, FitCase, compute
 from tractive_sam.results import State
 
 Name = TypeVar("Name", bound=Hashable)
 
-Compute = Callable[[Sequence[Case]], Iterator[tuple[int, Answer]]]
+Compute = Callable[[Sequence[FitCase]], Iterator[tuple[int, Answer]]]
 """Computes cases; yields their places and answers as they end."""
 
 
@@ -24,7 +24,7 @@ class Here:
     def __init__(self) -> None:
         self._contacts: dict[tuple[int, ...], State] = {}
 
-    def __call__(self, cases: Sequence[Case]) -> Iterator[tuple[int, Answer]]:
+    def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
         """See `Compute`."""
         for k, case in enumerate(cases):
             interrupt.raise_if_interrupted()
@@ -34,7 +34,7 @@ class Here:
             yield k, answer
 
 
-def compute_answer(case: Case) -> Answer:
+def compute_answer(case: FitCase) -> Answer:
     """Return the answer of a case alone, for workers."""
     return compute(case)[0]
 
@@ -63,7 +63,7 @@ def compute_with(number: int, say: Callable[[str], None] = print) -> Iterator[Co
     check_installed()
     with local_cluster(number) as (address, security):
 
-        def elsewhere(cases: Sequence[Case]) -> Iterator[tuple[int, Answer]]:
+        def elsewhere(cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
             calls = [(compute_answer, case) for case in cases]
             yield from computed(calls, address, say, security)
 
@@ -96,7 +96,7 @@ class Evaluations:
     progress: Callable[[Evaluations], None] | None = None
     _saved: float = field(default_factory=monotonic)
 
-    def answers(self, cases: Mapping[Name, Case]) -> dict[Name, Answer]:
+    def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
         """Return the answers of cases, by name; those not known are computed."""
         missing = {c.digest: c for c in cases.values() if c.digest not in self.known}
         if missing:

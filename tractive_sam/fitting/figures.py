@@ -88,6 +88,7 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
 
 
 def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
+    """Return the measured and fitted curve of a data set."""
     data, plain = result.dataset, name.partition(" ")
     quantity = index_by_name(COLUMNS)[plain[0]].with_units_of(result.design.fit.scene)
     body = f" of body {plain[2]}" if plain[2] else ""

@@ -50,6 +50,7 @@ def profile_interval(found: Estimate, fit: Fit, k: int) -> tuple[float, float, n
 
 
 def _value(found: Estimate, k: int, u: float) -> float:
+    """Return the value of a parameter at a coordinate."""
     at = found.u.copy()
     at[k] = u
     return float(found.problem.parameters.values(at)[k])
@@ -69,7 +70,7 @@ def _end(
         start = found.u + sign * step * np.nan_to_num(covariance)
         start[k] = found.u[k] + sign * step
         try:
-            there = search(found.problem, fit, start, held=k)
+            there = search(found.problem, fit, start, fixed=k)
         except FitError:
             return math.nan
         rise = max(2.0 * (there.cost - found.cost), 0.0)

@@ -10,7 +10,7 @@ from tractive_sam.fitting.data import Measured, noise_at
 from tractive_sam.fitting.design import Fit, FitError
 from tractive_sam.fitting.estimate import Estimate
 from tractive_sam.fitting.parameters import Parameters
-from tractive_sam.fitting.problem import Problem, Series
+from tractive_sam.fitting.problem import FitProblem, Series
 from tractive_sam.fitting.results import Gain
 from tractive_sam.fitting.tables import CandidateTest, Data
 from tractive_sam.schema import Fault
@@ -69,6 +69,7 @@ def check_tests(fit: Fit, start: Parameters) -> None:
 
 
 def _logarithm(information: np.ndarray, target: np.ndarray) -> float:
+    """Return the logarithm of the determinant of the covariance of the target parameters."""
     covariance = np.linalg.inv(information)[np.ix_(target, target)]
     return float(np.linalg.slogdet(covariance)[1])
 
@@ -90,6 +91,7 @@ def _measured_tests(test: CandidateTest):
         yield ": ".join(filter(None, (", ".join(test.observe), label))), measured
 
 
-def _problem_of(problem: Problem, key: str, measured: Measured, fit: Fit) -> Problem:
+def _problem_of(problem: FitProblem, key: str, measured: Measured, fit: Fit) -> FitProblem:
+    """Return the problem with one data set only."""
     series = Series.of(key, measured, fit.scene, problem.parameters, problem.evaluations)
     return replace(problem, series=(series,))

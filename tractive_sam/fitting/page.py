@@ -72,6 +72,7 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
 
 
 def _pictures(result: FitResult) -> Iterator[Html]:
+    """Yield the figures of a fit as HTML."""
     card = "<figure><figcaption>$caption</figcaption>$image</figure>\n"
     for _, caption, figure in fit_figures(result):
         interrupt.raise_if_interrupted()
@@ -101,6 +102,7 @@ def _tests(result: FitResult) -> Html:
 
 
 def _section(title: str, rows: list[list[str]]) -> Html:
+    """Return a section of rows as HTML."""
     lines = (
         fill("<tr>$cells</tr>\n", cells=[fill("<td>$text</td>", text=text) for text in row])
         for row in rows

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, reaching, solve_on_fitted_mesh
+from tractive_sam.contact import Model, extend_to, solve_on_fitted_mesh
 from tractive_sam.fitting.case import Answer, is_one_contact
 from tractive_sam.fitting.entries import is_whole
 from tractive_sam.results import COLUMNS, Grid, index_by_name
@@ -130,12 +130,13 @@ def fixed(
         if grid is None:
             grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1].grid
         x, y = grid.half_length
-        wider = reaching(grid, (MARGIN * x, MARGIN * y))
+        wider = extend_to(grid, (MARGIN * x, MARGIN * y))
         changes |= grid_entries(wider)
     return changes
 
 
 def _mesh(scene: Scene) -> tuple[Any, ...]:
+    """Return the numbers that define the mesh of a scene."""
     grid = Model(scene, read_measured_gap(scene)).grid
     return grid.half_length, grid.elements, grid.centre
 

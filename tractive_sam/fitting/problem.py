@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.fitting import prepare
-from tractive_sam.fitting.case import Case, Reply, Y, is_one_contact, merged
+from tractive_sam.fitting.case import FitCase, Reply, Y, is_one_contact, merged
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.derivatives import exact_columns
 from tractive_sam.fitting.design import FitError
@@ -140,7 +140,7 @@ class Series:
             changes = prepare.scaled_steps(base, changes_of(base, values))
             return prepare.trimmed(base.replace(**changes), self.columns, self.unworn)
 
-    def cases(self, values: Mapping[str, float], number: int, derivatives: bool) -> list[Case]:
+    def cases(self, values: Mapping[str, float], number: int, derivatives: bool) -> list[FitCase]:
         """Return the computation of each group of rows.
 
         Parameters
@@ -163,7 +163,7 @@ class Series:
                 if is_one_contact(scene)
                 else tuple({repr(at): at for at in places}.values())
             )
-            found.append(Case(scene, self.columns, places, wanted, (number, k)))
+            found.append(FitCase(scene, self.columns, places, wanted, (number, k)))
         return found
 
     def predictions(self, replies: list[Reply], position: np.ndarray, of: str = "") -> np.ndarray:
@@ -209,7 +209,7 @@ def _groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, f
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class FitProblem:
     """All data sets and parameters together.
 
     Coordinates are those of the parameters, and after them the positions of the profiles.
@@ -325,7 +325,7 @@ class Problem:
 
     def predict_finer(self, u: np.ndarray) -> np.ndarray:
         """Return predicted values on a finer mesh; nan where that fails."""
-        cases: dict[tuple, Case] = {}
+        cases: dict[tuple, FitCase] = {}
         values = self.parameters.named(u)
         try:
             for n, one in enumerate(self.series):
@@ -333,7 +333,7 @@ class Problem:
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
                         scene = prepare.finer(case.scene)
-                    cases[n, "", k] = Case(scene, case.columns, case.places, seat=(n, k, 1))
+                    cases[n, "", k] = FitCase(scene, case.columns, case.places, seat=(n, k, 1))
         except SceneError:
             return np.full(self.observed.size, math.nan)
         return self._collect(self._replies_of(cases), "", u)
@@ -365,7 +365,7 @@ class Problem:
 
         At points other than "" only what has no exact derivative is computed.
         """
-        cases: dict[tuple, Case] = {}
+        cases: dict[tuple, FitCase] = {}
         try:
             for n, one in enumerate(self.series):
                 for point, u in points.items():
@@ -378,7 +378,7 @@ class Problem:
         order = sorted(cases, key=lambda name: (name[0], name[2], name[1]))  # neighbours in turn
         return self._replies_of({name: cases[name] for name in order})
 
-    def _replies_of(self, cases: Mapping[tuple, Case]) -> dict[tuple, Reply]:
+    def _replies_of(self, cases: Mapping[tuple, FitCase]) -> dict[tuple, Reply]:
         """Return the answers of cases; those of one scene are computed together."""
         together = merged(cases.values())
         answers = self.evaluations.answers(together)
@@ -392,6 +392,7 @@ class Problem:
         return []
 
     def _collect(self, replies: Mapping[tuple, Reply], point: str, u: np.ndarray) -> np.ndarray:
+        """Return the computed values of all series at a point."""
         found = []
         for n, (one, place) in enumerate(zip(self.series, self.positions, strict=True)):
             each = [replies[n, point, k] for k in range(len(one.groups))]

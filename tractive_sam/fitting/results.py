@@ -126,6 +126,7 @@ class FitResult:
         return self.design.fit.free
 
     def _named(self, name: str) -> dict[str, float]:
+        """Return the values of a variable by the names of the parameters."""
         return dict(zip(self.keys, self.dataset[name].values.tolist(), strict=True))
 
     @property
@@ -158,6 +159,7 @@ class FitResult:
         return self._texts("notes")
 
     def _texts(self, name: str) -> list[str]:
+        """Return the texts of a variable."""
         found = self.dataset.get(name)
         return [] if found is None else [str(one) for one in found.values]
 
@@ -260,6 +262,7 @@ class FitResult:
 
 
 def _number(value: float) -> float | None:
+    """Return a finite number; None otherwise."""
     return float(value) if math.isfinite(value) else None
 
 

@@ -18,7 +18,7 @@ from tractive_sam.fitting.likelihood import profile_interval
 from tractive_sam.fitting.next_test import check_tests, rank_tests
 from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.prepare import SharedPlaces
-from tractive_sam.fitting.problem import Problem, Series
+from tractive_sam.fitting.problem import FitProblem, Series
 from tractive_sam.fitting.results import FitResult, Intervals, make_dataset, write_fit
 from tractive_sam.fitting.variables import (
     attributes_of,
@@ -109,7 +109,7 @@ def fit(
     return result
 
 
-def make_problem(table: Fit, done: Evaluations | None = None) -> Problem:
+def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
     """Read the data of a fit, and fix meshes and steps at the first values.
 
     Parameters
@@ -139,7 +139,7 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> Problem:
     prepared()
     shared.complete = True
     series = prepared()
-    return Problem(parameters, series, done, table.step)
+    return FitProblem(parameters, series, done, table.step)
 
 
 def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> FitDesign:
@@ -172,6 +172,7 @@ def _read_all(table: Fit) -> list[Measured]:
 
 
 def _check_count(measured: list[Measured], parameters: Parameters) -> None:
+    """Raise an error if there are fewer measurements than parameters."""
     points = sum(one.points for one in measured)
     positions = sum(len(one.data.nuisance) for one in measured if one.data.profile)
     priors = int(np.isfinite(parameters.prior[:, 0]).sum())
@@ -183,6 +184,7 @@ def _check_count(measured: list[Measured], parameters: Parameters) -> None:
 
 
 def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
+    """Return the result of a fit that is not complete."""
     design = ((), document.to_toml(), "1", "the fit file")
     attributes = {
         "status": "running",

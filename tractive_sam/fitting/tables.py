@@ -29,11 +29,12 @@ DEPTH = "depth"
 
 def _listed(value: object) -> object:
     """One text or number stands for a list of it."""
-    alone = isinstance(value, str | int | float) and not isinstance(value, bool)
-    return (value,) if alone else value
+    is_single = isinstance(value, str | int | float) and not isinstance(value, bool)
+    return (value,) if is_single else value
 
 
-def _distinct(values: tuple[str, ...]) -> tuple[str, ...]:
+def _check_distinct(values: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names; raise an error if one is repeated."""
     if len(set(values)) < len(values):
         raise ValueError("each name once")
     return values
@@ -59,7 +60,7 @@ def _as_lists(columns: object) -> object:
     }
 
 
-Names = Annotated[tuple[str, ...], BeforeValidator(_listed), AfterValidator(_distinct)]
+Names = Annotated[tuple[str, ...], BeforeValidator(_listed), AfterValidator(_check_distinct)]
 Numbers = Annotated[tuple[Real, ...], BeforeValidator(_listed), Field(min_length=1)]
 Columns = Annotated[dict[str, Any], BeforeValidator(_as_lists)]
 Changes = Annotated[dict[str, Any], BeforeValidator(_flat)]
@@ -67,7 +68,8 @@ Changes = Annotated[dict[str, Any], BeforeValidator(_flat)]
 _NOISE = "a relative standard deviation, { absolute = ... }, { relative = ... } or { column = ... }"
 
 
-def _some_noise(entries: ValidEntries) -> Iterator[Fault]:
+def _check_noise(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault of a noise table without a key, or with contradictory keys."""
     if not entries.given:
         yield Fault("noise", "nothing", _NOISE)
     elif "column" in entries.given and len(entries.given) > 1:
@@ -87,10 +89,11 @@ class Noise(Table):
     absolute: Positive | None = entry("in units of the observation", "a number above 0", None)
     relative: Positive | None = entry("over the measured value", "a number above 0", None)
     column: str | None = entry("column of the file that holds it", "a name", None)
-    checks: ClassVar[tuple[Check, ...]] = (_some_noise,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_noise,)
 
 
-def _observation_known(entries: ValidEntries) -> Iterator[Fault]:
+def _check_observations(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of observations that do not exist."""
     for name in entries["observe"]:
         yield from observation_faults(name, entries["body"])
 
@@ -114,7 +117,8 @@ def column_of(name: str, body: str | None) -> str:
     return f"{name}_{body}"
 
 
-def _profile_alone(entries: ValidEntries) -> Iterator[Fault]:
+def _check_profile(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of a profile that is observed together with other quantities."""
     profiles = [name for name in entries["observe"] if is_profile(name)]
     if profiles and len(entries["observe"]) > 1:
         yield Fault("observe", shorten(entries["observe"]), f"{profiles[0]} in a data set alone")
@@ -131,12 +135,14 @@ def is_profile(name: str) -> bool:
     return name in table and table[name].dims == ("y",)
 
 
-def _one_source(entries: ValidEntries) -> Iterator[Fault]:
+def _check_source(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault unless exactly one of file and values is given."""
     if ("file" in entries.given) == ("values" in entries.given):
         yield Fault("file", "both or neither of file and values", "exactly one of file, values")
 
 
-def _place_once(entries: ValidEntries) -> Iterator[Fault]:
+def _check_place(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults if the place of the record is given twice."""
     places = [key for key in entries["vary"] if key in COORDINATES]
     if places and entries["at"] is not None:
         yield Fault("at", f"{entries['at']:g}, and {places[0]} varies", "one of them")
@@ -198,10 +204,10 @@ class Data(Observation):
     )
     label: str = entry("name in messages and figures", "a text", "")
     checks: ClassVar[tuple[Check, ...]] = (
-        _one_source,
-        _observation_known,
-        _profile_alone,
-        _place_once,
+        _check_source,
+        _check_observations,
+        _check_profile,
+        _check_place,
     )
 
     @property
@@ -215,7 +221,8 @@ class Data(Observation):
         return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)
 
 
-def _bounds_apart(entries: ValidEntries) -> Iterator[Fault]:
+def _check_bounds(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of bounds that do not contain the start."""
     lower, upper, start = entries["lower"], entries["upper"], entries["start"]
     if lower is not None and upper is not None and lower >= upper:
         yield Fault("upper", f"{upper:g}", f"above lower, {lower:g}")
@@ -226,7 +233,8 @@ def _bounds_apart(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault("start", f"{start:g}", f"at most upper, {upper:g}")
 
 
-def _logarithm_exists(entries: ValidEntries) -> Iterator[Fault]:
+def _check_scale(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of numbers without a logarithm for a logarithmic scale."""
     if entries["scale"] == "log":
         for key in ("start", "lower", "upper"):
             value = entries[key]
@@ -234,7 +242,8 @@ def _logarithm_exists(entries: ValidEntries) -> Iterator[Fault]:
                 yield Fault(key, f"{value:g}", 'a number above 0, or scale = "linear"')
 
 
-def _prior_has_width(entries: ValidEntries) -> Iterator[Fault]:
+def _check_prior(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault of a prior without a positive standard deviation."""
     prior = entries["prior"]
     if prior is not None and prior[1] <= 0.0:
         yield Fault("prior", shorten(prior), "a standard deviation above 0")
@@ -262,10 +271,11 @@ class Parameter(Table):
         '"log" or "linear"',
         None,
     )
-    checks: ClassVar[tuple[Check, ...]] = (_bounds_apart, _logarithm_exists, _prior_has_width)
+    checks: ClassVar[tuple[Check, ...]] = (_check_bounds, _check_scale, _check_prior)
 
 
-def _test_known(entries: ValidEntries) -> Iterator[Fault]:
+def _check_test(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of the observations and values of a candidate test."""
     for name in entries["observe"]:
         if is_profile(name):
             yield Fault("observe", shorten(name), "a number of a record")
@@ -289,7 +299,7 @@ class CandidateTest(Observation):
     vary: str | None = entry("the entry that differs", "a dotted key", None)
     values: Numbers | None = entry("its values", "a list of numbers", None)
     noise: Positive | Noise = entry("standard deviation of the measurement", _NOISE)
-    checks: ClassVar[tuple[Check, ...]] = (_test_known,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_test,)
 
     @property
     def uncertainty(self) -> Noise:

@@ -9,7 +9,7 @@ import numpy as np
 
 from tractive_sam.fitting.design import Fit
 from tractive_sam.fitting.estimate import Estimate
-from tractive_sam.fitting.problem import Problem
+from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import DONE, Gain, Intervals
 from tractive_sam.store import versions
 
@@ -61,7 +61,8 @@ def parameter_variables(found: Estimate, intervals: Intervals, shift: np.ndarray
     return variables
 
 
-def _coordinate_names(problem: Problem) -> list[str]:
+def _coordinate_names(problem: FitProblem) -> list[str]:
+    """Return the names of all unknowns."""
     names = list(problem.parameters.keys)
     for one in problem.series:
         if one.measured.data.profile:

@@ -45,62 +45,63 @@ def compiled(
         return lambda function: compiled(function, fastmath=fastmath, inner=inner)
     name = function.__qualname__
     # numba names the files of its cache when it is given the function.
-    function.__qualname__ = f"{sources(function.__module__.rpartition('.')[2])}.{name}"
+    function.__qualname__ = f"{hash_sources(function.__module__.rpartition('.')[2])}.{name}"
     try:
         options = {"error_model": "numpy", "nogil": True, "fastmath": fastmath}
         # An entry for callbacks from C, and one from Python: about a tenth of the time each takes.
         options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": inner}
         kernel: Any = numba.njit(**options)(function)
         with suppress(RuntimeError):  # of no folder that may be written
-            kernel._cache = _Kept(function)
+            kernel._cache = _StoredOverloads(function)
         return kernel
     finally:
         function.__qualname__ = name
 
 
-class _Kept(FunctionCache):
-    """What numba keeps on disk; where it cannot be read or written, it is compiled anew."""
+class _StoredOverloads(FunctionCache):
+    """Compiled functions that numba stores on disk; they are compiled again if that fails."""
 
-    def load_overload(self, *asked: Any) -> Any:
-        """What was compiled, or None."""
+    def load_overload(self, *arguments: Any) -> Any:
+        """Return the stored function, or None."""
         try:
-            return super().load_overload(*asked)
+            return super().load_overload(*arguments)
         except Exception:  # what is damaged may raise any
             with suppress(OSError):
                 self.flush()
             return None
 
     def save_overload(self, *compiled: Any) -> None:
-        """Keep it, where there is room."""
+        """Store a compiled function if there is space."""
         with suppress(OSError):
             super().save_overload(*compiled)
 
 
 @cache
-def sources(module: str) -> str:
-    """Hash of a module of this room and of those that it imports from."""
+def hash_sources(module: str) -> str:
+    """Return a hash of a module of this package and of the modules that it imports."""
     text = Path(__file__).with_name(f"{module}.py").read_text("utf-8")
     imported = re.findall(rf"^from {re.escape(__package__)}\.(\w+) import", text, re.MULTILINE)
-    return sha256("".join([text, *map(sources, imported)]).encode()).hexdigest()[:12]
+    return sha256("".join([text, *map(hash_sources, imported)]).encode()).hexdigest()[:12]
 
 
 @contextmanager
-def compiling_told(tell: Callable[[], None]) -> Iterator[None]:
-    """Call `tell` once, when in the block a kernel is compiled that is not kept on disk."""
-    with event.install_listener("numba:compile", _Once(tell)):
+def notify_compilation(notify: Callable[[], None]) -> Iterator[None]:
+    """Call a function once if a kernel is compiled in the block that is not stored on disk."""
+    with event.install_listener("numba:compile", _Once(notify)):
         yield
 
 
 class _Once(event.Listener):
-    """Tells of the first event."""
+    """Listener that calls a function at the first event only."""
 
-    def __init__(self, tell: Callable[[], None]) -> None:
-        self._tell: Callable[[], None] | None = tell
+    def __init__(self, notify: Callable[[], None]) -> None:
+        self._tell: Callable[[], None] | None = notify
 
     def on_start(self, event: event.Event) -> None:
-        tell, self._tell = self._tell, None
-        if tell is not None:
-            tell()
+        """Call the function at the first event."""
+        notify, self._tell = self._tell, None
+        if notify is not None:
+            notify()
 
     def on_end(self, event: event.Event) -> None:
-        """Nothing more to say."""
+        """Do nothing at the end of an event."""

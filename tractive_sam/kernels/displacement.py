@@ -22,7 +22,7 @@ PARITY = {
 """Parity in x and in y of each component; "xz" is u_x by p_z."""
 
 
-def quadrant(
+def displacement_quadrant(
     offsets: tuple[int, int], dx: float, dy: float, depth: float, poisson: float
 ) -> dict[str, np.ndarray]:
     """Return the displacement by a unit traction on a rectangle, times its shear modulus.

@@ -38,8 +38,8 @@ def deviators(out, path):
 
 
 @compiled
-def enclosing(centre, support, weights, points, squares, begun=0):
-    """The smallest ball around points.
+def enclosing_ball(centre, support, weights, points, squares, begun=0):
+    """Find the smallest ball that encloses points.
 
     Minimises over c the largest |p_i - c|². In the dual c is the mean of some of the points with
     positive weights, all of which are equally far: an active set of these grows by the farthest
@@ -70,13 +70,13 @@ def enclosing(centre, support, weights, points, squares, begun=0):
     matrix, right = np.empty((m + 1, m + 1)), np.empty(m + 1)
     target = np.empty(m + 2)
     count, largest = 2, 0.0
-    if begun < 2 or _apart(points, support[0], support[1]) == 0.0:
+    if begun < 2 or _squared_distance(points, support[0], support[1]) == 0.0:
         begun = 2
-        support[0] = _farthest(squares, points[:, 0], points)
-        support[1] = _farthest(squares, points[:, support[0]], points)
+        support[0] = _index_of_farthest(squares, points[:, 0], points)
+        support[1] = _index_of_farthest(squares, points[:, support[0]], points)
     weights[0], weights[1] = 0.5, 0.5
     for j in range(2, begun):
-        count = _joined(support, weights, count, support[j], points, target, matrix, right)
+        count = _add_support(support, weights, count, support[j], points, target, matrix, right)
     for _ in range(MOST):
         first, radius2 = support[0], 0.0
         for k in range(m):
@@ -84,17 +84,17 @@ def enclosing(centre, support, weights, points, squares, begun=0):
             for j in range(count):
                 centre[k] += weights[j] * points[k, support[j]]
             radius2 += (points[k, first] - centre[k]) ** 2
-        far = _farthest(squares, centre, points)
+        far = _index_of_farthest(squares, centre, points)
         largest = squares[far]
         if not largest > radius2 * (1.0 + 1e-14):  # nor where it is nan
             break
-        count = _joined(support, weights, count, far, points, target, matrix, right)
+        count = _add_support(support, weights, count, far, points, target, matrix, right)
     return count, largest
 
 
 @compiled(inner=True)
-def _apart(points, i, j):
-    """Squared distance of two points."""
+def _squared_distance(points, i, j):
+    """Return the squared distance of two points."""
     square = 0.0
     for k in range(len(points)):
         square += (points[k, i] - points[k, j]) ** 2
@@ -102,14 +102,14 @@ def _apart(points, i, j):
 
 
 @compiled(inner=True)
-def _joined(support, weights, count, far, points, target, matrix, right):
-    """Let a point join those that hold a ball, and those leave that it needs no more; how many."""
+def _add_support(support, weights, count, far, points, target, matrix, right):
+    """Add a point to the support of a ball, and drop points no longer needed; return its size."""
     support[count], weights[count] = far, 0.0
     count += 1
     leaving = 0
     while leaving >= 0:
-        dependent = _equally_far(target, support, count, points, matrix, right)
-        leaving = _moved(weights, target, count, dependent)
+        dependent = _equidistant_weights(target, support, count, points, matrix, right)
+        leaving = _move_weights(weights, target, count, dependent)
         if leaving >= 0:
             for j in range(leaving, count - 1):
                 support[j], weights[j] = support[j + 1], weights[j + 1]
@@ -118,8 +118,8 @@ def _joined(support, weights, count, far, points, target, matrix, right):
 
 
 @compiled(inner=True)
-def _farthest(squares, centre, points):
-    """Set the squared distances; the point that is farthest."""
+def _index_of_farthest(squares, centre, points):
+    """Set the squared distances from the centre, and return the index of the farthest point."""
     # One coordinate after another, so that several points go at once.
     for k in range(len(points)):
         own, c = points[k], centre[k]
@@ -129,12 +129,12 @@ def _farthest(squares, centre, points):
         else:
             for i in range(squares.size):
                 squares[i] += (own[i] - c) ** 2
-    return _largest(squares)
+    return _index_of_largest(squares)
 
 
 @compiled(inner=True)
-def _largest(values):
-    """Where the largest value is."""
+def _index_of_largest(values):
+    """Return the index of the largest value."""
     # Four at once: one after another each would wait for the one before.
     a = b = c = d = values[0]
     fours = values.size // 4 * 4
@@ -151,8 +151,8 @@ def _largest(values):
 
 
 @compiled(inner=True)
-def _moved(weights, target, count, dependent):
-    """Move weights towards their target as far as all stay positive; which falls to zero, or -1.
+def _move_weights(weights, target, count, dependent):
+    """Move weights towards a target while all are positive; return the first that reaches zero.
 
     Of dependent points the target is a direction, along which they keep their mean and the radius
     grows.
@@ -169,8 +169,8 @@ def _moved(weights, target, count, dependent):
 
 
 @compiled(inner=True)
-def _equally_far(target, support, count, points, matrix, right):
-    """Set the weights of the point that is equally far from all that hold a ball.
+def _equidistant_weights(target, support, count, points, matrix, right):
+    """Set the weights of the point with equal distances from all support points of a ball.
 
     True where the last of them lies in the space of the others: then the change of all weights
     that leaves the mean where it is, with that of the last one 1.
@@ -197,20 +197,20 @@ def _equally_far(target, support, count, points, matrix, right):
                 value -= matrix[i, j] * right[j]
             elif i == last and entry <= 1e-13 * own:
                 target[count - 1] = 1.0
-                _solved_back(target, matrix, -matrix[last], last)
+                _back_substitute(target, matrix, -matrix[last], last)
                 target[0] = -target[1:count].sum()
                 return True
             else:
                 matrix[i, i] = math.sqrt(entry)
                 right[i] = value / matrix[i, i]
-    _solved_back(target, matrix, right, last + 1)
+    _back_substitute(target, matrix, right, last + 1)
     target[0] = 1.0 - target[1:count].sum()
     return False
 
 
 @compiled(inner=True)
-def _solved_back(out, matrix, right, count):
-    """Set out[1:] to the solution of L^T x = right, L the lower part of a matrix."""
+def _back_substitute(out, matrix, right, count):
+    """Set out[1:] to the solution of L^T x = right, with L the lower part of a matrix."""
     for row in range(count - 1, -1, -1):
         back = right[row]
         for k in range(row + 1, count):
@@ -219,8 +219,8 @@ def _solved_back(out, matrix, right, count):
 
 
 @compiled
-def balls(out, paths):
-    """Set the radius of the smallest ball around each deviatoric path.
+def enclosing_radii(out, paths):
+    """Compute the radius of the smallest ball around each deviatoric path.
 
     The largest sqrt(J2) that is left when the best constant deviator is added to the cycle: the
     amplitude of Crossland, and the yield stress in shear below which nothing lets the cycle become
@@ -238,13 +238,13 @@ def balls(out, paths):
     support, weights, count = np.empty(7, np.int64), np.empty(7), 0
     for k in range(len(paths)):
         deviators(points, paths[k])
-        count, square = enclosing(centre, support, weights, points, squares, count)
+        count, square = enclosing_ball(centre, support, weights, points, squares, count)
         out[k] = math.sqrt(square)
 
 
 @compiled
 def tresca(e):
-    """Largest shear stress of a deviator, from its five coordinates.
+    """Return the largest shear stress of a deviator, from its five coordinates.
 
     With J2 and J3: sqrt(J2) sin(theta + pi/3), cos(3 theta) = 3 sqrt 3 J3 / (2 J2^(3/2)).
     """
@@ -262,10 +262,10 @@ def tresca(e):
 
 @compiled
 def dang_van(out, radius, paths, a):
-    """Set the largest tau(x) + a sigma_h(x) of each path, and the radius of `balls`.
+    """Compute the largest tau(x) + a sigma_h(x) of each path, and the radius of `enclosing_radii`.
 
     tau is the largest shear stress of s minus the centre of the smallest ball around its path,
-    sigma_h the hydrostatic stress; arguments as of `balls`.
+    sigma_h the hydrostatic stress; arguments as of `enclosing_radii`.
     """
     n = paths.shape[2]
     points, squares, centre = np.empty((5, n)), np.empty(n), np.empty(5)
@@ -274,24 +274,24 @@ def dang_van(out, radius, paths, a):
     for k in range(len(paths)):
         path = paths[k]
         deviators(points, path)
-        count, square = enclosing(centre, support, weights, points, squares, count)
+        count, square = enclosing_ball(centre, support, weights, points, squares, count)
         radius[k] = math.sqrt(square)
         for i in range(n):
             pulled[i] = a * (path[0, i] + path[1, i] + path[2, i]) / 3.0
             most[i] = math.sqrt(squares[i]) + pulled[i]  # tau is at most sqrt(J2)
-        worst, i = -math.inf, _largest(most)
+        worst, i = -math.inf, _index_of_largest(most)
         while most[i] > worst:
             for c in range(5):
                 own[c] = points[c, i] - centre[c]
             worst = max(worst, tresca(own) + pulled[i])
             most[i] = -math.inf
-            i = _largest(most)
+            i = _index_of_largest(most)
         out[k] = worst
 
 
 @compiled
 def shakedown_layer(out, paths):
-    """Set what is left of sqrt(J2) of the cycles at one depth when the best residual is added.
+    """Compute the sqrt(J2) that remains of cycles at one depth with the best residual stress.
 
     Residual stresses that rolling leaves do not change along x: rho_xx(y, z) of any form and
     rho_yy(z) of depth alone are in equilibrium and leave the surface free (Melan: a load below the
@@ -332,20 +332,20 @@ def shakedown_layer(out, paths):
     fits, at = np.empty(count), np.zeros(count)
     known = np.zeros(count, np.bool_)
     for k in range(count):
-        fits[k] = j2[k, _largest(j2[k])]
+        fits[k] = j2[k, _index_of_largest(j2[k])]
     room = np.empty(n), np.empty(n), np.empty((2, 2)), np.empty(2)
     r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
     # A and B of the last bounds whose minimum is to the right, and to the left.
     cuts = np.full((2, 2), math.nan)
     for _ in range(MOST):
         likely = int(np.argmax(np.sqrt(fits) + np.abs(r - at)))
-        worst, b = _fitted(p[likely], q[likely], j2[likely], r, room)
+        worst, b = _remaining_shear(p[likely], q[likely], j2[likely], r, room)
         fits[likely], at[likely], known[likely] = worst, r, True
         for k in range(count):
             # The root of what is left changes by no more than r: this one is not the largest.
             if k == likely or math.sqrt(fits[k]) + abs(r - at[k]) < math.sqrt(max(bound, worst)):
                 continue
-            fits[k], mean = _fitted(p[k], q[k], j2[k], r, room)
+            fits[k], mean = _remaining_shear(p[k], q[k], j2[k], r, room)
             at[k], known[k] = r, True
             if fits[k] > worst:
                 worst, b = fits[k], mean
@@ -354,20 +354,20 @@ def shakedown_layer(out, paths):
         side = 0 if b + r < 0.0 else 1
         cuts[side, 0], cuts[side, 1] = worst - 2.0 * b * r - r * r, b
         before = r
-        r, bound = _lowest(cuts[side], cuts[1 - side])
+        r, bound = _lowest_upper_bound(cuts[side], cuts[1 - side])
         bound = max(bound, 0.0)
         if best - bound <= 1e-12 * best or r == before:
             break
     for k in range(count):
         if at[k] != best_r or not known[k]:
-            fits[k], _ = _fitted(p[k], q[k], j2[k], best_r, room)
+            fits[k], _ = _remaining_shear(p[k], q[k], j2[k], best_r, room)
         out[k] = math.sqrt(fits[k])
     return 2.0 * best_r
 
 
 @compiled(inner=True)
-def _fitted(p, q, j2, r, room):
-    """What is left of a path at r, by its best c, and the mean q of the points that hold it."""
+def _remaining_shear(p, q, j2, r, room):
+    """Return the remaining J2 of a path at r with its best c, and the mean q of its support."""
     fixed, values, cuts, means = room
     for i in range(p.size):
         fixed[i] = j2[i] + 2.0 * r * q[i]
@@ -376,12 +376,12 @@ def _fitted(p, q, j2, r, room):
     for _ in range(MOST):
         for i in range(p.size):
             values[i] = fixed[i] - 2.0 * c * p[i]
-        i = _largest(values)
+        i = _index_of_largest(values)
         best = min(best, values[i] + c * c)
         side = 0 if c < p[i] else 1
         cuts[side, 0], cuts[side, 1], means[side] = fixed[i], -p[i], q[i]
         before = c
-        c, bound = _lowest(cuts[side], cuts[1 - side])
+        c, bound = _lowest_upper_bound(cuts[side], cuts[1 - side])
         if best - bound <= 1e-14 * abs(best) or c == before:
             break
     mean, one, other = means[side], -cuts[side, 1], -cuts[1 - side, 1]
@@ -392,8 +392,8 @@ def _fitted(p, q, j2, r, room):
 
 
 @compiled(inner=True)
-def _lowest(one, other):
-    """Where the larger one of two bounds A + 2 B r + r² is smallest, and that; of one if no other.
+def _lowest_upper_bound(one, other):
+    """Return the place and value of the minimum of the larger of two parabolas A + 2 B r + r².
 
     It is at the minimum of either, or where they meet.
     """
@@ -410,38 +410,38 @@ def _lowest(one, other):
 
 
 @compiled
-def circle(support, weights, points, squares, enough=0.0):
-    """The smallest circle around points in a plane; arguments and result as of `enclosing`.
+def enclosing_circle(support, weights, points, squares, enough=0.0):
+    """Find the smallest circle around points in a plane; arguments as in `enclosing_ball`.
 
     Two points hold it, or three that make an acute triangle: the farthest point outside takes the
     place of one of them (Elzinga & Hearn, Transp. Sci. 6 (1972) 379). It begins with the first two
     of the given support: those of a circle nearby, or any. Once the square is no larger than
     `enough` it may be too large.
     """
-    held, largest = 2, 0.0
+    count, largest = 2, 0.0
     weights[0], weights[1] = 0.5, 0.5
     for _ in range(MOST):
         x = y = 0.0
-        for j in range(held):
+        for j in range(count):
             x += weights[j] * points[0, support[j]]
             y += weights[j] * points[1, support[j]]
         centre = x, y
         square = (points[0, support[0]] - x) ** 2 + (points[1, support[0]] - y) ** 2
-        far = _farthest(squares, centre, points)
+        far = _index_of_farthest(squares, centre, points)
         largest = squares[far]
         if largest <= max(square * (1.0 + 1e-14), enough):
             break
-        if held == 3:
-            support[_opposite(support, points, centre, far)] = far
+        if count == 3:
+            support[_replaced_point(support, points, centre, far)] = far
         else:
             support[2] = far
-        held = _acute(support, weights, points)
-    return held, largest
+        count = _centre_of_three(support, weights, points)
+    return count, largest
 
 
 @compiled(inner=True)
-def _opposite(support, points, centre, far):
-    """Which of three points on a circle gives way to one outside.
+def _replaced_point(support, points, centre, far):
+    """Return which of three support points of a circle is replaced by one outside.
 
     Not the farthest from it; of the others the one on its side of the line from there through the
     centre.
@@ -463,8 +463,8 @@ def _opposite(support, points, centre, far):
 
 
 @compiled(inner=True)
-def _acute(support, weights, points):
-    """Set the weights of the centre of the circle that three points need; how many hold it."""
+def _centre_of_three(support, weights, points):
+    """Set the weights of the centre of the circle of three points; return how many support it."""
     for j in range(3):
         a, b, c = support[j], support[(j + 1) % 3], support[(j + 2) % 3]
         bx, by = points[0, b] - points[0, a], points[1, b] - points[1, a]
@@ -482,34 +482,34 @@ def _acute(support, weights, points):
 
 
 @compiled
-def _plane(path, normal, sum_k, product_k, room, enough=-math.inf):
-    """Value of a critical plane: amplitude of the shear, and the largest normal stress.
+def _evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
+    """Evaluate the criterion on a plane: shear amplitude and largest normal stress.
 
     tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), whichever is asked for; and how
     many points hold the circle of the shear, and which one has the normal stress. Once the value is
     no larger than `enough` it may be too large.
     """
     on_plane, squares, support, weights, look, _ = room
-    _looking(look, normal)
+    _stress_factors(look, normal)
     xx, yy, zz, xy, xz, yz = path[0], path[1], path[2], path[3], path[4], path[5]
     for k in range(3):
         out, a, b, c = on_plane[k], look[k, 0], look[k, 1], look[k, 2]
         d, e, f = look[k, 3], look[k, 4], look[k, 5]
         for i in range(out.size):
             out[i] = a * xx[i] + b * yy[i] + c * zz[i] + d * xy[i] + e * xz[i] + f * yz[i]
-    at = _largest(on_plane[0])
+    at = _index_of_largest(on_plane[0])
     high = on_plane[0, at]
     factor = max(1.0 + product_k * high, 0.0)
     radius = max(enough - sum_k * high, 0.0) / max(factor, 1e-300)
-    held, square = circle(support, weights, on_plane[1:], squares, radius * radius)
-    return math.sqrt(square) * factor + sum_k * high, held, at
+    count, square = enclosing_circle(support, weights, on_plane[1:], squares, radius * radius)
+    return math.sqrt(square) * factor + sum_k * high, count, at
 
 
 @compiled(inner=True)
-def _looking(look, normal):
-    """Set what makes nn, en, fn, ee, ef and ff of the components of a stress (6, 6)."""
+def _stress_factors(look, normal):
+    """Compute the factors of stress components for the normal and shear stresses on a plane."""
     n = normal[0], normal[1], normal[2]
-    e, f = _axes(n)
+    e, f = _perpendicular_axes(n)
     for k, (u, v) in enumerate(((n, n), (e, n), (f, n), (e, e), (e, f), (f, f))):
         look[k, 0], look[k, 1], look[k, 2] = u[0] * v[0], u[1] * v[1], u[2] * v[2]
         look[k, 3] = u[0] * v[1] + u[1] * v[0]
@@ -538,15 +538,15 @@ is made shorter, and the gain, over the value, from which on none is worth its w
 
 @compiled
 def critical_plane(out, paths, sum_k, product_k):
-    """Set the largest value over all planes of a shear amplitude and the largest normal stress.
+    """Compute the largest value over all planes of a shear amplitude with normal stress.
 
     tau_a + sum_k sigma_n,max (Findley) or tau_a (1 + product_k sigma_n,max) (Fatemi-Socie); tau_a
     is the radius of the smallest circle around the path of the shear stress on the plane. Both are
-    the largest of smooth functions of the normal, one for each set of points that may hold the
-    circle: a path of many points has many maxima close together. So normals are looked at in cells
-    of a cube around the sphere, and a cell is divided in four until it holds no value above the
-    largest that is known (see `_bend`). From each that is larger Newton's steps lead to the
-    maximum beside it; they begin with the critical plane of the path before.
+    the largest of smooth functions of the normal, one for each set of support points of the circle,
+    and a path of many points has many maxima close together. So normals are searched in cells of a
+    cube around the sphere, and a cell is divided in four until it cannot hold a value above the
+    largest one so far (see `_bound_curvature`). From each larger value Newton steps lead to the
+    nearest maximum; the search begins with the critical plane of the previous path.
 
     Parameters
     ----------
@@ -557,12 +557,12 @@ def critical_plane(out, paths, sum_k, product_k):
     sum_k, product_k : float
         Sensitivities; one of them is zero, the second is per unit of the stress.
     """
-    n, cells = paths.shape[2], _cells()
+    n, cells = paths.shape[2], _first_cells()
     half, count = cells[0, 3], len(cells)
     normals, reach = np.empty((count, 3)), np.empty(count)
     for c in range(count):
-        reach[c] = _middle(normals[c], cells[c])
-    looks, box, values = _looks(normals), np.empty((6, count)), np.empty(count)
+        reach[c] = _cell_normal(normals[c], cells[c])
+    looks, box, values = _stress_factors_of_planes(normals), np.empty((6, count)), np.empty(count)
     support, weights = np.zeros(3, np.int64), np.empty(3)
     room = np.empty((3, n)), np.empty(n), support, weights, np.empty((6, 6)), np.empty((4, 6))
     ball = np.empty((5, n)), np.empty(n), np.empty(5), np.empty(7, np.int64), np.empty(7)
@@ -571,17 +571,17 @@ def critical_plane(out, paths, sum_k, product_k):
     smallest = half * 0.5**DIVIDED
     for k in range(len(paths)):
         path = paths[k]
-        bend = LIKELY * _bend(path, sum_k, product_k, ball)
-        _boxes(box, path, looks)
+        bend = LIKELY * _bound_curvature(path, sum_k, product_k, ball)
+        _stress_ranges(box, path, looks)
         for c in range(count):  # with the rectangle's diagonal: it is never too small
             amplitude = 0.5 * math.hypot(box[3, c] - box[2, c], box[5, c] - box[4, c])
             factor = max(1.0 + product_k * box[1, c], 0.0)
             values[c] = amplitude * factor + sum_k * box[1, c]
-        best = max(_maximised(last, path, sum_k, product_k, room), 0.0)
-        _copy(normal, normals[_largest(values)])
-        beside = _maximised(normal, path, sum_k, product_k, room)
-        if beside > best:
-            best = beside
+        best = max(_local_maximum(last, path, sum_k, product_k, room), 0.0)
+        _copy(normal, normals[_index_of_largest(values)])
+        improved = _local_maximum(normal, path, sum_k, product_k, room)
+        if improved > best:
+            best = improved
             _copy(last, normal)
         left = 0
         for c in range(count):
@@ -591,15 +591,15 @@ def critical_plane(out, paths, sum_k, product_k):
         while left > 0:
             left -= 1
             face, u, v, side = stack[left]
-            far = _middle(normal, stack[left])
+            far = _cell_normal(normal, stack[left])
             enough = best * (1.0 + ENOUGH) - bend * far
-            value = _plane(path, normal, sum_k, product_k, room, enough)[0]
+            value = _evaluate_plane(path, normal, sum_k, product_k, room, enough)[0]
             if value <= enough or side <= smallest:
                 continue
             if value > best:
-                beside = _maximised(normal, path, sum_k, product_k, room)
-                if beside > best:
-                    best = beside
+                improved = _local_maximum(normal, path, sum_k, product_k, room)
+                if improved > best:
+                    best = improved
                     _copy(last, normal)
             side *= 0.5
             for j in range(4):
@@ -611,8 +611,8 @@ def critical_plane(out, paths, sum_k, product_k):
 
 
 @compiled(inner=True)
-def _cells():
-    """The cells of the first look (m, 4): face, angles u and v of the middle, half of the side."""
+def _first_cells():
+    """Return the cells of the first search (m, 4): face, angles u, v of the middle, half side."""
     cells, half = np.empty((3 * SIDE * SIDE, 4)), math.pi / 4 / SIDE
     for k in range(len(cells)):
         cells[k, 0], cells[k, 3] = k // (SIDE * SIDE), half
@@ -622,8 +622,8 @@ def _cells():
 
 
 @compiled(inner=True)
-def _middle(normal, cell):
-    """Set the normal in the middle of a cell; how far its farthest corner is, radians, squared.
+def _cell_normal(normal, cell):
+    """Set the normal in the middle of a cell; return the squared angle of its farthest corner.
 
     Across a face of the cube normals are (1, tan u, tan v): the sides of a cell are great circles,
     so no point is farther than a corner, and of these it is one on the longer diagonal.
@@ -643,8 +643,8 @@ def _middle(normal, cell):
 
 
 @compiled(inner=True)
-def _bend(path, sum_k, product_k, ball):
-    """By how much a value falls beside its maximum at most, over the square of the angle, radians.
+def _bound_curvature(path, sum_k, product_k, ball):
+    """Bound the curvature of the criterion around a maximum, over the squared angle, radians.
 
     Take the points i that hold the circle of the critical plane, with their weights w. For each
     plane, the circle is no smaller than sqrt(sum of w |t_i - t|²), t the mean, and that no smaller
@@ -657,7 +657,7 @@ def _bend(path, sum_k, product_k, ball):
     """
     points, squares, centre, support, weights = ball
     deviators(points, path)
-    radius = math.sqrt(enclosing(centre, support, weights, points, squares)[1])
+    radius = math.sqrt(enclosing_ball(centre, support, weights, points, squares)[1])
     shear, highest = 0.0, -math.inf
     for i in range(path.shape[1]):
         j2 = 0.0
@@ -673,7 +673,7 @@ def _bend(path, sum_k, product_k, ball):
 
 @compiled(inner=True)
 def _copy(out, values):
-    """Set an array of one dimension.
+    """Copy an array of one dimension.
 
     In place of an assignment to a slice, whose check of shapes takes seconds to compile.
     """
@@ -682,19 +682,19 @@ def _copy(out, values):
 
 
 @compiled(inner=True)
-def _looks(normals):
-    """What makes the normal and both shear stresses on planes of six components (3, 6, m)."""
+def _stress_factors_of_planes(normals):
+    """Return the factors for normal and both shear stresses on planes (3, 6, m)."""
     looks, look = np.empty((3, 6, len(normals))), np.empty((6, 6))
     for c in range(len(normals)):
-        _looking(look, normals[c])
+        _stress_factors(look, normals[c])
         for k in range(3):
             _copy(looks[k, :, c], look[k])
     return looks
 
 
 @compiled(inner=True)
-def _boxes(box, path, looks):
-    """Set the smallest and the largest (6, m) of the normal and both shear stresses of a path."""
+def _stress_ranges(box, path, looks):
+    """Compute the range (6, m) of the normal and both shear stresses along a path."""
     box[0::2], box[1::2] = math.inf, -math.inf
     for i in range(path.shape[1]):
         xx, yy, zz = path[0, i], path[1, i], path[2, i]
@@ -710,16 +710,16 @@ def _boxes(box, path, looks):
 
 
 @compiled
-def _maximised(normal, path, sum_k, product_k, room):
-    """The local maximum that Newton's steps lead to from a normal."""
+def _local_maximum(normal, path, sum_k, product_k, room):
+    """Return the local maximum that Newton steps reach from a normal."""
     trial = np.empty(3)
-    here, held, at = _plane(path, normal, sum_k, product_k, room)
+    here, count, at = _evaluate_plane(path, normal, sum_k, product_k, room)
     for _ in range(STEPS):
-        a, b = _uphill(path, here, held, at, sum_k, product_k, room)
+        a, b = _newton_step(path, here, count, at, sum_k, product_k, room)
         gain = 0.0
         for _ in range(SHORTENED):
-            _turned(trial, normal, a, b)
-            there, held, at = _plane(path, trial, sum_k, product_k, room)
+            _turn_normal(trial, normal, a, b)
+            there, count, at = _evaluate_plane(path, trial, sum_k, product_k, room)
             gain = there - here
             if gain > 0.0:
                 here = there
@@ -732,8 +732,8 @@ def _maximised(normal, path, sum_k, product_k, room):
 
 
 @compiled
-def _uphill(path, here, held, at, sum_k, product_k, room):
-    """Newton's step (a, b) along the axes of the plane last looked at.
+def _newton_step(path, here, count, at, sum_k, product_k, room):
+    """Return the Newton step (a, b) along the axes of the plane evaluated last.
 
     The squared radius is the largest, over weights w of the points that hold the circle, of the
     weighted mean of their |t_i - t|², t the weighted mean of their shear: at fixed weights its
@@ -743,13 +743,13 @@ def _uphill(path, here, held, at, sum_k, product_k, room):
     _, _, support, weights, look, seen = room
     for k in range(6):
         seen[3, k] = 0.0
-        for j in range(held):
+        for j in range(count):
             seen[j, k] = 0.0
             for c in range(6):
                 seen[j, k] += look[k, c] * path[c, support[j]]
             seen[3, k] += weights[j] * seen[j, k]
     ga = gb = haa = hab = hbb = square = 0.0
-    for j in range(held):
+    for j in range(count):
         for k in range(6):
             seen[j, k] -= seen[3, k]
         n, en, fn, ee, ef, ff = seen[j]
@@ -762,9 +762,9 @@ def _uphill(path, here, held, at, sum_k, product_k, room):
         hbb += w * (2.0 * ((ff - n) ** 2 + ef * ef - en * en) - 8.0 * fn * fn)
         hab += w * (2.0 * ef * (ee + ff - 2.0 * n) - 6.0 * en * fn)
         seen[j, 3], seen[j, 4] = a, b
-    if held == 3:
-        x0, y0, x1, y1 = _beside(seen, 1)
-        a0, b0, a1, b1 = _beside(seen, 3)
+    if count == 3:
+        x0, y0, x1, y1 = _column_differences(seen, 1)
+        a0, b0, a1, b1 = _column_differences(seen, 3)
         m00, m01, m11 = x0 * x0 + y0 * y0, x0 * x1 + y0 * y1, x1 * x1 + y1 * y1
         det = 2.0 * (m00 * m11 - m01 * m01)
         if det > 1e-12 * m00 * m11:
@@ -786,19 +786,21 @@ def _uphill(path, here, held, at, sum_k, product_k, room):
     haa = factor * haa + 4.0 * product_k * ga * en + twice * (ee - n)
     hbb = factor * hbb + 4.0 * product_k * gb * fn + twice * (ff - n)
     hab = factor * hab + 2.0 * product_k * (ga * fn + gb * en) + twice * ef
-    return _newton(here, factor * ga + twice * en, factor * gb + twice * fn, haa, hab, hbb)
+    return _solve_newton_step(
+        here, factor * ga + twice * en, factor * gb + twice * fn, haa, hab, hbb
+    )
 
 
 @compiled(inner=True)
-def _beside(seen, k):
-    """Two columns of what is seen at the second and third point, less that at the first."""
+def _column_differences(seen, k):
+    """Return the differences of two columns from the first point."""
     x, y = seen[0, k], seen[0, k + 1]
     return seen[1, k] - x, seen[1, k + 1] - y, seen[2, k] - x, seen[2, k + 1] - y
 
 
 @compiled
-def _newton(here, ga, gb, haa, hab, hbb):
-    """The step by gradient and second derivatives; uphill, too, where it does not curve down."""
+def _solve_newton_step(here, ga, gb, haa, hab, hbb):
+    """Return the step from gradient and second derivatives, uphill if the curvature is positive."""
     largest = 0.5 * (haa + hbb) + math.hypot(0.5 * (haa - hbb), hab)
     shift = max(0.0, largest + 0.1 * here)
     haa, hbb = haa - shift, hbb - shift
@@ -811,8 +813,8 @@ def _newton(here, ga, gb, haa, hab, hbb):
 
 
 @compiled(inner=True)
-def _axes(normal):
-    """Two axes across a normal."""
+def _perpendicular_axes(normal):
+    """Return two axes perpendicular to a normal."""
     nx, ny, nz = normal
     if abs(nz) < 0.9:
         h = math.hypot(nx, ny)
@@ -824,9 +826,9 @@ def _axes(normal):
 
 
 @compiled
-def _turned(out, normal, a, b):
-    """Set the normal turned by (a, b) towards the axes across it."""
-    e, f = _axes((normal[0], normal[1], normal[2]))
+def _turn_normal(out, normal, a, b):
+    """Set the normal turned by (a, b) towards its two perpendicular axes."""
+    e, f = _perpendicular_axes((normal[0], normal[1], normal[2]))
     total = 0.0
     for k in range(3):
         out[k] = normal[k] + a * e[k] + b * f[k]
@@ -837,7 +839,7 @@ def _turned(out, normal, a, b):
 
 @compiled
 def monotone(out, x, values, at):
-    """Set values at other places, by cubics that are monotone wherever the values are.
+    """Interpolate values by cubics that are monotone wherever the values are.
 
     Source: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300, with the three-point formula
     at the ends.
@@ -863,8 +865,8 @@ def monotone(out, x, values, at):
             if rise[k - 1] * rise[k] > 0.0:
                 one, other = 2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]
                 slope[k] = (one + other) / (one / rise[k - 1] + other / rise[k])
-        slope[0] = _end(h[0], h[1], rise[0], rise[1])
-        slope[n - 1] = _end(h[n - 2], h[n - 3], rise[n - 2], rise[n - 3])
+        slope[0] = _end_slope(h[0], h[1], rise[0], rise[1])
+        slope[n - 1] = _end_slope(h[n - 2], h[n - 3], rise[n - 2], rise[n - 3])
         k = 0
         for j in range(at.shape[1]):
             while k < n - 2 and at[row, j] >= x[k + 1]:
@@ -876,8 +878,8 @@ def monotone(out, x, values, at):
 
 
 @compiled(inner=True)
-def _end(h, further, rise, next_rise):
-    """Slope at an end, by the parabola through three points, kept monotone."""
+def _end_slope(h, further, rise, next_rise):
+    """Return the slope at an end, by the parabola through three points, limited to be monotone."""
     slope = ((2.0 * h + further) * rise - h * next_rise) / (h + further)
     if slope * rise <= 0.0:
         return 0.0

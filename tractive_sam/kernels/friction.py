@@ -19,7 +19,7 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 @compiled(inner=True)
 def _nearest(a, b, g, w0, w1):
-    """Point z of the disc of radius g > 0 nearest to (a, b), and l >= 0 with (1 + l w) z = (a, b).
+    """Return the point z of the disc of radius g nearest to (a, b), and l: (1 + l w) z = (a, b).
 
     Nearest where squares of distances count by 1/w: that of the ellipse which the disc is in
     unscaled tractions (`Frame`), if w are the squares of the factors. The root l of |z| = g is
@@ -47,7 +47,7 @@ def _nearest(a, b, g, w0, w1):
 
 @compiled
 def project(traction, bound, out, w0=1.0, w1=1.0):
-    """Nearest point of the disc of radius ``bound``, element by element; zero where bound <= 0.
+    """Project tractions onto discs of radius ``bound``, element by element; zero if bound <= 0.
 
     Squares of distances along the axes count by 1/w0 and 1/w1 (`_nearest`).
     """
@@ -91,7 +91,7 @@ def _centred(slip, contact, i, ahead, m0, m1):
 
 @compiled
 def centre(slip, contact, out, ahead=1.0):
-    """Slip at the centres of the elements in contact, from that of the leading faces.
+    """Compute the slip at the centres of elements in contact from that of the leading faces.
 
     The faces lie `ahead` / 2 elements before the centres.
     """
@@ -107,7 +107,7 @@ def centre(slip, contact, out, ahead=1.0):
 
 @compiled
 def lead(slip, traction, rows, columns, kept, answer):
-    """Set the slip of leading elements to a share of it and what it answers to their tractions.
+    """Set the slip of leading elements to a share of it plus their response to tractions.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def lead(slip, traction, rows, columns, kept, answer):
 
 @compiled
 def remember(target, kept, contact, ahead, out):
-    """Shares of a bound that tend to their targets as the material passes, from the leading edge.
+    """Compute shares of a bound that relax to targets while the material passes the contact.
 
     Each element keeps a part of the share of the one ahead, which enters the contact with one.
     ``ahead`` is set to the share of the element ahead.
@@ -143,7 +143,7 @@ def remember(target, kept, contact, ahead, out):
 
 @compiled
 def carried(by_share, by_slip, kept, slip, out):
-    """Change of a bound by a change of the slip at the centres, from the leading edge."""
+    """Compute the change of a bound by a change of the slip at the centres."""
     nx, ny = by_share.shape
     share = np.zeros(ny)
     for i in range(nx - 1, -1, -1):
@@ -155,7 +155,7 @@ def carried(by_share, by_slip, kept, slip, out):
 
 @compiled(inner=True)
 def _share(a0, a1, m0, m1):
-    """Share of the centre in the direction opposed, 2 a.m/(a² + m²) and a² + m² (`turn`)."""
+    """Return the share of the centre in the opposed direction, 2 a.m/(a² + m²), and a² + m²."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
     known = square >= 1e-200
     square = square if known else 1.0
@@ -165,7 +165,7 @@ def _share(a0, a1, m0, m1):
 
 @compiled(inner=True)
 def _turned(a0, a1, m0, m1):
-    """The slip opposed, and the ratio of its size to that of the vector it is turned to."""
+    """Return the slip opposed, and its size over that of the vector from which it is turned."""
     share, _, _ = _share(a0, a1, m0, m1)
     d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
     square = d0 * d0 + d1 * d1
@@ -177,7 +177,7 @@ def _turned(a0, a1, m0, m1):
 
 @compiled
 def turn(slip, contact, out, ahead=1.0):
-    """Slip that the tractions oppose, from that of the leading faces.
+    """Compute the slip that the tractions oppose from that of the leading faces.
 
     Its size is that of the slip a of the leading face, which decides between stick and slip, its
     direction that of the slip m at the centre. Where slip just begins, or the two disagree, the
@@ -200,7 +200,7 @@ def turn(slip, contact, out, ahead=1.0):
 
 @compiled(inner=True)
 def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
-    """Derivative, along t, of the slip opposed s over the ratio of sizes (`_turned`).
+    """Return the derivative along t of the opposed slip s over the ratio of sizes (`_turned`).
 
     s turns with the vector d that it is turned to, s/|s| = d/|d|, but keeps the size of a.
     """
@@ -232,7 +232,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
 def linearise(
     traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
 ):
-    """State of every element and the defect of the friction law, disc(p - w s) - p.
+    """Compute the state of each element and the residual of the friction law.
 
     Parameters
     ----------
@@ -333,7 +333,7 @@ def linearise(
 
 @compiled
 def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead=1.0):
-    """Rows of the linearised friction law.
+    """Apply the linearised friction law to a step and its slip.
 
     s where it sticks; kappa t.s + (1 - kappa) t.p along t and n.p along n, the direction of the
     traction, where it slips; p where it is open. ``step`` and ``slip`` are a change p of traction
@@ -370,7 +370,7 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
 
     The row of an element that slips is one number, D one of 2 x 2: as a vector the row goes along
     D t, what a traction along t makes of slip. Along t itself its part in the weaker direction of
-    slip would be taken for traction there, too large by mu1²/mu2² (`sweep`).
+    slip would be taken for traction there, too large by mu1²/mu2² (`sweep_upwind`).
     """
     nx, ny = state.shape
     trace = own[0] + own[2]
@@ -395,7 +395,7 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
 
 
 @compiled
-def sweep(state, direction, kappa, stiffness, own, row, smooth, rough, out):
+def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, out):
     """Integrate from the leading edge of every row, where the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
@@ -540,7 +540,7 @@ def share_out(state, direction, kappa, stiffness, share, behind, front, up, row,
 
 @compiled
 def gather(state, direction, share, rough, row, smooth, out):
-    """Put both parts together: of an element that slips, what is along t (`share_out`).
+    """Combine both parts of a step: for slipping elements the part along t (see `share_out`).
 
     The part along its direction, and all of an open one, is what ``row`` says.
     """

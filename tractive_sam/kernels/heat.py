@@ -22,8 +22,8 @@ EULER = 0.5772156649015329
 
 
 @compiled
-def passed(at, x, speed, kappa, out):
-    """A by the sides: out[k, i] = erf((x_i + V s²)/(2 sqrt(kappa) s)) / 2 of the points s_k."""
+def front_integrand(at, x, speed, kappa, out):
+    """Compute erf((x_i + V s²)/(2 sqrt(kappa) s)) / 2 at points s_k, for each side x_i."""
     for k in range(at.size):
         s = at[k]
         scale = 0.5 / (sqrt(kappa) * s)
@@ -33,7 +33,7 @@ def passed(at, x, speed, kappa, out):
 
 @compiled
 def exponential_integral(x):
-    """E1(x), x > 0: its series up to 1, then its continued fraction (modified Lentz)."""
+    """Return E1(x), x > 0: its series up to 1, then its continued fraction (Lentz)."""
     if x > 700.0:
         return 0.0
     if x <= 1.0:
@@ -59,7 +59,7 @@ def exponential_integral(x):
 
 @compiled(inner=True)
 def _spread(c, s):
-    """Integral of erf(c/t) over t from 0 to s."""
+    """Return the integral of erf(c/t) over t from 0 to s."""
     if s <= 0.0 or c == 0.0:
         return 0.0
     z = abs(c) / s
@@ -69,7 +69,7 @@ def _spread(c, s):
 
 @compiled(inner=True)
 def _front(x, speed, kappa):
-    """Where a side x ahead of the point stood, in s; what the front spreads shifts it a little.
+    """Return the time s at which a heat front passes a side x, corrected for its spread.
 
     The front in g = (V s² - x)/(2 sqrt(kappa) s) is odd but for the curvature of s(g), by which the
     integral of [1 + erf(g)]/2 is less than that of a step by kappa/(4 V² s).
@@ -80,8 +80,8 @@ def _front(x, speed, kappa):
 
 
 @compiled
-def swept(x, y, dx, dy, speed, kappa, out):
-    """Integral of A B over s where the fronts are steps, at points (x_i, y_j) of the surface."""
+def front_integral(x, y, dx, dy, speed, kappa, out):
+    """Compute the integral of A B over s at points (x_i, y_j), for step-like heat fronts."""
     width = 2.0 * sqrt(kappa)
     for i in range(x.size):
         first = _front(-(x[i] + 0.5 * dx), speed, kappa)

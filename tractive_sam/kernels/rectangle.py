@@ -38,7 +38,7 @@ _WEIGHTS = (0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.173
 
 @compiled
 def x_log(x, y):
-    """Antiderivative x ln(y + r) of y²/r³; zero in the limit x = 0.
+    """Return the antiderivative x ln(y + r) of y²/r³; zero in the limit x = 0.
 
     For y < 0 the sum y + r cancels and is replaced by its equal x²/(r - y).
     """
@@ -51,7 +51,7 @@ def x_log(x, y):
 
 @compiled
 def log_arctan(x, y):
-    """Antiderivative y ln r + x atan(y/x) of x/r², with its limits at x = 0 and at the origin."""
+    """Return the antiderivative y ln r + x atan(y/x) of x/r², with its limits at x = 0."""
     if x == 0.0:
         return y * log(abs(y)) if y != 0.0 else 0.0
     # atan(y/x) and atan2(y, |x|) differ only in the sign of x, which the factor x carries.
@@ -60,7 +60,7 @@ def log_arctan(x, y):
 
 @compiled
 def corner(x, y):
-    """Antiderivatives of the six integrands at one corner, in the order r1, xx, yy, xy, x2, y2."""
+    """Return the antiderivatives of the six integrands at one corner."""
     along_x = x_log(y, x)
     along_y = x_log(x, y)
     return (
@@ -75,7 +75,7 @@ def corner(x, y):
 
 @compiled
 def point(x, y):
-    """The six integrands themselves at (x, y) != (0, 0)."""
+    """Return the six integrands at (x, y) != (0, 0)."""
     r2 = x * x + y * y
     r = sqrt(r2)
     r3 = r * r2
@@ -84,7 +84,7 @@ def point(x, y):
 
 @compiled
 def near(x, y, dx, dy):
-    """The six integrals by corner differences; exact up to cancellation far away."""
+    """Return the six integrals over a rectangle by corner differences; inaccurate far away."""
     x1, x2 = x - 0.5 * dx, x + 0.5 * dx
     y1, y2 = y - 0.5 * dy, y + 0.5 * dy
     pp, mm = corner(x2, y2), corner(x1, y1)
@@ -101,7 +101,7 @@ def near(x, y, dx, dy):
 
 @compiled
 def far(x, y, dx, dy):
-    """The six integrals by Gauss-Legendre quadrature; exact far from the rectangle."""
+    """Return the six integrals over a distant rectangle by Gauss-Legendre quadrature."""
     # Scalars instead of an array: the compiler keeps them in registers.
     r1 = xx = yy = xy = x2 = y2 = 0.0
     for i in range(4):
@@ -120,7 +120,7 @@ def far(x, y, dx, dy):
 
 @compiled
 def integrals(x, y, dx, dy):
-    """Integrals of the six point kernels over the rectangle.
+    """Return the integrals of the six point kernels over a rectangle.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def integrals(x, y, dx, dy):
 
 @compiled
 def quadrant(nx, ny, dx, dy):
-    """Rectangle integrals at the offsets ``(i dx, j dy)``, 0 <= i < nx, 0 <= j < ny.
+    """Return the rectangle integrals at the offsets ``(i dx, j dy)``, 0 <= i < nx, 0 <= j < ny.
 
     The other three quadrants follow from the parities listed above.
 

@@ -8,14 +8,14 @@ from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 
 @compiled
 def scale(s, h):
-    """``h[0] <- s[0] h[0]``: one component, in place. ``s``: (1, m), ``h``: (1, m) complex."""
+    """Multiply one component in place: ``h[0] <- s[0] h[0]``, (1, m) complex."""
     for k in range(h.shape[1]):
         h[0, k] = s[0, k] * h[0, k]
 
 
 @compiled
 def symmetric_2x2(s, h):
-    """``h <- S h`` in place, S symmetric 2 x 2 with entries (11, 12, 22) in ``s``: (3, m)."""
+    """Multiply in place by a symmetric 2 x 2 matrix with entries (11, 12, 22) in ``s``."""
     for k in range(h.shape[1]):
         a, b = h[0, k], h[1, k]
         h[0, k] = s[0, k] * a + s[1, k] * b
@@ -24,7 +24,7 @@ def symmetric_2x2(s, h):
 
 @compiled
 def full_3x3(s, h):
-    """``h <- S h`` in place, S a full 3 x 3 matrix stored row by row in ``s``: (9, m)."""
+    """Multiply in place by a full 3 x 3 matrix stored row by row in ``s``: (9, m)."""
     for k in range(h.shape[1]):
         a, b, c = h[0, k], h[1, k], h[2, k]
         h[0, k] = s[0, k] * a + s[1, k] * b + s[2, k] * c
@@ -34,7 +34,7 @@ def full_3x3(s, h):
 
 @compiled(fastmath=ANY_ORDER)
 def row_products(out, rows, kernel, places):
-    """Work of each of some rows on each other one, by Parseval.
+    """Compute the work of each of some rows on each other row, by Parseval's theorem.
 
     Parameters
     ----------

@@ -81,13 +81,13 @@ REACH = (0.0, 0.0, 1e-6, 1 / 300, 1 / 25, 1 / 9, 1 / 4.5, 1 / 2.8, 1 / 2.2, 1 / 
 
 @compiled
 def safe_divide(numerator, denominator):
-    """Quotient, and 0 where the denominator is 0: the mean of the one-sided limits of y/R, x/R."""
+    """Return the quotient, or 0 if the denominator is 0: the mean of the one-sided limits."""
     return numerator / denominator if denominator != 0.0 else 0.0
 
 
 @compiled
 def positive_or(value, substitute):
-    """`value`, or `substitute` where it is 0: leaves the infinite part of a logarithm out."""
+    """Return `value`, or `substitute` if it is 0, to omit the infinite part of a logarithm."""
     return value if value > 0.0 else substitute
 
 

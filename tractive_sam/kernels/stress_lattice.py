@@ -38,7 +38,7 @@ _ROWS = 16
 
 
 def layer_table(out: np.ndarray, z: float, dx: float, dy: float, first: int, last: int) -> None:
-    """Set the packed integrals at the offsets of a mesh at one depth.
+    """Compute the packed integrals at the offsets of a mesh at one depth.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def layer_table(out: np.ndarray, z: float, dx: float, dy: float, first: int, las
 
 
 def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
-    """Set the packed integrals of strips that end in an edge x = const.
+    """Compute the packed integrals of strips that end in an edge x = const.
 
     A strip is as wide as a patch, -dy/2 < y < dy/2, and runs in x from the edge; what depends on
     its other end is left out, so that the difference between the edges of a patch is its integral.
@@ -83,7 +83,7 @@ def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
 
 
 def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarray, np.ndarray]:
-    """Logarithms (3) and arctangents (2) of the corner forms at (xs[i], ys[j], z)."""
+    """Return logarithms (3) and arctangents (2) of the corner forms at (xs[i], ys[j], z)."""
     logs, angles = np.empty((3, xs.size, ys.size)), np.empty((2, xs.size, ys.size))
     _arguments(logs, angles, xs, ys, z)
     return np.log(logs, out=logs), np.arctan(angles, out=angles)
@@ -91,14 +91,14 @@ def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarr
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _distance2(x, z, width):
-    """x² + z², and width² where that is 0: see `stress.log_argument`."""
+    """Return x² + z², or width² if that is 0: see `stress.log_argument`."""
     p = x * x + z * z
     return p if p > 0.0 else width * width
 
 
 @compiled(fastmath=ANY_ORDER)
 def _arguments(logs, angles, xs, ys, z):
-    """Set what logarithms and arctangents are taken of."""
+    """Compute the arguments of logarithms and arctangents."""
     for i in range(xs.size):
         x = xs[i]
         p = _distance2(x, z, ys[1] - ys[0])
@@ -118,7 +118,7 @@ def _arguments(logs, angles, xs, ys, z):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _corners(out, logs, angles, x, ys, z):
-    """Set the 14 corner forms at (x, ys[j], z)."""
+    """Compute the 14 corner forms at (x, ys[j], z)."""
     p = _distance2(x, z, ys[1] - ys[0])
     for j in range(ys.size):
         y = ys[j]

@@ -14,8 +14,8 @@ from tractive_sam.kernels.stress import (
 
 
 @compiled
-def stress_at(out, points, centres, tractions, dx, dy, nu):
-    """Set the stresses at points of a half-space, exact for tractions constant on every patch.
+def sum_patch_stress(out, points, centres, tractions, dx, dy, nu):
+    """Compute the stresses at points of a half-space, exact for tractions constant on patches.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ NOTHING = 1e-12
 
 @compiled
 def summed(tractions):
-    """Sums of tractions (3, n_x, n_y) over all patches before each, (n_x + 1, n_y + 1, 3, 4).
+    """Return cumulative sums of tractions (3, n_x, n_y) over patches, (n_x + 1, n_y + 1, 3, 4).
 
     Of the tractions, and of them times i, times j and times both: the indices of the patches.
     """
@@ -94,7 +94,7 @@ def summed(tractions):
 
 @compiled
 def stress_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
-    """Set the stresses at groups of near points, with patches that are far taken together.
+    """Compute the stresses at groups of points; distant patches are combined in blocks.
 
     A quadtree: a block of patches whose sides are at most `widest` times its distance is replaced
     by point forces at 2 x 2 nodes that have its load and its moments; wider ones are halved, and of
@@ -140,7 +140,7 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
 def stress_at_columns(
     out, x, y, depths, signs, poisson, corner, sums, sides, blocks, widest, spread
 ):
-    """Set the stresses at columns of points beside a mesh, by the blocks of `stress_around`.
+    """Compute the stresses at columns of points outside a mesh, by blocks of patches.
 
     Neighbouring rows share their blocks, up to a width of `spread` times the distance of their
     column from the mesh.
@@ -246,14 +246,14 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
 
 @compiled(inner=True)
 def _node(k, pieces):
-    """Place of a node of a side, from its middle, over its length: two in each of equal pieces."""
+    """Return the place of a node of a side, from its middle, over its length."""
     offset = NODE if k % 2 == 1 else -NODE
     return (k // 2 + 0.5 + offset) / pieces - 0.5
 
 
 @compiled(inner=True)
 def _set_at_nodes(out, sums, a, b, m, n):
-    """Set the loads (3, 2, 2) at the nodes of a block of m x n patches; whether there are any.
+    """Set the loads (3, 2, 2) at the nodes of a block of m x n patches; return if any is not 0.
 
     They have the sum of the tractions and the moments of x, y and x y about the middle.
     """

@@ -24,7 +24,7 @@ import numpy as np
 
 
 def logarithm(x: np.ndarray, dx: float, datum: float) -> np.ndarray:
-    """Integral of -2 ln(|x|/d) over the strip.
+    """Return the integral of -2 ln(|x|/d) over the strip.
 
     With h = dx/2 it is 4 h - 2 (x + h) ln(|x + h|/d) + 2 (x - h) ln(|x - h|/d); the terms that
     cancel far from the strip are taken together.
@@ -47,5 +47,5 @@ def logarithm(x: np.ndarray, dx: float, datum: float) -> np.ndarray:
 
 
 def step(x: np.ndarray, dx: float) -> np.ndarray:
-    """Integral of pi sign(x) over the strip; arguments as of `logarithm`."""
+    """Return the integral of pi sign(x) over the strip; arguments as in `logarithm`."""
     return np.pi * np.clip(2.0 * x, -dx, dx)

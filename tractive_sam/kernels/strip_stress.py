@@ -27,7 +27,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled(inner=True)
 def _of_edge(x, z, width):
-    """ln r, t, x z/r² and z²/r² at a place seen from an edge; what is infinite is left out."""
+    """Return ln r, t, x z/r² and z²/r² for a point seen from an edge, without infinite parts."""
     rr = x * x + z * z
     if rr == 0.0:
         return math.log(width), 0.0, 0.0, 0.0
@@ -35,8 +35,8 @@ def _of_edge(x, z, width):
 
 
 @compiled
-def edge_table(out, z, width):
-    """Set what makes the stress of a depth: at centres of strips, seen from their edges.
+def edge_factors(out, z, width):
+    """Compute the factors of the stress at one depth, at centres of strips from their edges.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ def edge_table(out, z, width):
 
 
 @compiled
-def stress_at(out, points, edges, jumps, width, nu):
-    """Set the stresses at points of a half-space, exact for tractions constant on every strip.
+def sum_strip_stress(out, points, edges, jumps, width, nu):
+    """Compute the stresses at points of a half-space, exact for tractions constant on strips.
 
     At the surface, on an edge across which p_x or p_y jumps, the stress is infinite; what is
     infinite is left out, as in `stress.log_argument`, and the rest is the mean of both sides.

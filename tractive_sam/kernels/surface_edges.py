@@ -35,11 +35,11 @@ ROOM = WIDEST + 1
 UNLOADED, SLIPS, STICKS, BOTH = range(4)
 """Kinds of corners: an element there is unloaded; all of them slip; all stick; some do either."""
 
-WAYS = ((1, 0), (-1, 0), (0, 1), (0, -1))
+DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 
 
 def kinds_of_corners(pressure, sliding):
-    """Kinds (n_x - 1, n_y - 1) of the corners of elements (n_x, n_y); of strips (n_x - 1, 1)."""
+    """Return the kinds (n_x - 1, n_y - 1) of the corners of elements: loaded, sliding, mixed."""
     loaded = pressure > 0.0
     slipping, sticking = _around_corners(loaded & sliding), _around_corners(loaded & ~sliding)
     kinds = np.where(slipping + sticking < 4, np.uint8(UNLOADED), np.uint8(BOTH))
@@ -49,14 +49,14 @@ def kinds_of_corners(pressure, sliding):
 
 
 def _around_corners(elements):
-    """Number (n_x - 1, n_y - 1) of marked elements around each corner; strips count twice."""
+    """Return the number (n_x - 1, n_y - 1) of marked elements around each corner."""
     marked = elements.view(np.uint8)
     pairs = marked[:-1] + marked[1:]
     return pairs[:, :-1] + pairs[:, 1:] if pairs.shape[1] > 1 else 2 * pairs
 
 
-def where_loaded(stress, kinds):
-    """Stresses (6, bodies, n) at the loaded corners, and their places (2, n); see `where_rough`."""
+def stresses_at_loaded_corners(stress, kinds):
+    """Return stresses (6, bodies, n) at the loaded corners, and their places (2, n)."""
     bodies = len(stress)
     (loaded,) = np.nonzero(kinds.ravel() != UNLOADED)
     stresses = stress.reshape(bodies, 6, -1).take(loaded, axis=2)
@@ -64,8 +64,8 @@ def where_loaded(stress, kinds):
     return stresses.swapaxes(0, 1), places
 
 
-def where_rough(stress, pressure, kinds, poisson, dx, dy):
-    """Stresses at points of the edge of the contact and of the end of stick.
+def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
+    """Return stresses at points of the edge of the contact and of the end of stick.
 
     Of the edge from every loaded corner that has one neighbour, in x or in y, that is not, and
     another one across from it that is: the square of the pressure is a straight line near the edge,
@@ -97,12 +97,12 @@ def where_rough(stress, pressure, kinds, poisson, dx, dy):
     nx, ny = kinds.shape
     around = np.full((nx + 2 * ROOM, ny + 2 * ROOM), UNLOADED, dtype=np.uint8)
     around[ROOM:-ROOM, ROOM:-ROOM] = kinds
-    return _where_rough(stress, pressure, around, poisson, dx, dy)
+    return _stresses_at_edges(stress, pressure, around, poisson, dx, dy)
 
 
 @compiled
-def _where_rough(stress, pressure, around, poisson, dx, dy):
-    """As `where_rough`, with the kinds of `ROOM` more corners on all sides."""
+def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
+    """Return the results of `stresses_at_edges` for kinds with a margin of `ROOM` corners."""
     bodies, _, nx, ny = stress.shape
     count = 0
     stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
@@ -118,7 +118,7 @@ def _where_rough(stress, pressure, around, poisson, dx, dy):
                 alike = here == around[k - 1, h] == around[k + 1, h]
                 if here == UNLOADED or (alike and here == around[k, h - 1] == around[k, h + 1]):
                     continue
-                for a, b in WAYS:
+                for a, b in DIRECTIONS:
                     ahead, behind = around[k + a, h + b], around[k - a, h - b]
                     away, apart = -1.0, 0
                     if behind == UNLOADED and ahead != UNLOADED:
@@ -141,7 +141,7 @@ def _where_rough(stress, pressure, around, poisson, dx, dy):
 
 @compiled(inner=True)
 def _steps_to_edge(pressure, i, j, a, b):
-    """Elements from a loaded corner, against the way (a, b), to the edge; -1 if not known."""
+    """Return the elements from a loaded corner to the edge, opposite to (a, b); -1 if unknown."""
     in_x, in_y = _differences(pressure, i, j)
     rising, along = a * in_x + b * in_y, abs(b * in_x + a * in_y)
     if rising <= 0.0 or rising < EVENLY * along:
@@ -157,7 +157,7 @@ def _steps_to_edge(pressure, i, j, a, b):
 
 @compiled(inner=True)
 def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
-    """Set the stresses (6, bodies) so many elements from a corner, against the way (a, b)."""
+    """Set the stresses (6, bodies) a distance from a corner, opposite to the direction (a, b)."""
     for body in range(len(stress)):
         here = _smooth(stress[body], pressure, i, j, poisson[body], dx, dy)
         further = _smooth(stress[body], pressure, i + a, j + b, poisson[body], dx, dy)
@@ -168,7 +168,7 @@ def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
 
 @compiled(inner=True)
 def _smooth(stress, pressure, i, j, nu, dx, dy):
-    """Stresses xx, yy, xy at a corner, less those that fall with the root of the distance."""
+    """Return the stresses xx, yy, xy at a corner without their singular parts."""
     in_x, in_y = _differences(pressure, i, j)
     x, y = in_x / dx, in_y / dy
     steep = math.sqrt(x * x + y * y)
@@ -185,7 +185,7 @@ def _smooth(stress, pressure, i, j, nu, dx, dy):
 
 @compiled(inner=True)
 def _steps_to_stick(kinds, i, j, a, b):
-    """Steps in the way (a, b) from a corner that slips to one that sticks; 0 if there is none."""
+    """Return the steps in the direction (a, b) from slip to a sticking corner; 0 if none."""
     for step in range(1, WIDEST + 1):
         kind = kinds[i + step * a, j + step * b]
         if kind == SLIPS:
@@ -197,7 +197,7 @@ def _steps_to_stick(kinds, i, j, a, b):
 
 @compiled(inner=True)
 def _set_at_border(out, stress, i, j, a, b, apart):
-    """Set the stresses (6, bodies) midway between a corner that slips and one that sticks."""
+    """Set the stresses (6, bodies) midway between a slipping and a sticking corner."""
     for component in range(6):
         if component in (0, 1, 3):
             k, h, m, n = i + apart * a, j + apart * b, a, b
@@ -210,14 +210,14 @@ def _set_at_border(out, stress, i, j, a, b, apart):
 
 @compiled(inner=True)
 def _mean(pressure, i, j):
-    """Mean of the pressure of the elements around a corner."""
+    """Return the mean pressure of the elements around a corner."""
     k = min(j + 1, pressure.shape[1] - 1)
     return 0.25 * (pressure[i, j] + pressure[i + 1, j] + pressure[i, k] + pressure[i + 1, k])
 
 
 @compiled(inner=True)
 def _mean_square(pressure, i, j):
-    """Mean of the square of the pressure of the elements around a corner."""
+    """Return the mean of the squared pressure of the elements around a corner."""
     k = min(j + 1, pressure.shape[1] - 1)
     total = pressure[i, j] ** 2 + pressure[i + 1, j] ** 2
     return 0.25 * (total + pressure[i, k] ** 2 + pressure[i + 1, k] ** 2)
@@ -225,7 +225,7 @@ def _mean_square(pressure, i, j):
 
 @compiled(inner=True)
 def _differences(pressure, i, j):
-    """Of the square of the pressure at a corner, across an element in x and in y."""
+    """Return the differences of the squared pressure at a corner, over an element in x and y."""
     k = min(j + 1, pressure.shape[1] - 1)
     a, b = pressure[i, j] ** 2, pressure[i + 1, j] ** 2
     c, d = pressure[i, k] ** 2, pressure[i + 1, k] ** 2

@@ -5,7 +5,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def displacement_product(out, spectra, even, odd):
-    """Spectra of tractions into those of displacements in the plane.
+    """Convert spectra of tractions into those of displacements in the plane.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def displacement_product(out, spectra, even, odd):
 
 @compiled
 def at_corners(out, displacement, tractions, signs, dx, dy, nu):
-    """Set the stresses at corners of elements: strain by differences, stress by Hooke's law.
+    """Compute the stresses at corners of elements: strain by differences, and Hooke's law.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def at_corners(out, displacement, tractions, signs, dx, dy, nu):
 
 @compiled(inner=True)
 def _strain(u, v, i, j, k, dx, dy):
-    """xx, yy and twice xy at a corner, between the rows j and k."""
+    """Return the strains xx, yy and twice xy at a corner, between the rows j and k."""
     xx = 0.5 / dx * (u[i + 1, j] + u[i + 1, k] - u[i, j] - u[i, k])
     yx = 0.5 / dx * (v[i + 1, j] + v[i + 1, k] - v[i, j] - v[i, k])
     xy = 0.5 / dy * (u[i, k] + u[i + 1, k] - u[i, j] - u[i + 1, j])
@@ -82,4 +82,5 @@ def _strain(u, v, i, j, k, dx, dy):
 
 @compiled(inner=True)
 def _mean(field, i, j, k):
+    """Return the mean of a field over the elements around a corner."""
     return 0.25 * (field[i, j] + field[i + 1, j] + field[i, k] + field[i + 1, k])

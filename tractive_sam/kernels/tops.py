@@ -39,7 +39,7 @@ _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, -_AXES, 1.0 - _AXES, _AXES -
 
 @compiled
 def find_tops(values, above, below):
-    """Find the local maxima of fields in a layer, and about where the tops between its points are.
+    """Find the local maxima of fields in a layer, and their approximate places between points.
 
     Layers cover the same rectangle, each by equal steps in x and in y.
 
@@ -84,7 +84,7 @@ def find_tops(values, above, below):
 
 @compiled(inner=True)
 def _largest_around(values, i, j):
-    """Whether no value around is larger; of equal ones the first is."""
+    """Return whether no neighbour is larger; of equal values the first counts."""
     nx, ny = values.shape
     for k in range(max(0, i - AROUND), min(nx, i + AROUND + 1)):
         for h in range(max(0, j - AROUND), min(ny, j + AROUND + 1)):
@@ -96,7 +96,7 @@ def _largest_around(values, i, j):
 
 @compiled(inner=True)
 def _nearest(values, i, j, nx, ny):
-    """The value of another layer next to a point of one of nx x ny; -1 where there is none."""
+    """Return the value of another layer next to a point of one of nx x ny; -1 if there is none."""
     if values.size == 0:
         return -1.0
     kx, ky = values.shape
@@ -105,19 +105,19 @@ def _nearest(values, i, j, nx, ny):
 
 @compiled(inner=True)
 def _aside(before, here, behind):
-    """Where a parabola through values has its top, in steps from the middle one, the largest."""
+    """Return the place of the maximum of a parabola through values, in steps from the middle."""
     bend = 2.0 * here - before - behind
     return 0.5 * (behind - before) / bend if bend > 0.0 else 0.0
 
 
 def stencil(at):
-    """Points (m, 13, 3) around each of some (m, 3), whose values `climb` wants."""
+    """Return the points (m, 13, 3) around each of m points at which `climb` needs values."""
     return at[:, None] + STEP * at[:, None, 2:] * _STENCIL
 
 
 @compiled
 def climb(at, barred, best, values, of, highest, least, floor, first):
-    """Take a step of some ways up to the tops of functions.
+    """Take a Newton step towards the maxima of functions, on several paths.
 
     To the top of the parabola through the values; uphill, where the function curves upwards; along
     the floor where that bars the way.
@@ -173,7 +173,7 @@ def climb(at, barred, best, values, of, highest, least, floor, first):
 
 @compiled
 def last_steps(at, values, floor):
-    """Take one more step as `climb` does; return the values (m,) that it leads to."""
+    """Take the last step of `climb`; return the values (m,) at its end."""
     reached = np.empty(len(at))
     for m in range(len(at)):
         reached[m] = values[m, 0] + _step(at[m], values[m], floor)
@@ -182,7 +182,7 @@ def last_steps(at, values, floor):
 
 @compiled(inner=True)
 def _follows(at, values, of, fates, m):
-    """Whether a higher way of the same function is near."""
+    """Return whether a path with a higher value of the same function is near."""
     for k in range(len(at)):
         if fates[k] == GOES_ON and of[k] == of[m] and values[k, 0] > values[m, 0]:
             x, y, z = at[k, 0] - at[m, 0], at[k, 1] - at[m, 1], at[k, 2] - at[m, 2]
@@ -193,7 +193,7 @@ def _follows(at, values, of, fates, m):
 
 @compiled(inner=True)
 def _step(at, v, floor):
-    """Go to the top of the parabola through values on the stencil; return what that gains."""
+    """Move to the maximum of the quadratic through values on the stencil; return the gain."""
     step, gradient, hessian = np.empty(3), np.empty(3), np.empty((3, 3))
     for i in range(3):
         gradient[i] = 0.5 * (v[1 + i] - v[4 + i])
@@ -219,7 +219,7 @@ def _step(at, v, floor):
 
 @compiled(inner=True)
 def _uphill(step, gradient, hessian):
-    """Set the Newton step of a Hessian that is lowered until it falls all ways."""
+    """Set the Newton step of a Hessian that is shifted until it is negative definite."""
     a, d, f = hessian[0, 0], hessian[1, 1], hessian[2, 2]
     b, c, e = hessian[0, 1], hessian[0, 2], hessian[1, 2]
     size = max(abs(a), abs(b), abs(c), abs(d), abs(e), abs(f))

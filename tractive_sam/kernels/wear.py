@@ -6,8 +6,8 @@ from tractive_sam.kernels.compiled import compiled
 
 
 @compiled
-def sweep(entering, rate, dx):
-    """Depth of wear below every element after the material has passed it.
+def sweep_wear(entering, rate, dx):
+    """Integrate the wear depth along the path of the material through the contact.
 
     Paper, eq. (32): w_I = w_entering + sum of rate_J dx over J from I up to the leading edge.
 
@@ -37,7 +37,7 @@ def sweep(entering, rate, dx):
 
 @compiled
 def chart(speed, pressure, borders, limit, coefficients):
-    """Coefficient of Archard's law by sliding speed and pressure over hardness.
+    """Return Archard's coefficient by sliding speed, and pressure over hardness.
 
     Jendel (2002), Wear 253, 89-99: one regime below the first speed, one between both, one above;
     another one at any speed where the pressure is beyond a limit.

@@ -197,10 +197,12 @@ def _check_of_axis(table: CreepTable, name: str) -> str:
 
 
 def _number(value: float) -> str:
+    """Format a number for C."""
     return repr(float(value))
 
 
 def _numbers(values: np.ndarray) -> str:
+    """Format an array of numbers for C, six a line."""
     flat = [repr(value) for value in values.ravel().tolist()]
     lines = (", ".join(flat[k : k + 6]) for k in range(0, len(flat), 6))
     return "\n" + ",\n".join(lines) + "\n"

@@ -100,9 +100,11 @@ def _array_faults(
 
 
 def _is_numeric(values: Any) -> bool:
+    """Return whether values are an array of numbers."""
     return isinstance(values, np.ndarray) and values.dtype.kind in "fiu"
 
 
 def _describe_array(values: Any) -> str:
+    """Describe the type and the shape of values."""
     array = np.asarray(values)
     return f"{array.dtype} of the shape {array.shape}"

@@ -123,12 +123,12 @@ class VonMises(StressCriterion):
     long_name = "equivalent stress of von Mises"
 
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """See `StressCriterion`; `invariants.von_mises` in one pass."""
+        """See `StressCriterion`; `invariants.compute_von_mises` in one pass."""
         # Reading and drawing results needs no compiler, which takes long to load.
         from tractive_sam.kernels import invariants  # noqa: PLC0415
 
         out = np.empty(stress.shape[1:])
-        invariants.von_mises(out.reshape(-1), stress.reshape(6, -1))
+        invariants.compute_von_mises(out.reshape(-1), stress.reshape(6, -1))
         return out
 
 

@@ -352,6 +352,7 @@ class FallingCoulomb(Coulomb):
         return kept, np.where(slides, by_slid * time / self.memory, 0.0)
 
     def _factor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
+        """Return the factor on friction by temperature and lateral position."""
         factor = 1.0 if self.warmth is None else self.warmth.at(x, y)
         return factor if self.lateral is None else factor * self.lateral.at(y)
 

@@ -223,7 +223,7 @@ def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
     -------
     ndarray, shape (...)
     """
-    return _apply_kernel(fatigue.balls, cycle)[0]
+    return _apply_kernel(fatigue.enclosing_radii, cycle)[0]
 
 
 def evaluate_cycles(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -323,6 +323,7 @@ class ScaledFriction(FrictionLaw):
         return replace(self, law=self.law.at_speed_ratio(speed))
 
     def _scaled(self, bound: Bound) -> Bound:
+        """Return a bound times the factor."""
         slope, factor = bound.slope, self.factor
         if slope is not None:
             slope = replace(slope, by_share=factor * slope.by_share)
@@ -515,7 +516,7 @@ class Linearisation:
         smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
         friction.split(*here, rows, smooth, rough)
         out = np.empty_like(rows)
-        friction.sweep(*here, rows, inverse(smooth), rough, out)
+        friction.sweep_upwind(*here, rows, inverse(smooth), rough, out)
         return out
 
     def inverse_of_step(

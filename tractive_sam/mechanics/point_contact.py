@@ -193,6 +193,7 @@ def _integrals(y: float, z: float) -> tuple[float, float]:
 
 
 def _require_positive(**values: float) -> None:
+    """Raise an error unless values are positive and finite."""
     for name, value in values.items():
         if not 0 < value < math.inf:
             raise ValueError(f"{name} must be positive and finite, not {value}")

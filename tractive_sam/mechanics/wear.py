@@ -147,7 +147,7 @@ class WearLaw(Law, ABC):
         dx : float
             Side of an element in the rolling direction, mm.
         """
-        return wear.sweep(entering, self.rate(pressure, traction, slip), dx)
+        return wear.sweep_wear(entering, self.rate(pressure, traction, slip), dx)
 
 
 @dataclass(frozen=True)

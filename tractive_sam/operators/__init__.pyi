@@ -14,7 +14,7 @@ from .kinematics import Kinematics as Kinematics
 from .kinematics import RollingStep as RollingStep
 from .kinematics import SteadyRolling as SteadyRolling
 from .load_extent import extent as extent
-from .memory import available as available
+from .memory import available_memory as available_memory
 from .meter import ConvolutionMeter as ConvolutionMeter
 from .rows import row_compliance as row_compliance
 from .stencil import STAGGERED as STAGGERED

@@ -51,12 +51,12 @@ class Advection:
 
     @property
     def length(self) -> float:
-        """d/dx."""
+        """Distance over the element size, d/dx."""
         return self.elements + self.part
 
     @property
     def reach(self) -> int:
-        """Nodes ahead that `before` needs."""
+        """Number of nodes ahead of the mesh that `before` needs."""
         return self.elements + (2 if self.part else 0)
 
     def middle(self, parabola: np.ndarray) -> np.ndarray:

@@ -63,7 +63,7 @@ class Convolution:
         return [tile.astype(kind) for tile in self._kernels]
 
     def as_matrix(self) -> np.ndarray:
-        """The dense matrix, column by column; for small meshes and tests."""
+        """Return the dense matrix, column by column; for small meshes and tests."""
         size = int(np.prod(self.shape))
         columns = [self(unit.reshape(self.shape)).ravel() for unit in np.eye(size)]
         return np.stack(columns, axis=1)

@@ -29,7 +29,7 @@ Entries = tuple[float, float, float]
 
 
 class Operators:
-    """Elastic operators on a mesh, dimensionless, each made on its first use.
+    """Dimensionless elastic operators on a mesh; each is computed when first used.
 
     Parameters
     ----------
@@ -68,19 +68,24 @@ class Operators:
 
     @cached_property
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:
-        """Operators on other numbers of the same elements, (n_x, n_y); stores the last eight."""
+        """Return the operators for another number of elements; the last eight are stored."""
         # Not a method of these operators: a cache of those would hold itself.
         return lru_cache(8)(
             partial(_on_part, self.lattice, self.elasticity, *self._units, self.frame)
         )
 
     def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
-        return spectrum(influence.displacement(self.lattice, self.elasticity, component, period))
+        """Return the spectrum of a component of the displacement."""
+        return spectrum(
+            influence.displacement_table(self.lattice, self.elasticity, component, period)
+        )
 
     def _slip(self, component: str) -> np.ndarray:
+        """Return the spectrum of a component of the slip."""
         return spectrum(influence.slip(self.lattice, self.elasticity, component))
 
     def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
+        """Return the spectrum of A_nn, dimensionless."""
         return self._per_gap * self._displacement("zz", period).real
 
     @cached_property
@@ -88,7 +93,7 @@ class Operators:
         """Spectra along x of A_nn per traction, mm/MPa, (p_y, p_x/2 + 1), for sums over x."""
         px, _ = self.lattice.padded
         # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
-        table = influence.displacement(self.lattice, self.elasticity, "zz")
+        table = influence.displacement_table(self.lattice, self.elasticity, "zz")
         along = np.fft.rfft(table, axis=0).real / px
         along[1:-1] *= 2.0
         return np.ascontiguousarray(along.T)
@@ -100,17 +105,18 @@ class Operators:
         return self._per_slip * np.stack(entries)
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
+        """Return a convolution with spectra in the number type of the lattice."""
         spectra = np.ascontiguousarray(spectra)
         return Convolution(spectra, product, fields, self.lattice.shape, self.lattice.padded)
 
     def _inverse(self, spectra, product, fields: int) -> Convolution:
-        """Of inverted spectra, which still carry the size of their table twice."""
+        """Return a convolution with inverted spectra, a preconditioner."""
         period = self.lattice.cyclic
         spectra = np.stack(spectra) / np.prod(period) ** 2
         return Convolution(spectra, product, fields, self.lattice.shape, period)
 
     def _tangential(self, xx, xy, yy):
-        """Entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T, any kind of array."""
+        """Return the entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""
         (a, b), (c, d) = self.frame.matrix
         return (
             a * a * xx + 2.0 * a * b * xy + b * b * yy,
@@ -120,7 +126,7 @@ class Operators:
 
     @cached_property
     def normal(self) -> Convolution:
-        """pi_n -> A_nn pi_n."""
+        """Operator A_nn: pi_n -> normal displacement."""
         return self._convolution([self._normal_spectrum()], spectral.scale, 1)
 
     @cached_property
@@ -130,14 +136,14 @@ class Operators:
 
     @cached_property
     def slip(self) -> Convolution:
-        """pi_t -> D_tt pi_t, at the leading faces."""
+        """Operator D_tt: pi_t -> slip at the leading faces."""
         return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
 
     @cached_property
     def self_influence(self) -> Entries:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
-        alone = self.lattice.of((1, 1))
-        tables = (influence.slip(alone, self.elasticity, k) for k in ("xx", "xy", "yy"))
+        lattice = self.lattice.of((1, 1))
+        tables = (influence.slip(lattice, self.elasticity, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
         first, mixed, second = (float(self._per_slip * e) for e in entries)
         return first, mixed, second
@@ -145,13 +151,13 @@ class Operators:
     @cached_property
     def self_displacement(self) -> Entries:
         """Entries (11, 12, 22) of `tangential` of an element on itself."""
-        alone = self.on(self.lattice.of((1, 1))).tangential
-        first, second = (alone(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
+        operator = self.on(self.lattice.of((1, 1))).tangential
+        first, second = (operator(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
         return float(first[0]), float(first[1]), float(second[1])
 
     @cached_property
     def ripple_compliance(self) -> float:
-        """Response of A_nn to a pressure of one that changes its sign from element to element."""
+        """Response of A_nn to a unit pressure that alternates in sign between elements."""
         first, second = (_alternating(n) for n in self.lattice.shape)
         signs = np.outer(first, second)
         response = self.on(self.lattice.of(signs.shape)).normal(signs[None])[0]
@@ -160,7 +166,7 @@ class Operators:
 
     @property
     def layer_slip(self) -> np.ndarray | None:
-        """Slip of an interfacial layer over an element by the traction it gains there, (2, 2)."""
+        """Slip over an element of an interfacial layer by the traction gained there, (2, 2)."""
         layer, F = self.elasticity.layer, self.frame.matrix
         return self._per_slip * layer / self.lattice.dx * F @ F.T if layer else None
 
@@ -178,7 +184,7 @@ class Operators:
 
     @cached_property
     def tangential(self) -> Convolution:
-        """pi_t -> A_tt pi_t / dx in units of slip, the displacement whose difference is slip."""
+        """Operator A_tt / dx in units of slip: its difference along x is the slip."""
         return self._convolution(self._displacement_per_dx(), spectral.symmetric_2x2, 2)
 
     @cached_property
@@ -190,6 +196,7 @@ class Operators:
         return self._inverse(inverse, spectral.symmetric_2x2, 2)
 
     def _displacement_per_dx(self, period: tuple[int, int] | None = None) -> np.ndarray:
+        """Return the spectra of A_tt / dx in units of slip."""
         entries = self._tangential(
             *(self._displacement(k, period).real for k in ("xx", "xy", "yy"))
         )
@@ -197,19 +204,19 @@ class Operators:
 
     @cached_property
     def coupled(self) -> Convolution:
-        """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, D_tn pi_n + D_tt pi_t)."""
+        """Operator (pi_n, pi_t) -> (gap A_nn pi_n + A_nt pi_t, slip D_tn pi_n + D_tt pi_t)."""
         drag = [self._per_slip * self._slip(k) for k in ("xz", "yz")]
         return self._with_pressure(drag, self._slip_spectra)
 
     @cached_property
     def coupled_displacement(self) -> Convolution:
-        """(pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, (A_tn pi_n + A_tt pi_t) / dx)."""
+        """Operator (pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, (A_tn pi_n + A_tt pi_t) / dx)."""
         per_dx = self._per_slip / self.lattice.dx
         drag = [per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz")]
         return self._with_pressure(drag, self._displacement_per_dx())
 
     def _with_pressure(self, drag: list[np.ndarray], own: np.ndarray) -> Convolution:
-        """Convolution of pressure and tractions.
+        """Return the convolution of pressure and tractions.
 
         Parameters
         ----------
@@ -228,6 +235,7 @@ class Operators:
 
 
 def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:
+    """Return the operators for a number of elements."""
     return Operators(lattice.of(shape), elasticity, gap, slip, frame)
 
 

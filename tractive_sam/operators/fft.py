@@ -13,7 +13,7 @@ from tractive_sam import interrupt
 from tractive_sam.operators import wisdom
 from tractive_sam.operators.fftw import pyfftw
 from tractive_sam.operators.meter import count_transform
-from tractive_sam.operators.threads import of_transform
+from tractive_sam.operators.threads import threads_for_transform
 
 Plan = TypeVar("Plan")
 
@@ -22,7 +22,7 @@ PLANNING_SECONDS = 10.0
 
 
 def fast_length(n: int) -> int:
-    """An even length, n or little more, that FFTW transforms fast.
+    """Return an even length of at least n that FFTW transforms fast.
 
     A multiple of eight where one is near: along x FFTW takes neighbouring columns at once, and a
     length of 126 takes it three times as long as one of 128.
@@ -32,7 +32,7 @@ def fast_length(n: int) -> int:
 
 
 def padded_length(n: int) -> int:
-    """A length that FFTW transforms fast and that holds a linear convolution of n."""
+    """Return a length that FFTW transforms fast and that holds a linear convolution of n."""
     return fast_length(2 * n - 1)
 
 
@@ -95,7 +95,7 @@ class PaddedTransform:
         self._rows = pyfftw.zeros_aligned(half, dtype=spectral)
         self.spectrum = pyfftw.zeros_aligned(half, dtype=spectral)
 
-        threads = of_transform(padded)
+        threads = threads_for_transform(padded)
         # Forward along x keeps its input, so that the padding of `_rows` stays zero for good.
         self._forward_y = plan(self._real, self._rows[:, :nx], 2, "FFTW_FORWARD", threads)
         self._forward_x = plan(self._rows, self.spectrum, 1, "FFTW_FORWARD", threads)
@@ -104,7 +104,7 @@ class PaddedTransform:
         self._rows[:] = 0.0  # planning wrote into it
 
     def forward(self, fields: np.ndarray) -> np.ndarray:
-        """Spectra, shape (fields, p_x, p_y/2 + 1), of arrays of shape (fields, n_x, n_y)."""
+        """Return the spectra (fields, p_x, p_y/2 + 1) of arrays (fields, n_x, n_y)."""
         ny = self.shape[1]
         self._real[..., :ny] = fields
         self._real[..., ny:] = 0.0
@@ -114,7 +114,7 @@ class PaddedTransform:
         return self.spectrum
 
     def backward(self) -> np.ndarray:
-        """Arrays, shape (fields, n_x, n_y), of the spectra that `forward` returned, times p_x p_y.
+        """Return arrays (fields, n_x, n_y) of the spectra of `forward`, times p_x p_y.
 
         The normalisation is left to the spectra of the kernel, which carry it at no cost.
         """
@@ -126,6 +126,7 @@ class PaddedTransform:
 
 @cache
 def _recall_wisdom() -> None:
+    """Load the stored plans of FFTW once."""
     wisdom.load()
     atexit.register(wisdom.save)
 
@@ -135,6 +136,7 @@ _PLANNING, _QUEUE = Lock(), Lock()
 
 
 def _wait_for_planner() -> None:
+    """Wait for a running plan before the process forks."""
     with _QUEUE:
         _PLANNING.acquire()
 
@@ -142,11 +144,13 @@ def _wait_for_planner() -> None:
 def _keep_planner_for_fork() -> None:
     # A lock that another thread holds while the process forks stays held in the child for good.
     # With the queue, the fork waits for one plan, and not for all that threads still ask for.
+    """Hold the planner while the process forks."""
     _QUEUE.acquire()
     _PLANNING.acquire()
 
 
 def _give_planner_back() -> None:
+    """Release the planner after the fork."""
     _PLANNING.release()
     _QUEUE.release()
 
@@ -198,5 +202,5 @@ transform = PlanCache(PaddedTransform, 32)
 
 
 def spectrum(table: np.ndarray) -> np.ndarray:
-    """Spectrum of a periodic kernel table, divided by its size (see `PaddedTransform.backward`)."""
+    """Return the spectrum of a periodic kernel table, divided by its size."""
     return np.fft.rfft2(table) / (table.shape[-2] * table.shape[-1])

@@ -27,7 +27,7 @@ BEYOND = 6.5
 def _panels(
     x: float, y: float, dx: float, dy: float, speed: float, kappa: float, until: float = np.inf
 ) -> np.ndarray:
-    """Ends of the panels in s, from where heat has not left its element to where all is lost.
+    """Return the ends of the panels in s, over the times in which heat crosses an element.
 
     If the source began a time `until` ago, s, to be squared, ends at that.
     """
@@ -46,7 +46,7 @@ def _panels(
     return np.array(ends)
 
 
-def coefficients(
+def temperature_coefficients(
     x: np.ndarray,
     y: np.ndarray,
     dx: float,
@@ -56,7 +56,7 @@ def coefficients(
     lam: float,
     until: float = np.inf,
 ) -> np.ndarray:
-    """Temperature at points by a unit flux into an element at the origin.
+    """Return the temperature at points due to a unit flux into an element at the origin.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def coefficients(
     line = not np.isfinite(dy)
     length = float(np.abs(sides_x).max())
     if speed * dx > STEPS_FROM * 2.0 * kappa and until == np.inf:
-        heat.swept(x, y, dx, 1e3 * length if line else dy, speed, kappa, table)
+        heat.front_integral(x, y, dx, 1e3 * length if line else dy, speed, kappa, table)
     else:
         sides_y = np.zeros(0) if line else np.concatenate((y + 0.5 * dy, y - 0.5 * dy))
         across = dx if line else dy
@@ -97,13 +97,13 @@ def coefficients(
             half = 0.5 * (ends[part + 1] - ends[part])[:, None]
             at = (ends[part][:, None] + half * (1.0 + nodes)).ravel()
             along = np.empty((at.size, sides_x.size))
-            heat.passed(at, sides_x, speed, kappa, along)
+            heat.front_integrand(at, sides_x, speed, kappa, along)
             along = (along[:, : x.size] - along[:, x.size :]) * (half * weights).ravel()[:, None]
             if line:
                 table += along.sum(axis=0)[:, None]
                 continue
             aside = np.empty((at.size, sides_y.size))
-            heat.passed(at, sides_y, 0.0, kappa, aside)
+            heat.front_integrand(at, sides_y, 0.0, kappa, aside)
             table += along.T @ (aside[:, : y.size] - aside[:, y.size :])
         if speed == 0.0 and until == np.inf:  # far away in time, A B is dx dy / (4 pi kappa s²)
             table += dx * across / (4.0 * np.pi * kappa * ends[-1])
@@ -112,14 +112,14 @@ def coefficients(
 
 
 class SurfaceHeat:
-    """Flux into a body -> temperature of its surface above that of its bulk, on a mesh.
+    """Operator from the flux into a body to the temperature rise of its surface, on a mesh.
 
     Parameters
     ----------
     grid : Grid
         The mesh; of a line contact one row, infinitely long in y.
     speed, kappa, lam, until : float
-        As of `coefficients`.
+        As of `temperature_coefficients`.
     """
 
     def __init__(self, grid: Grid, speed: float, kappa: float, lam: float, until: float = np.inf):
@@ -127,7 +127,7 @@ class SurfaceHeat:
         dx, dy = (*grid.sides, np.inf)[:2]
         self._period = period = padded_length(nx), padded_length(ny)
         x, y = dx * np.arange(1 - nx, nx), np.zeros(1) if ny == 1 else dy * np.arange(ny)
-        known = coefficients(x, y, dx, dy, speed, kappa, lam, until)
+        known = temperature_coefficients(x, y, dx, dy, speed, kappa, lam, until)
         table, i = np.zeros(period), np.arange(1 - nx, nx) % period[0]
         table[i, :ny] = known
         if ny > 1:
@@ -140,7 +140,7 @@ class SurfaceHeat:
         return self._apply(flux[None])[0]
 
     def inverse_with(self, other: "SurfaceHeat") -> Convolution:
-        """Circulant inverse of the sum of this and another on the same mesh, a preconditioner."""
+        """Return the circulant inverse of the sum of two operators, a preconditioner."""
         both = self._spectrum + other._spectrum
         inverse = 1.0 / (both * np.prod(self._period) ** 2)
         return Convolution(inverse[None], spectral.scale, 1, self._apply.shape[1:], self._period)

@@ -25,7 +25,7 @@ from tractive_sam.results import Grid, widen_field
 
 @dataclass(frozen=True, eq=False)
 class Exponentials:
-    """A sum of exponentials that is nearly the inverse root of a time.
+    """A sum of exponentials that approximates the inverse root of a time.
 
     Attributes
     ----------

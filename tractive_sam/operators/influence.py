@@ -23,14 +23,14 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Number of elements and their sides: all that a convolution knows of a grid."""
+    """Numbers and sides of elements: the part of a grid that a convolution needs."""
 
     shape: tuple[int, int]
     dx: float
     dy: float
 
     def of(self, shape: tuple[int, int]) -> "Lattice":
-        """A lattice of another number of the same elements."""
+        """Return a lattice with another number of elements of equal size."""
         return replace(self, shape=shape)
 
     @property
@@ -40,7 +40,7 @@ class Lattice:
 
     @property
     def cyclic(self) -> tuple[int, int]:
-        """Periods of the circulant inverses' tables: the lattice and no more.
+        """Periods of the tables of circulant inverses: the lattice without padding.
 
         That loads also act across its edges costs a method none or one iteration more; without
         padding an inverse takes a third of the time.
@@ -49,17 +49,17 @@ class Lattice:
 
     @property
     def block(self) -> tuple[int, int]:
-        """Elements in x and y that make one of the next coarser lattice: of a row only in x."""
+        """Elements in x and y that form one of the next coarser lattice; a row only in x."""
         return min(2, self.shape[0]), min(2, self.shape[1])
 
     def coarsened(self) -> "Lattice":
-        """The lattice of elements made of a `block` each that covers this one."""
+        """Lattice of elements that combine a `block` each, which covers this one."""
         (nx, ny), (bx, by) = self.shape, self.block
         return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy)
 
 
 def _coefficients(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
-    """Displacement per unit traction at the offsets of one quadrant, mm/MPa."""
+    """Return the displacement per unit traction at offsets of one quadrant, mm/MPa."""
     px, py = lattice.padded
     # Two more offsets in x than half a period, for the difference at the last one.
     offsets = px // 2 + 2, py // 2 + 1
@@ -83,13 +83,13 @@ def unfold_quadrant(
     return unfolded
 
 
-def displacement(
+def displacement_table(
     lattice: Lattice,
     elasticity: Elasticity,
     component: str,
     period: tuple[int, int] | None = None,
 ) -> np.ndarray:
-    """Relative displacement u_A - u_B at an element's centre per unit traction on another.
+    """Return the relative displacement u_A - u_B at the centres per unit traction on an element.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def displacement(
 
 
 def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
-    """Slip -du/dx per unit traction at the leading face of an element (paper, eq. 28).
+    """Return the slip -du/dx at the leading face of an element per unit traction (paper, eq. 28).
 
     The difference of the displacements at the centres on both sides of the face. It is taken of
     the coefficients, once, so that an evaluation of the slip is a single convolution.

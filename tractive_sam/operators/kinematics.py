@@ -44,7 +44,7 @@ from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
 
 @dataclass(frozen=True, eq=False)
 class Kinematics(ABC):
-    """How slip follows from displacement; see the module.
+    """Relation of slip and displacement; see the module.
 
     Attributes
     ----------

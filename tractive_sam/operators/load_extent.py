@@ -4,12 +4,12 @@ import numpy as np
 
 
 def extent(occupied: np.ndarray) -> slice:
-    """From the first to the last of the places occupied; the first place where none is."""
+    """Return the slice from the first to the last occupied place; that of the first if none is."""
     where = np.flatnonzero(occupied)
     return slice(where[0], where[-1] + 1) if where.size else slice(0, 1)
 
 
 def reach(occupied: np.ndarray) -> int:
-    """Largest offset between a place occupied and any other place."""
+    """Return the largest offset between an occupied place and any other place."""
     loaded = extent(occupied)
     return max(loaded.stop - 1, occupied.size - 1 - loaded.start)

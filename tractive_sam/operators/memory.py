@@ -16,13 +16,13 @@ GROUPS = Path("/sys/fs/cgroup")
 """Where Linux tells the limits of groups of processes, as of a container or of a batch job."""
 
 
-def available() -> float:
-    """Memory that the process may still take, bytes; infinite where the system does not tell."""
-    return max(0.0, min(_of_machine(), _of_groups(), _of_limit()))
+def available_memory() -> float:
+    """Return the memory that the process may still take, bytes; infinite if it is unknown."""
+    return max(0.0, min(_free_memory(), _memory_of_groups(), _memory_of_limit()))
 
 
-def _of_machine() -> float:
-    """What is free, or can be freed of caches; where only its size is told, all of it."""
+def _free_memory() -> float:
+    """Return the free memory of the machine, including caches, bytes."""
     with suppress(OSError, ValueError):
         for line in Path("/proc/meminfo").read_text().splitlines():
             if line.startswith("MemAvailable:"):
@@ -32,11 +32,11 @@ def _of_machine() -> float:
     return math.inf
 
 
-def _of_groups(root: Path = GROUPS, told: Path = Path("/proc/self/cgroup")) -> float:
-    """What is left to the groups of the process and to those that hold them."""
+def _memory_of_groups(root: Path = GROUPS, members: Path = Path("/proc/self/cgroup")) -> float:
+    """Return the memory left to the control groups of the process, bytes."""
     left = [math.inf]
     with suppress(OSError, ValueError):
-        for line in told.read_text().splitlines():
+        for line in members.read_text().splitlines():
             _, kinds, name = line.split(":", 2)
             if kinds == "":  # version 2
                 names, base = ("memory.max", "memory.current", "inactive_file"), root
@@ -46,11 +46,12 @@ def _of_groups(root: Path = GROUPS, told: Path = Path("/proc/self/cgroup")) -> f
             else:
                 continue
             inner = Path(name.lstrip("/"))
-            left += [_of_group(base / group, *names) for group in (inner, *inner.parents)]
+            left += [_memory_of_group(base / group, *names) for group in (inner, *inner.parents)]
     return min(left)
 
 
-def _of_group(group: Path, limit: str, usage: str, cache: str) -> float:
+def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
+    """Return the memory left to one control group, bytes."""
     try:
         most, used = (float((group / name).read_text()) for name in (limit, usage))
     except (OSError, ValueError):  # no such group, or "max"
@@ -61,8 +62,8 @@ def _of_group(group: Path, limit: str, usage: str, cache: str) -> float:
     return most - used
 
 
-def _of_limit() -> float:
-    """What ``ulimit -v`` leaves."""
+def _memory_of_limit() -> float:
+    """Return the memory left by ``ulimit -v``, bytes."""
     if resource is None:
         return math.inf
     most, _ = resource.getrlimit(resource.RLIMIT_AS)

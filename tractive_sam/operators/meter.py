@@ -3,13 +3,13 @@
 from threading import local
 
 
-class _Transformed(local):
-    """Points that this thread has transformed: fields times padded elements, either way."""
+class _TransformedPoints(local):
+    """Points that this thread has transformed: fields times padded elements."""
 
     points = 0.0
 
 
-_TRANSFORMED = _Transformed()
+_TRANSFORMED = _TransformedPoints()
 
 
 def count_transform(fields: int, padded: tuple[int, int]) -> None:
@@ -18,7 +18,7 @@ def count_transform(fields: int, padded: tuple[int, int]) -> None:
 
 
 class ConvolutionMeter:
-    """Convolutions of this thread since the meter was made.
+    """Counter of the convolutions of this thread.
 
     The unit is one application of the tangential operator on a mesh: two fields forward and two
     backward. A transform of fewer fields, or on a part of the mesh, counts by its share of points,

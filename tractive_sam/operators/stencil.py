@@ -49,7 +49,7 @@ Places = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class Stencil:
-    """A way to take the slip; see the module.
+    """Points of an element at which slip is evaluated; see the module.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Stencil:
         return 0.5 if self.staggered else 0.0
 
     def at_centres(self, slip: np.ndarray) -> np.ndarray:
-        """The slip that wears and dissipates, from that of the leading faces.
+        """Return the slip at the centres, for wear and dissipation, from the leading faces.
 
         By the mean of both faces frictional work and energy law agree to rounding: the elastic part
         of it is a central difference, whose work on the tractions is zero by antisymmetry.
@@ -97,7 +97,7 @@ class Stencil:
 
 
 def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:
-    """Angles from x of what points out of the contact at leading elements (i, j), shape (m,).
+    """Return the angles from x of the outward normals at leading elements (i, j), shape (m,).
 
     Down the gradient of the squared pressure, which falls linearly to a smooth edge. Where the
     pressure does not fall towards the edge, as if it fell a little: so it stays continuous.
@@ -118,7 +118,7 @@ def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) 
 def edge_turning(
     bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float
 ) -> np.ndarray:
-    """Change of `edge_angles` by a change of the pressure, shape (m,)."""
+    """Return the change of `edge_angles` by a change of the pressure, shape (m,)."""
 
     def aside_and_fall(here, behind, left, right):
         return 0.5 * aspect * (left - right), np.where(falls, behind - here, 0.1 * here)
@@ -133,7 +133,7 @@ def edge_turning(
 
 
 def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Way from the edge to the centre ahead of leading elements (i, j), over that from theirs.
+    """Return the distance from the edge to the centre ahead over that from the leading element.
 
     The edge is where the squared pressure, linear from the element behind on, is zero.
     """
@@ -143,16 +143,16 @@ def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
 
 def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Change of `entry_beyond` by a change of the pressure, shape (m,)."""
+    """Return the change of `entry_beyond` by a change of the pressure, shape (m,)."""
     here, behind, _, _ = _around(bound, i, j)
     ratio = behind / here
-    changed, followed, _, _ = _around(change, i, j)
+    changed, changed_behind, _, _ = _around(change, i, j)
     inside = (ratio**2 > 2.0) & (ratio**2 < 2.0 + FARTHEST)
-    return np.where(inside, 2.0 * ratio * (followed - ratio * changed) / here, 0.0)
+    return np.where(inside, 2.0 * ratio * (changed_behind - ratio * changed) / here, 0.0)
 
 
 def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Values at elements, behind them, and behind them to either side; zero beyond the mesh."""
+    """Return values at elements, behind them, and behind them on both sides; 0 outside the mesh."""
     rows, columns = np.stack((i, i - 1, i - 1, i - 1)), np.stack((j, j, j - 1, j + 1))
     width = field.shape[1]
     inside = (rows >= 0) & (columns >= 0) & (columns < width)
@@ -160,7 +160,7 @@ def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
 
 class FrictionSlip:
-    """The slip that the friction law sees, from that of the leading faces, under a pressure.
+    """The slip in the friction law, from that of the leading faces, under a pressure.
 
     Parameters
     ----------
@@ -213,12 +213,12 @@ class FrictionSlip:
 
     @cached_property
     def _turned(self) -> np.ndarray:
-        """Derivative of the opening by the angle, in which it is smooth, by differences."""
+        """Derivative of the opening by the angle, by differences."""
         h = 1e-4
         return (self._opening_at(self._angle + h) - self._opening_at(self._angle - h)) / (2.0 * h)
 
     def sticking(self, slip: np.ndarray, traction: np.ndarray) -> np.ndarray:
-        """What must vanish where an element sticks, linear in slip and traction.
+        """Return the expression that vanishes for sticking elements, linear in slip and traction.
 
         The slip of the leading face, less what the opening ahead of a leading element accounts
         for. There it is divided by 1 + `stiffness`, so that it answers the traction no more than
@@ -237,7 +237,7 @@ class FrictionSlip:
 
     @cached_property
     def _answer(self) -> np.ndarray:
-        """What the faces of leading elements slip by their tractions, shape (m, 2, 2)."""
+        """Slip of the faces of leading elements by their tractions, shape (m, 2, 2)."""
         answer = self._opening * (self._gap / self._bound)[:, None, None]
         if self._layer is not None:
             answer += self._entry[:, None, None] * self._layer
@@ -250,7 +250,7 @@ class FrictionSlip:
         return kept, kept[:, None, None] * self._answer
 
     def _share(self, traction: np.ndarray) -> np.ndarray:
-        """Traction of the leading elements over their bound, shape (2, m)."""
+        """Return the traction of the leading elements over their bound, shape (2, m)."""
         return traction[:, *self._here] / self._bound
 
     def sticking_change(
@@ -261,7 +261,7 @@ class FrictionSlip:
         gap: np.ndarray,
         at: np.ndarray,
     ) -> np.ndarray:
-        """Change of `sticking` where pressure and gap change as well.
+        """Return the change of `sticking` if pressure and gap change as well.
 
         The elements that lead are taken to remain the same.
 
@@ -307,7 +307,7 @@ class FrictionSlip:
     def stretched(
         self, slip: np.ndarray, traction: np.ndarray, by: np.ndarray, unit: float
     ) -> np.ndarray:
-        """Change of `sticking` where the axes of the frame stretch, beside that of its arguments.
+        """Return the change of `sticking` if the axes of the frame are stretched.
 
         Parameters
         ----------
@@ -328,7 +328,7 @@ class FrictionSlip:
         return change
 
     def _leading(self, slip: np.ndarray, times_gap: np.ndarray, traction: np.ndarray) -> np.ndarray:
-        """`sticking` of the leading elements, shape (2, m)."""
+        """Return `sticking` of the leading elements, shape (2, m)."""
         opening = np.einsum("mab,bm->am", self._opening, times_gap)
         if self._layer is not None:
             opening += self._entry * (self._layer @ traction)
@@ -336,7 +336,7 @@ class FrictionSlip:
 
     @property
     def stiffness(self) -> np.ndarray:
-        """Bound on the part of `sticking` that answers the traction of the element itself.
+        """Bound on the part of `sticking` that depends on the traction of the element.
 
         Before the division; shape (n_x, n_y), zero but in leading elements.
         """

@@ -50,7 +50,7 @@ class LayerTransform:
         self._tables_x.execute()
 
     def backward(self) -> np.ndarray:
-        """Stresses, shape (6, n_x, n_y), of `spectra`, times p_x p_y."""
+        """Return the stresses (6, n_x, n_y) of `spectra`, times p_x p_y."""
         self._stress_x.execute()
         self._stress_y.execute()
         return self._stresses

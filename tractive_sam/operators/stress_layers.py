@@ -24,7 +24,7 @@ contact does that wears, share plans and transforms."""
 
 
 class _Transforms:
-    """Transforms of the integrals over an element, for other tractions on the same mesh.
+    """A cache of the transforms of the integrals over an element, for one mesh.
 
     Those of a mesh, by their depths. Where they become too many those of the mesh used longest ago
     are dropped; of one mesh the first are kept, as depths are gone through again and again.
@@ -35,7 +35,7 @@ class _Transforms:
         self._lock = Lock()
 
     def get(self, mesh: Hashable, depth: float) -> np.ndarray | None:
-        """What is kept, or None."""
+        """Return the cached transforms, or None."""
         with self._lock:
             if mesh not in self._meshes:
                 return None
@@ -43,7 +43,7 @@ class _Transforms:
             return self._meshes[mesh].get(depth)
 
     def keep(self, mesh: Hashable, depth: float, transforms: np.ndarray) -> None:
-        """Keep a copy, if there is room for it."""
+        """Store a copy of transforms, if there is room for it."""
         with self._lock:
             of_mesh = self._meshes.setdefault(mesh, {})
             while self._size() + transforms.nbytes > KEPT and len(self._meshes) > 1:
@@ -52,6 +52,7 @@ class _Transforms:
                 of_mesh[depth] = transforms.copy()
 
     def _size(self) -> int:
+        """Return the size of the cached transforms, bytes."""
         return sum(one.nbytes for of_mesh in self._meshes.values() for one in of_mesh.values())
 
 
@@ -102,7 +103,7 @@ class StressLayers:
         self._loads = spectra * (0.5 / (np.pi * px * py))
 
     def at(self, depth: float) -> np.ndarray:
-        """Stresses at one depth.
+        """Return the stresses at one depth.
 
         Parameters
         ----------
@@ -123,6 +124,7 @@ class StressLayers:
         return out
 
     def _packs(self, transform: LayerTransform, depth: float) -> np.ndarray:
+        """Return the transformed integrals at one depth."""
         sides = self.lattice.dx, self.lattice.dy
         mesh = *sides, *self._padded
         packs = _transforms.get(mesh, depth)
@@ -134,7 +136,7 @@ class StressLayers:
         return packs
 
     def _by_rows(self, work: Callable[[int, int], None]) -> None:
-        """Share the rows 0 to p_x/2 of tables and spectra among the threads: work(first, last)."""
+        """Divide the rows 0 to p_x/2 among the threads, which call work(first, last)."""
         count = self._padded[0] // 2 + 1
         if self.threads == 1:
             work(0, count)

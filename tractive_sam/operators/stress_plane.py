@@ -76,7 +76,7 @@ class StressPlane:
         self._loads = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
 
     def at(self, depth: float) -> np.ndarray:
-        """Stresses at one depth.
+        """Return the stresses at one depth.
 
         Parameters
         ----------
@@ -99,6 +99,6 @@ class StressPlane:
 
 
 def _snapped(place: float) -> float:
-    """A place in elements from an edge, moved onto a centre or an edge that it all but meets."""
+    """Return a place in elements from an edge, moved onto a close centre or edge."""
     nearest = 0.5 * round(2.0 * place)
     return nearest if abs(place - nearest) < _COINCIDENT else place

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tractive_sam.kernels.strip_stress import edge_table
+from tractive_sam.kernels.strip_stress import edge_factors
 from tractive_sam.operators.fft import padded_length, transform
 from tractive_sam.operators.influence import Lattice
 
 
 class StripLayers:
-    """`StressLayers` of a line contact: one convolution of the jumps at the edges of the strips.
+    """Stress layers below a line contact: one convolution of the edges of the strips.
 
     Exact to rounding, about 1e-13 of the tractions; see :mod:`tractive_sam.kernels.strip_stress`.
 
@@ -41,7 +41,7 @@ class StripLayers:
         self._loads = spectra[:, 0] / (np.pi * self._padded[1])
 
     def at(self, depth: float) -> np.ndarray:
-        """Stresses at the centres of the strips at one depth.
+        """Return the stresses at the centres of the strips at one depth.
 
         Parameters
         ----------
@@ -54,7 +54,7 @@ class StripLayers:
             In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
         """
         table = np.empty((4, self._padded[1]))
-        edge_table(table, float(depth), self.lattice.dx)
+        edge_factors(table, float(depth), self.lattice.dx)
         ln, t, xz, zz = np.fft.rfft(table)
         p_x, p_y, p_n = self._loads
         back, count = transform(5, self._shape, self._padded), self.lattice.shape[0]

@@ -15,7 +15,7 @@ from tractive_sam.operators.influence import Lattice
 def surface_stress(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, signs: Sequence[float] = (1.0,)
 ) -> np.ndarray:
-    """Stress at the corners of the elements: its means over rectangles from centre to centre.
+    """Return the stress at the corners of the elements, as means from centre to centre.
 
     With tractions constant on elements the stress is infinite at every edge across which the
     tangential one jumps; the displacement is not. Its differences between centres are means of the
@@ -48,7 +48,7 @@ def surface_stress(
 
 
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
-    """(u_x, u_y) at the centres by the tangential traction, then by the pressure: (4, n_x, n_y).
+    """Return u_x, u_y at the centres by tangential traction and by pressure, (4, n_x, n_y).
 
     They belong to the transform. Of unit shear modulus.
     """
@@ -60,10 +60,10 @@ def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
 
 @lru_cache(maxsize=4)
 def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray]:
-    """Of the kernels: the even ones (3, ...) have real spectra, the odd ones (2, ...) imaginary."""
+    """Return the spectra of the kernels: even ones (3, ...) real, odd ones (2, ...) imaginary."""
 
     def of(component: str) -> np.ndarray:
-        return spectrum(influence.displacement(lattice, body, component))
+        return spectrum(influence.displacement_table(lattice, body, component))
 
     even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
     return even, np.stack([of(component).imag for component in ("xz", "yz")])

@@ -15,8 +15,8 @@ MOST = 4
 """Threads of a large transform; memory feeds no more of them."""
 
 
-def of_transform(padded: tuple[int, int]) -> int:
-    """Threads for a transform of a padded array: all cores that the process may use, up to `MOST`.
+def threads_for_transform(padded: tuple[int, int]) -> int:
+    """Return the number of threads for a transform: all usable cores, up to `MOST`.
 
     The environment variable OMP_NUM_THREADS bounds them, as it does those of most libraries.
     """
@@ -28,7 +28,7 @@ def of_transform(padded: tuple[int, int]) -> int:
 
 
 def cores() -> int:
-    """Cores that the process may use; those of the machine where the system does not tell."""
+    """Return the number of cores that the process may use; if unknown, those of the machine."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -36,7 +36,7 @@ def cores() -> int:
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Hold BLAS to one thread meanwhile.
+    """Limit BLAS to one thread within the block or function.
 
     Its vectors are too short here for more, and threads that wait for work take cores from others.
     """
@@ -46,4 +46,5 @@ def one_blas_thread() -> Iterator[None]:
 
 @cache
 def _controller() -> ThreadpoolController:
+    """Return the controller of the thread pools, loaded once."""
     return ThreadpoolController()

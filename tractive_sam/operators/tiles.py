@@ -16,7 +16,7 @@ import numpy as np
 from tractive_sam.operators.fft import PaddedTransform, PlanCache, plan
 from tractive_sam.operators.fftw import pyfftw
 from tractive_sam.operators.meter import count_transform
-from tractive_sam.operators.threads import of_transform
+from tractive_sam.operators.threads import threads_for_transform
 
 Product = Callable[[np.ndarray, np.ndarray], None]
 """In-place product of kernels (entries, m) and spectra (fields, m), as in `kernels.spectral`."""
@@ -126,7 +126,7 @@ class TiledConvolution:
         (nx, _), (px, py) = shape, padded
         self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
         rows = pyfftw.zeros_aligned((fields, nx, py // 2 + 1), dtype=spectral)
-        self._threads = of_transform(padded)
+        self._threads = threads_for_transform(padded)
         self._forward = plan(self._real, rows, 2, "FFTW_FORWARD", self._threads)
         self._backward = plan(rows, self._real, 2, "FFTW_BACKWARD", self._threads)
         edges = tile_edges(fields, padded)

@@ -28,7 +28,7 @@ SCALES = {
 }
 """Colour maps of the figures: names in plotly by names in the page."""
 
-DRAWN_BY_SCRIPT = """
+SCRIPT_FIGURES = """
 pressure traction traction-sections stick-slip slip wear friction temperature von-mises-{plane}
 forces widths stick creepages wear-depth worn-mass {stress_max} fatigue-course block-shares
 profiles wear-profiles worn-profiles pressure-profiles pressure-over-{coordinate}
@@ -125,9 +125,9 @@ def _plotly() -> tuple[str, dict[str, Any]]:
 
 def _pictures(history: History, width: float = 460.0) -> Html:
     """Return a section of the figures that the script does not draw, in pixels wide."""
-    cards, drawn = [], DRAWN_BY_SCRIPT.split()
+    cards, names = [], SCRIPT_FIGURES.split()
     for drawing in list_figures(history):
-        if drawing.entry.name not in drawn:
+        if drawing.entry.name not in names:
             interrupt.raise_if_interrupted()
             image = drawing.draw().to_html(width)
             cards.append(fill(_CARD, caption=drawing.caption, image=image))

@@ -227,6 +227,7 @@ def _table(angle: float, history: History) -> Table:
 
 
 def _format_stress(history: History, value: float, at: np.ndarray) -> str:
+    """Format a largest stress and its place, over those of Hertz."""
     x, y, depth = at / (history.a0, history.b0, history.a0)
     return f"{value / history.p0:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
 
@@ -272,6 +273,7 @@ def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
 
 
 def _section_at(revolution: int) -> Callable:
+    """Return a function that draws stress sections at a revolution."""
     return lambda history: plot.von_mises_sections(history, "x=0", revolution=revolution)
 
 

@@ -126,10 +126,10 @@ def wear_regimes(source: History | State, laws: ts.Laws | None = None) -> Figure
     highest = max(float(_frictional_work(contact).max()) for contact in contacts.values())
     # Four decades of work, and beyond the largest one.
     limits = 1e-4 * highest, 2.0 * highest
-    drawn = [
+    shown = [
         _draw_elements(axes, name, contact, laws, limits[0]) for name, contact in contacts.items()
     ]
-    if not any(drawn):
+    if not any(shown):
         raise ValueError("nothing to draw: no element wears")
     axes.set(xscale="log", yscale="log", xlim=limits)
     _draw_laws(axes, next(iter(contacts.values())), laws, limits)
@@ -198,15 +198,15 @@ def _draw_elements(
     """Draw the elements of a contact with more than the lowest work; return whether any wears."""
     work, rates = _frictional_work(contact), _wear_rates(contact, laws)
     alike = len(rates) == 2 and np.allclose(rates["A"], rates["B"], rtol=1e-9)
-    drawn = False
+    has_elements = False
     for body, marker in (("A", "o"), ("B", "^")):
         rate = rates.get(body, np.zeros_like(work))
         wears = (rate > 0.0) & (work > lowest)
         if wears.any() and not (alike and body == "B"):
             label = ", ".join(filter(None, (name, "A and B" if alike else body)))
             axes.plot(work[wears], rate[wears], marker, markersize=3, alpha=0.6, label=label)
-            drawn = True
-    return drawn
+            has_elements = True
+    return has_elements
 
 
 def _draw_laws(
@@ -215,12 +215,12 @@ def _draw_laws(
     """Draw the laws of the bodies that have regimes of work, and where these begin."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
     label = "law, without heat" if wear is not None and wear.temperature else "law"
-    drawn: list[object] = []
+    lines: list[object] = []
     for body in BODIES:
         regimes = getattr(getattr(law, body, None), "regimes", None)
-        if regimes is None or getattr(getattr(law, body), "element_area", None) or regimes in drawn:
+        if regimes is None or getattr(getattr(law, body), "element_area", None) or regimes in lines:
             continue
-        drawn.append(regimes)
+        lines.append(regimes)
         work = np.geomspace(*limits, 400)
         axes.plot(work, regimes(work)[0], color=LOOK.grey, linewidth=1.0, zorder=0, label=label)
         for start in regimes.starts[1:]:

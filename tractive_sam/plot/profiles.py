@@ -89,8 +89,8 @@ def worn_profiles(history: History, margin: float = 0.15) -> Figure:
     surfaces = {body: _surface_heights(history, body) for body in BODIES}
     _draw_records(axes, history, *(surfaces[body].__getitem__ for body in BODIES))
     last = history.saved[-1].item()
-    drawn = [heights[at] for heights in surfaces.values() for at in (0, last) if at in heights]
-    heights = np.array(drawn)[:, shown]
+    selected = [heights[at] for heights in surfaces.values() for at in (0, last) if at in heights]
+    heights = np.array(selected)[:, shown]
     space = 0.12 * np.ptp(heights)
     ends = {"A": heights.max() + space, "B": heights.min() - space}
     for body, end in ends.items():

@@ -61,7 +61,7 @@ def draw_tractions(
     x, contact = view.x_over_a, view.contact
     axes.axhline(0.0, color=LOOK.grey, linewidth=0.6)
     largest = np.abs(contact.traction).max(axis=(1, 2))
-    drawn = largest > negligible * largest.max()
+    significant = largest > negligible * largest.max()
     pressure = _along_line(view, contact.pressure, y)
     same = np.isclose(*view.bound_ratios)
     for k, (name, color) in enumerate((("x", LOOK.blue), ("y", LOOK.vermillion))):
@@ -69,9 +69,9 @@ def draw_tractions(
         if same and k == 0:
             label = r"$\pm\mu\,p_n$" if view.isotropic else "largest value of either component"
             _draw_bounds(axes, x, bound, LOOK.grey, label)
-        elif not same and drawn[k]:
+        elif not same and significant[k]:
             _draw_bounds(axes, x, bound, color, f"bound of $p_{name}$")
-        if drawn[k]:
+        if significant[k]:
             traction = _along_line(view, contact.traction[k], y)
             axes.plot(x, traction, color=color, label=f"$p_{name}$")
     inside = x[contact.touching.any(axis=1)]

@@ -21,14 +21,17 @@ from tractive_sam.scene import Scene
 
 
 def _over_load(force: str, contact: State) -> float:
+    """Return a force of a contact over its load."""
     return getattr(contact, force) / contact.P if contact.P else 0.0
 
 
 def _bars_of_damage(contact: State) -> Any:
+    """Return the error bars of the damage."""
     return contact.error_bars.get("damage", {})
 
 
 def _deepest(contact: State) -> float:
+    """Return the largest wear depth."""
     return float(contact.wear.max())
 
 
@@ -38,10 +41,12 @@ def _has_single_load(scene: Scene) -> bool:
 
 
 def _has_fatigue(body: str, scene: Scene) -> bool:
+    """Return whether the fatigue of a body is computed."""
     return body in scene.fatigue.bodies
 
 
 def _surface_fatigue_index(contact: State) -> float:
+    """Return the largest |p_t|/p_n - k/p_n in contact."""
     k, touching = contact.scene.fatigue.shear_yield_stress, contact.touching
     if not touching.any():
         return math.nan
@@ -207,10 +212,12 @@ WITH_ERROR_BAR = (
 
 
 def _bar(name: str, contact: State) -> float:
+    """Return an error bar of a contact; nan if there is none."""
     return contact.error_bars.get(name, math.nan)
 
 
 def _bars(name: str, contact: State) -> dict[str, float]:
+    """Return the error bars of both bodies; nan if there are none."""
     bars = contact.error_bars.get(name, {})
     return {body: bars.get(body, math.nan) for body in BODIES}
 

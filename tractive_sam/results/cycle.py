@@ -143,6 +143,7 @@ def _value_or_nan(record: Record, quantity: Quantity) -> Any:
 
 
 def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
+    """Combine the values of the blocks to that of the cycle."""
     kinds = {quantity.name, quantity.role}
     if kinds.intersection(LARGEST):
         value = each.max(axis=0)

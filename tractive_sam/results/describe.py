@@ -152,11 +152,13 @@ def _describe_missed_stress(history: Recorded) -> str:
 
 
 def _describe_energy(balance: SteadyBalance, value: float, closed: bool) -> str:
+    """Describe the energy balance, with advice if it is open."""
     text = f"{balance.dissipated} {value:.5f} of the work supplied"
     return text if closed else f"{text}; wear is as much in error{balance.energy_cure}"
 
 
 def _describe_wear(balance: SteadyBalance, value: float, closed: bool) -> str:
+    """Describe the wear balance, with advice if it is open."""
     text = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
     return text if closed else f"{text}; {balance.wear_cure} them together"
 

@@ -12,6 +12,7 @@ from tractive_sam.results.maximum import Maximum
 
 
 def _empty() -> np.ndarray:
+    """Return an empty array."""
     return np.zeros(0)
 
 

@@ -54,6 +54,7 @@ class FlashTemperature(ShortArrays):
 
     @cached_property
     def _inside(self) -> np.ndarray:
+        """Temperatures in contact, and -inf outside."""
         return np.where(self.touching, self.temperature["A"], -np.inf)
 
     @property

@@ -742,6 +742,7 @@ def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.nd
 def _by_plane(
     records: Sequence[Record], block: int | None = None
 ) -> dict[tuple[str, str], list["PlaneStress"]]:
+    """Return the stored stresses by body and plane."""
     first = records[0].stress if records else ()
     rows = {
         (stress.body, str(stress.plane)): [record.stress[k] for record in records]
@@ -752,11 +753,13 @@ def _by_plane(
 
 
 def _cycles_by_body(records: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
+    """Return the stored fatigue by body."""
     bodies = (cycle.body for cycle in records[0].cycles) if records else ()
     return {body: [record.cycles[k] for record in records] for k, body in enumerate(bodies)}
 
 
 def _without_nan(value: Any) -> Any:
+    """Replace nan and inf in nested values by None."""
     if isinstance(value, dict):
         return {key: _without_nan(item) for key, item in value.items()}
     if isinstance(value, list):

@@ -70,6 +70,7 @@ def load_laws(text: str, line: str = "") -> dict[str, LawRecord]:
 
 
 def _frame(numbers: list[float] | None) -> Frame | None:
+    """Return a frame from its three numbers."""
     if numbers is None:
         return None
     first, second, angle = map(float, numbers)

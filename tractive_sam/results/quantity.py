@@ -15,6 +15,7 @@ DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 
 
 def _always(_scene: Scene) -> bool:
+    """Return True for any scene."""
     return True
 
 

@@ -118,6 +118,7 @@ class Record:
 
 
 def _read(column: Quantity, contact: State) -> Any:
+    """Read the value of a column from a contact, and check its shape."""
     if column.of is not None:
         value = column.of(contact)
         along = {"axis": 2, "y": contact.grid.elements[1]}

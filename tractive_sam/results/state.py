@@ -290,6 +290,7 @@ class State:
         return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 
     def _integral(self, field: np.ndarray) -> float:
+        """Return the integral of a field over the mesh."""
         return float(field.sum() * self.grid.element_area)
 
     @cached_property

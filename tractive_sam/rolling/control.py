@@ -60,10 +60,12 @@ class ErrorControl:
         return self._whole(step.length * (min(change, 1.0) if step.refused else change))
 
     def _change(self, error: float) -> float:
+        """Return the factor on the step length for an error."""
         change = SAFETY * max(error, 1e-9) ** (-1.0 / self.order)
         return min(max(change, SHORTEST_CUT), LONGEST_GROWTH)
 
     def _whole(self, length: float) -> float:
+        """Return the length rounded down to a multiple of the unit."""
         return max(1, int(length / self.unit)) * self.unit
 
 

@@ -50,7 +50,7 @@ class Courses:
         """Number of stretches between knots."""
         return len(self.knots) - 1
 
-    def is_followed_by_shift(self, stretch: int, distance: float) -> bool:
+    def shift_comes_next(self, stretch: int, distance: float) -> bool:
         """Return whether a shift follows immediately after a distance."""
         at_end = distance == self.knots[stretch + 1]
         return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)

@@ -337,6 +337,7 @@ def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:
 def _cycle_fatigue(
     passage: Passage, model: Model, depths: np.ndarray
 ) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
+    """Return the fatigue of each body in a cycle, and its utilisation in each block."""
     laws = [block.laws for block in model.blocks]
     return cycle_fatigue(passage.contacts, depths, laws)
 
@@ -632,6 +633,7 @@ def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life:
 
 
 def _utilisation_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
+    """Return the columns of the utilisation, by name and body."""
     maxima = {body: cycle.largest() for body, cycle in cycles.items()}
     return {
         "utilisation": {body: maximum.value for body, maximum in maxima.items()},

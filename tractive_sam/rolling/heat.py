@@ -22,6 +22,7 @@ from tractive_sam.rolling.observer import Observer
 
 @lru_cache(maxsize=4)
 def _memory(grid: Grid, speed: float, diffusivity: float, conductivity: float) -> HeatMemory:
+    """Return the operator of a body, stored for later steps."""
     return HeatMemory(grid, speed, diffusivity, conductivity)
 
 
@@ -84,6 +85,7 @@ class TransientHeat(Observer):
         return replace(adopted, heat=heat, past=past)
 
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
+        """Return the heat after a shift, whose heat appears at once."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
         total = _friction_heat(result)
         warmth = {

@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
 
-from tractive_sam.contact import Gap, Model, across, grown
+from tractive_sam.contact import Gap, Model, enlarge, gap_across
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import Row
 from tractive_sam.results import (
@@ -279,6 +279,7 @@ class Process(ABC, Generic[AnyStep]):
         return self._with(self.model, tuple(further))
 
     def _with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
+        """Return the process with another model or other further observers."""
         process = type(self)(model, **self.parameters)
         process.further_observers = self.further_observers if further is None else further
         return process
@@ -365,7 +366,7 @@ class Process(ABC, Generic[AnyStep]):
                 step = advanced if advanced.observed else process.observe(advanced, last)
                 if step.off_grid and not self.model.scene.has_fixed_domain and growths < GROWTHS:
                     growths += 1
-                    wider = grown(process.model.grid, step.contact.at_edge)
+                    wider = enlarge(process.model.grid, step.contact.at_edge)
                     process, last = process.on(wider), last.on(wider)
                     break
                 if step.continues:
@@ -383,6 +384,7 @@ class Process(ABC, Generic[AnyStep]):
 
     @staticmethod
     def _state_besides_fields(step: AnyStep) -> dict[str, np.ndarray]:
+        """Return the states of the step and of its observers, by name."""
         state = dict(step.own_state)
         for observer in step.observed.values():
             state |= {f"{observer.name}_{name}": array for name, array in observer.state.items()}
@@ -409,6 +411,7 @@ class Process(ABC, Generic[AnyStep]):
 
     @staticmethod
     def _cycles(step: AnyStep) -> tuple[BodyFatigue, ...]:
+        """Return the fatigue that the observers of a step computed."""
         return tuple(cycle for observer in step.observed.values() for cycle in observer.cycles)
 
     def _record_contact(
@@ -418,7 +421,7 @@ class Process(ABC, Generic[AnyStep]):
         contact, values, may_store = provided
         store = (may_store and step.place in contact.scene.schedule) or not step.converged
         if recorder.measured is not None:
-            values["measured_profile"] = across(recorder.measured, contact.grid)
+            values["measured_profile"] = gap_across(recorder.measured, contact.grid)
         columns = [*recorder.columns, *self.columns]
         if PARTS.name in values:
             columns.append(PARTS)
@@ -454,4 +457,5 @@ class Process(ABC, Generic[AnyStep]):
         return "done" if contact.converged else str(contact.status), message
 
     def _describe_place(self, step: AnyStep) -> str:
+        """Describe where a step is, as the beginning of a message."""
         return self.model.scene.schedule.message_start.format(step.place)

@@ -94,6 +94,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
+        """Return the stored contacts of a step."""
         return (stored.contact(scene),)
 
     @classmethod

@@ -132,6 +132,7 @@ class StressHistory(Observer):
 
     @property
     def _contact(self) -> State:
+        """The last contact; raises a LookupError before the first step."""
         if self.contact is None:
             raise LookupError("contact")
         return self.contact

@@ -147,7 +147,7 @@ class Moment(Step):
             "solves": self.solves,
             **per_distance,
         }
-        may_store = not course.is_followed_by_shift(self.stretch, self.distance)
+        may_store = not course.shift_comes_next(self.stretch, self.distance)
         return StepRecord(contact, values, may_store)
 
     def _worn(self, rolls: bool, step: StepResult) -> dict[str, Any]:
@@ -246,6 +246,7 @@ class Transient(Process[Moment]):
         at: float,
         before: Mapping[str, float | None] | None = None,
     ) -> StepInput:
+        """Return the input of a step from prescribed quantities."""
         return StepInput(
             distance,
             creepages,
@@ -358,6 +359,7 @@ class Transient(Process[Moment]):
         return moments
 
     def _longest(self, adaptive: bool, stretch: float) -> float:
+        """Return the longest step of a stretch."""
         if not self.courses.rolls:
             return stretch / (1 if adaptive else PARTS)
         dx = self.model.grid.dx
@@ -440,6 +442,7 @@ class Transient(Process[Moment]):
         stretch: int,
         length: float,
     ) -> Moment:
+        """Return the moment after a step."""
         contact = result.contact
         by = np.array([contact.xi_x, contact.xi_y, contact.spin])
         shifts = last.shifts + by * (result.distance if result.distance else 1.0)

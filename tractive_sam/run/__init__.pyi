@@ -13,5 +13,5 @@ from .many import solve_many as solve_many
 from .many import with_creepages as with_creepages
 from .pipeline import roll as roll
 from .pipeline import solve as solve
-from .progress import show_progress as show_progress
+from .progress import show_roll_progress as show_roll_progress
 from .resume import describe_differences as describe_differences

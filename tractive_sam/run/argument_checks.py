@@ -94,6 +94,7 @@ def check_observer_columns(observers: Iterable[Observer], columns: Iterable[Quan
 
 
 def _taken_names(laws: Laws | None) -> set[str]:
+    """Return the names that user-defined columns and fields cannot have."""
     stress = () if laws is None else stress_columns(laws.criterion)
     taken = {
         "status",

@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact import Model, rough_maps
 from tractive_sam.description import Description, Row, Section, format_duration
-from tractive_sam.operators import available
+from tractive_sam.operators import available_memory
 from tractive_sam.rolling import process_of, process_type
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import set_tolerances
@@ -118,7 +118,7 @@ def _model_of(scene: Scene) -> tuple[Model, RefinedContact | None]:
 def _work(model: Model) -> Iterator[Row]:
     """Yield rows on the memory and the time that a scene takes, also on finer meshes."""
     yield Row("records", f"{expected_records(model)} expected")
-    needed, free = memory.scene_bytes(model), available()
+    needed, free = memory.scene_bytes(model), available_memory()
     room = f"about {needed / 2**20:.0f} MiB, and {PROGRAM_MEMORY} MiB for programs"
     if needed > free:
         room += f": more than the {free / 2**20:.0f} MiB that are free on this machine"

@@ -145,6 +145,7 @@ def export_surface(
 
 
 def _surface_fields(state: State) -> dict[str, np.ndarray]:
+    """Return the fields of a contact on the surface."""
     interrupt.raise_if_interrupted()
     return {
         "pressure": state.pressure,
@@ -179,5 +180,6 @@ def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
 
 
 def _arrays(layers: Iterator[tuple[float, np.ndarray]]) -> Iterator[dict[str, np.ndarray]]:
+    """Yield the stress of each layer, and its criteria."""
     for _, stress in layers:
         yield {"stress": stress} | {name: invariant(stress) for name, invariant in CRITERIA.items()}

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from tractive_sam.contact import (
     Model,
     Roughness,
-    as_asked,
+    describe_grid_entries,
     rough_maps,
     standing_roughness,
     uncovered_axes,
@@ -60,7 +60,7 @@ def unresolved_note(model: Model, map_: Roughness) -> str:
         f"elements, {waves} mm: it misses {height:.2g} mm rms of the map, which take "
         f"{pressure:.2g} MPa to flatten, {pressure / map_.pressure:.2g} times the pressure of the "
         "contact. The gap is sampled at the centres of elements, so that p_max and the contact "
-        f"area depend on the mesh. {as_asked(finer)} resolves waves of {resolved} mm: "
+        f"area depend on the mesh. {describe_grid_entries(finer)} resolves waves of {resolved} mm: "
         f"{math.prod(finer.elements)} elements, {mib:.0f} MiB and about {more:.2g} times the time "
         "of this mesh. Or smooth the measurement"
     )

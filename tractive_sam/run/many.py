@@ -134,10 +134,12 @@ def solve_many(
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:
+    """Return the attributes of a variable from a quantity."""
     return {"units": quantity.unit, "long_name": quantity.long_name}
 
 
 def _as_array(values: tuple[Any, ...]) -> np.ndarray:
+    """Return values as an array of numbers, or else of texts."""
     numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     return np.array(values if numbers else [str(value) for value in values])
 
@@ -298,6 +300,7 @@ class SequentialRuns:
         return run.begin(process_of(model), start_passage(model, (contact,)))[0]
 
     def _model_of(self, scene: Scene) -> Model:
+        """Return the model of a scene, with the operators of the last one if possible."""
         if self._model is not None:
             before = self._model.scene
             if scene == before.model_copy(update={"creepage": scene.creepage}):

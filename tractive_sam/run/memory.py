@@ -4,7 +4,7 @@ import math
 
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.operators import available
+from tractive_sam.operators import available_memory
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of
 from tractive_sam.schema import Fault, SceneError
@@ -92,7 +92,7 @@ def check_roll(model: Model, in_memory: bool) -> None:
         With the setting that would fit.
     """
     check_solve(model)
-    free, contact, stress = available(), contact_bytes(model), stress_bytes(model)
+    free, contact, stress = available_memory(), contact_bytes(model), stress_bytes(model)
     if in_memory:
         contact += records_bytes(model)
         _check_mesh(model, contact)
@@ -104,7 +104,8 @@ def check_roll(model: Model, in_memory: bool) -> None:
 
 
 def _check_accuracy(model: Model) -> None:
-    free, elements = available(), model.scene.accuracy.elements
+    """Raise an error if the largest mesh of [accuracy] does not fit into the memory."""
+    free, elements = available_memory(), model.scene.accuracy.elements
     needed = contact_bytes(model) * elements / math.prod(model.grid.elements)
     if needed > free:
         shortage = f"{elements}, for which {_describe_shortage(needed, free)}"
@@ -113,7 +114,8 @@ def _check_accuracy(model: Model) -> None:
 
 
 def _check_mesh(model: Model, needed: float) -> None:
-    free = available()
+    """Raise an error if the mesh does not fit into the memory."""
+    free = available_memory()
     if needed <= free:
         return
     nx, ny = model.grid.elements
@@ -125,4 +127,5 @@ def _check_mesh(model: Model, needed: float) -> None:
 
 
 def _describe_shortage(needed: float, free: float) -> str:
+    """Describe how much memory is needed and how much is free."""
     return f"the memory does not suffice: {needed / 2**20:.0f} MiB, and {free / 2**20:.0f} are free"

@@ -16,6 +16,7 @@ from tractive_sam.scene import Heat, Solver
 
 
 def _creepage(_table: Any, model: Model) -> Iterator[Row]:
+    """Yield rows on coupling and on the tangential problem."""
     K = model.scene.material.coupling
     coupling = "none: tractions do not change the pressure, which is solved first"
     if model.elasticity.coupled and model.transmits:
@@ -38,6 +39,7 @@ def _creepage(_table: Any, model: Model) -> Iterator[Row]:
 
 
 def _solver(table: Solver, model: Model) -> Iterator[Row]:
+    """Yield rows on the method and the slip."""
     yield Row("method", f"{model.method.description}, to a residual of {table.tolerance:g}")
     if model.transmits:
         scheme = "towards the leading edge (upwind, the paper's): its error falls with their size"
@@ -48,14 +50,17 @@ def _solver(table: Solver, model: Model) -> Iterator[Row]:
 
 
 def _transient(_table: Any, model: Model) -> Iterator[Row]:
+    """Yield a row on the order of accuracy of a transient."""
     yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
 
 
 def _process(_table: Any, model: Model) -> Iterator[Row]:
+    """Yield the rows of the process."""
     yield from process_of(model).describe()
 
 
 def _heat(_table: Heat, model: Model) -> Iterator[Row]:
+    """Yield the Peclet number of each body."""
     scene, dx = model.scene, model.grid.dx
     half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
     for name, thermal in scene.thermal.items():

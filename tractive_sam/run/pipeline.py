@@ -25,7 +25,7 @@ from tractive_sam.rolling import Observer
 from tractive_sam.run import argument_checks, memory, refined_runs
 from tractive_sam.run.argument_checks import read_measured_gap
 from tractive_sam.run.gap_notes import warn_of_gap
-from tractive_sam.run.progress import show_progress, show_solving
+from tractive_sam.run.progress import show_roll_progress, show_solving
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import (
     check_measured,
@@ -124,7 +124,7 @@ def solve(
         if start is not None or wear is not None:
             contact = equilibrium(model, wear, start)
         elif scene.accuracy is not None:
-            contact = refined_runs.solve_accurately(scene, measured, model_of)
+            contact = refined_runs.solve_to_accuracy(scene, measured, model_of)
         else:
             _, contact = solve_on_fitted_mesh(model)
     if measured is not None:
@@ -235,7 +235,7 @@ def roll(
     )
     replaced = overwrite or resume
     output = nullcontext() if path is None else results_writer(Path(path), replaced)
-    with output, show_progress(scene, progress) as called:
+    with output, show_roll_progress(scene, progress) as called:
         before = open_history(path) if resume and Path(path).exists() else None
         if before is not None and len(before):
             worn, started = check_start_of_file(before, path, started), before.started
@@ -252,12 +252,12 @@ def roll(
         process = run.process_of(model)
         if stored is None or before is None:
             if scene.has("accuracy"):
-                return refined_runs.roll_accurately(run)
+                return refined_runs.roll_to_accuracy(run)
             return run.begin(*process.begin_fitted())[0]
         check_measured(before, path, argument_checks.hash_measurements(model))
         check_observers_in_file(before, path, process.following)
         with report_damage(path, stored[1].row):
             last = process.adopt(*stored)
         if scene.has("accuracy"):
-            return refined_runs.resume_accurately(run, last, before)
+            return refined_runs.resume_to_accuracy(run, last, before)
         return run.resume(process, last, before)[0]

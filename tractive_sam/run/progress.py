@@ -31,7 +31,7 @@ class Bar(Protocol):
 
 
 @contextmanager
-def show_progress(
+def show_roll_progress(
     scene: Scene,
     progress: bool | Callable[[Record], None] | None = None,
     terminal: Console | None = None,
@@ -134,6 +134,7 @@ def show_solving(progress: bool | None = None, terminal: Console | None = None) 
 
 
 def _solving(mesh: tuple[int, int], residual: float) -> str:
+    """Describe the mesh and the residual of a solve."""
     return f"{' x '.join(map(str, mesh))} elements, residual {residual:.1g}"
 
 
@@ -152,12 +153,15 @@ def _bar(terminal: Console) -> Bar | None:
 
 
 def _in_notebook() -> bool:
+    """Return whether the code runs in a notebook."""
     shell = sys.modules.get("IPython")
     running = None if shell is None else shell.get_ipython()
     return getattr(running, "kernel", None) is not None
 
 
 class _Terminal:
+    """A progress bar in a terminal."""
+
     def __init__(self, terminal: Console) -> None:
         self._bar = Progress(
             SpinnerColumn(),

@@ -15,7 +15,7 @@ from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError
 
 
-def solve_accurately(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> State:
+def solve_to_accuracy(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> State:
     """Solve unworn bodies on the mesh that their accuracy needs (see `refine_unworn`)."""
     refinement = refine_unworn(set_tolerances(scene), measured, model_of)
     if not refinement.contact.converged or not refinement.missed:
@@ -23,7 +23,7 @@ def solve_accurately(scene: Scene, measured: Gap | None, model_of: Callable[...,
     return replace(refinement.contact, status=Status.INACCURATE, note=refinement.missed)
 
 
-def roll_accurately(run: Recording) -> History:
+def roll_to_accuracy(run: Recording) -> History:
     """Roll a scene from its unworn bodies."""
     scene = set_tolerances(run.scene)
     blocks = scene.spectrum.scenes if scene.spectrum else (scene,)
@@ -53,7 +53,7 @@ def _rolled_from(run: Recording, scene: Scene, bars: ErrorBars, level: int) -> H
         bars = judged.next_finer()
 
 
-def resume_accurately(run: Recording, last: Passage, before: History) -> History:
+def resume_to_accuracy(run: Recording, last: Passage, before: History) -> History:
     """Continue on the mesh of a file; if that is too coarse, roll again on finer ones."""
     scene, measured = set_tolerances(run.scene), run.measured
     levels, missed = Levels(scene, measured), describe_missed_accuracy(before, scene)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Gap, Laws, as_asked, choose_grid, reaching
+from tractive_sam.contact import Gap, Laws, choose_grid, describe_grid_entries, extend_to
 from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe_laws
 from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, process_type
 from tractive_sam.scene import Scene
@@ -122,6 +122,7 @@ def describe_differences(before: Scene, now: Scene) -> str:
 
 
 def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> None:
+    """Raise an error if a file holds another scene."""
     if differences := describe_differences(history.scene, scene):
         raise ResultsError(
             f"{path} holds another scene ({differences}); resume with the scene of the file, or "
@@ -182,6 +183,7 @@ def check_observers_in_file(
 
 
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
+    """Raise an error if a file has a different column with one of the names."""
     for column in columns:
         current = column.with_units_of(history.scene)
         if history.columns.get(column.name, current) != current:
@@ -212,10 +214,12 @@ def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
 
 
 def _are_tables(value: Any) -> bool:
+    """Return whether a value is a list of tables."""
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 
 def _same(before: Any, after: Any) -> bool:
+    """Return whether two values are equal, including arrays."""
     if isinstance(before, np.ndarray) or isinstance(after, np.ndarray):
         return np.array_equal(before, after)
     if isinstance(before, dict) and isinstance(after, dict):
@@ -224,6 +228,7 @@ def _same(before: Any, after: Any) -> bool:
 
 
 def _format_entry(entries: dict[str, Any], key: str) -> str:
+    """Format the value of a dotted key in the settings of a scene."""
     value: Any = entries
     for name in key.replace("[", ".").replace("]", "").split("."):
         value = value[int(name)] if isinstance(value, tuple) else (value or {}).get(name)
@@ -238,12 +243,12 @@ def _move_to_grid(scene: Scene, measured: Gap | None, last: Step, path: str | Pa
     if scene.grid is None:
         return last
     if scene.grid.elements is None:
-        wider = reaching(before, (*scene.grid.half_length, 0.5)[:2])
+        wider = extend_to(before, (*scene.grid.half_length, 0.5)[:2])
         grid = replace(wider, centre=scene.grid.place)
     else:
         grid = choose_grid(scene, measured)
         if not scene.has_fixed_domain:  # it may have grown
-            grid = reaching(grid, before.half_length)
+            grid = extend_to(grid, before.half_length)
     if grid == before:
         return last
     try:
@@ -253,5 +258,5 @@ def _move_to_grid(scene: Scene, measured: Gap | None, last: Step, path: str | Pa
         raise ResultsError(
             f"{path} has {nx} x {ny} elements over +-{half_length[0]:g} x +-{half_length[1]:g} mm; "
             "a wider grid must keep the element size and add as many elements on each side: "
-            f"{as_asked(reaching(before, grid.half_length))}"
+            f"{describe_grid_entries(extend_to(before, grid.half_length))}"
         ) from None

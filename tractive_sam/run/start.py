@@ -64,12 +64,14 @@ def describe_origin(start: History | State) -> str:
 
 
 def _describe_last_record(history: History) -> str:
+    """Describe the last record of a history that was solved."""
     row = _last_row(history)
     along = history.coordinate
     return f"{along.name} {history[along.name][row]:{along.format}}"
 
 
 def _last_row(history: History) -> int:
+    """Return the row of the last record that was solved."""
     solved = np.flatnonzero(history["converged"] > 0.0)
     if not solved.size:
         raise ResultsError("start: the history holds no contact that was solved")
@@ -101,6 +103,7 @@ def check_start_of_file(history: History, path: str | PathLike, origin: str) -> 
 
 
 def _depths_from_history(history: History) -> Worn:
+    """Return the worn depths of both bodies from a history."""
     row = _last_row(history)
     entering, leaving = (history[name][row] for name in ("entering_profile", "wear_profile"))
     began = worn_bodies_before(history)
@@ -116,6 +119,7 @@ def _depths_from_history(history: History) -> Worn:
 
 
 def _depths_from_state(state: State) -> Worn:
+    """Return the worn depths of both bodies from a contact."""
     wear = state.scene.wear
     if wear is not None and not wear.together:
         raise ResultsError(
@@ -145,6 +149,7 @@ def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
 
 
 def _flatten(table: Mapping[str, Any], above: str = ""):
+    """Yield the entries of nested tables by dotted key."""
     for name, value in table.items():
         key = f"{above}.{name}".lstrip(".")
         if isinstance(value, Mapping):

@@ -16,24 +16,28 @@ SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def _check_magnitude(value: float) -> float:
+    """Return a number; raise an error if it is too large or not finite."""
     if abs(value) <= LARGEST:
         return value
     raise ValueError(f"a finite number, at most {LARGEST:g} in magnitude")
 
 
 def _check_not_tiny(value: float) -> float:
+    """Return a number; raise an error if it is too small."""
     if value >= SMALLEST:
         return value
     raise ValueError(f"a number of at least {SMALLEST:g}")
 
 
 def _check_radius(value: float) -> float:
+    """Return a radius; raise an error for 0 or a magnitude out of range."""
     if value == math.inf or SMALLEST <= abs(value) <= LARGEST:
         return value
     raise ValueError("a number other than 0 (negative: concave), or inf (flat)")
 
 
 def _is_number(value: Any) -> bool:
+    """Return whether a value is a number, and no bool."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -53,6 +57,7 @@ def _read_whole(value: Any) -> Any:
 
 
 def _read_path(value: Any) -> Any:
+    """Return a text as a path; other values unchanged."""
     return Path(value) if isinstance(value, str) else value
 
 

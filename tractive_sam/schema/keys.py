@@ -189,6 +189,7 @@ def format_value(value: Any) -> str:
 
 
 def _format_default(info: FieldInfo) -> str:
+    """Format the default of a key."""
     if info.is_required():
         return "required"
     if info.default_factory is not None:

@@ -107,6 +107,7 @@ class LawTable(Table):
         return self._with_parameters(super().settings())
 
     def _with_parameters(self, entries: dict[str, Any]) -> dict[str, Any]:
+        """Return entries with the law and its parameters."""
         if (law := self.named_law) is None:
             return entries
         return {**entries, self.law_key: law.name, **law.parameters}

@@ -91,6 +91,7 @@ def read_entries(table: type[TableBase], given: Mapping[Any, Any]) -> Reading:
 
 
 def _read_default(reading: Reading, key: str, info: FieldInfo) -> None:
+    """Read the default of a key that is not given."""
     if info.is_required():
         reading.faults.append(Fault(key, "nothing", _describe_field(info)))
         return
@@ -102,6 +103,7 @@ def _read_default(reading: Reading, key: str, info: FieldInfo) -> None:
 
 
 def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
+    """Read the entries of a nested table."""
     given = reading.given[key]
     if isinstance(given, table):
         given = given.entries()
@@ -132,6 +134,7 @@ def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[
 
 
 def _read_value(reading: Reading, key: str, table: type[TableBase], value: Any) -> None:
+    """Read and check the value of a key."""
     adapter = _adapter(table, key)
     try:
         reading.store(key, adapter.validate_python(value))
@@ -186,6 +189,7 @@ def _is_table(given: Any, info: FieldInfo) -> bool:
 
 @functools.cache
 def _adapter(table: type[TableBase], key: str) -> TypeAdapter[Any]:
+    """Return the pydantic adapter of a key."""
     info = table.model_fields[key]
     kind: Any = Annotated[info.annotation, key, *info.metadata]  # built at run time
     # A record has a configuration already.

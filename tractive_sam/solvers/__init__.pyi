@@ -1,7 +1,7 @@
 """What `solvers` lets out, for `__init__.py` and for type checkers."""
 
 from .anderson import Anderson as Anderson
-from .anderson import combined as combined
+from .anderson import combine_images as combine_images
 from .bracketing import Bracketing as Bracketing
 from .conjugate_gradients import ConjugateGradients as ConjugateGradients
 from .continuation import Continuation as Continuation

@@ -36,6 +36,7 @@ class Anderson(Projection):
     name: ClassVar[str] = "anderson"
 
     def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
+        """Yield the combined states of the iteration."""
         images: list[np.ndarray] = []
         changes: list[np.ndarray] = []
         best, least = state, np.inf
@@ -52,11 +53,11 @@ class Anderson(Projection):
             images.append(now.image)
             changes.append(now.image - state)
             del images[: -self.memory - 1], changes[: -self.memory - 1]
-            state = mapping.admissible(combined(images, changes))
+            state = mapping.admissible(combine_images(images, changes))
 
 
-def combined(images: Sequence[np.ndarray], changes: Sequence[np.ndarray]) -> np.ndarray:
-    """Affine combination of the images whose combined change has the least norm."""
+def combine_images(images: Sequence[np.ndarray], changes: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the affine combination of images whose combined change has the smallest norm."""
     if len(images) == 1:
         return images[0]
     differences = np.stack([(changes[-1] - c).ravel() for c in changes[:-1]])

@@ -19,12 +19,12 @@ from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
 class _NotSolvedError(Exception):
-    """Ends the way at a problem that could not be solved, or that no creepage has the force."""
+    """Raised if a problem on the path was not solved, or no creepage gives the force."""
 
 
 @dataclass(frozen=True)
 class Bracketing:
-    """Gives creepages in place of the first force; another one is left to the solver.
+    """Finds the creepage for the first prescribed force by bracketing; the solver finds the second.
 
     Attributes
     ----------

@@ -16,7 +16,7 @@ from tractive_sam.solvers.problem import NormalProblem
 
 @dataclass(frozen=True)
 class ConjugateGradients:
-    """The normal problem without tractions, under given load or approach.
+    """Conjugate gradients for the normal problem without tractions, for a load or an approach.
 
     Attributes
     ----------
@@ -54,7 +54,7 @@ class ConjugateGradients:
 
         under_load = problem.load is not None
         p = _first_guess(problem) if start is None else np.maximum(start.pressure, 0.0)
-        p = _loaded(problem, p)
+        p = _scale_to_load(problem, p)
         lift = apply(p)
         response = active = direction = gap_before = product_before = None
         status = Status.OUT_OF_ITERATIONS
@@ -98,7 +98,7 @@ class ConjugateGradients:
             p = p - length * direction
             if p.min() < 0.0:
                 # Elements that would pull leave; then what was summed up no longer is the lift.
-                p = _loaded(problem, np.maximum(p, 0.0))
+                p = _scale_to_load(problem, np.maximum(p, 0.0))
                 lift = apply(p)
             else:
                 lift = lift - length * change
@@ -108,7 +108,7 @@ class ConjugateGradients:
             float(residual),
             taken,
             Cost(applications, preconditionings),
-            pressure=_loaded(problem, closed(p, gap)),
+            pressure=_scale_to_load(problem, closed(p, gap)),
             gap=gap,
             approach=float(delta),
             trace=(Note("conjugate gradients", status),),
@@ -116,18 +116,19 @@ class ConjugateGradients:
 
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:
-    """|p - max(0, p - gap)| / |p|: zero exactly where Signorini's conditions hold."""
+    """Return |p - max(0, p - gap)| / |p|, zero exactly if Signorini's conditions hold."""
     size = np.linalg.norm(pressure)
     distance = np.linalg.norm(np.minimum(pressure, gap))
     return distance / size if size > 0.0 else float(distance > 0.0)
 
 
 def _mean(values: np.ndarray, where: np.ndarray) -> float:
+    """Return the mean of values over a mask."""
     return float(values[where].mean())
 
 
-def _loaded(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
-    """The pressure scaled to the load, where that is given."""
+def _scale_to_load(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
+    """Return the pressure scaled to the prescribed load, if there is one."""
     if problem.load is None:
         return pressure
     if not pressure.any():  # a contact so small that interpolation or a step has lost it
@@ -136,7 +137,7 @@ def _loaded(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
 
 
 def _first_guess(problem: NormalProblem) -> np.ndarray:
-    """Pressure like the depth of the undeformed bodies below a level that gives some contact."""
+    """Return the initial pressure: the depth of the undeformed bodies below some level."""
     level = problem.approach
     if problem.load is not None:
         level = np.quantile(problem.gap, 0.5)

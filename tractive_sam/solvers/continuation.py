@@ -37,7 +37,7 @@ class Continuation:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve by easier problems; see `Solver`.
+        """Solve a problem by a path of easier problems; see `Solver`.
 
         Returns
         -------
@@ -51,21 +51,21 @@ class Continuation:
             return self.solver.solve(self.easier(problem, ahead), last, before)
 
         now = self.solver.solve(self.easier(problem, 0.0), rough, start)
-        return continued(now, solve, "creepage", self.first, self.shortest)
+        return follow_path(now, solve, "creepage", self.first, self.shortest)
 
     def easier(self, problem: Problem, done: float) -> Problem:
         """Return the problem at a part of the path, from 0 to 1."""
         return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
 
 
-def continued(
+def follow_path(
     now: Outcome,
     solve: Callable[[float, Outcome], Outcome],
     along: str,
     first: float,
     shortest: float,
 ) -> Outcome:
-    """Follow a path from 0 to 1: a stretch that fails is halved, after others the next is doubled.
+    """Follow a path from 0 to 1: halve a stretch that fails, double the next after success.
 
     Parameters
     ----------

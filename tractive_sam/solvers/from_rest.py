@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from tractive_sam.solvers.continuation import continued
+from tractive_sam.solvers.continuation import follow_path
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
 @dataclass(frozen=True)
 class FromRest:
-    """Solves a problem whose friction falls with sliding; others it hands on.
+    """Solves problems with friction that falls with sliding, from slow to fast rolling.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class FromRest:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; see `Solver`. The outcome has the cost of the whole way.
+        """Solve a problem; see `Solver`. The outcome has the cost of all steps.
 
         From a start nearby at once.
         """
@@ -62,9 +62,9 @@ class FromRest:
         begin = np.inf if self.sliding else 0.0
         now = self.solver.solve(problem.at_speed_ratio(begin), max(tolerance, self.rough))
         at_once = self.nearby.solve(problem, tolerance, now)
-        outcome = _costing(at_once, now, *spent)
+        outcome = _add_cost(at_once, now, *spent)
         if not outcome.converged and now.converged:
-            outcome = _costing(self._continued(problem, tolerance, now), at_once, *spent)
+            outcome = _add_cost(self._continued(problem, tolerance, now), at_once, *spent)
             if not outcome.converged and len(problem.forces):
                 outcome = self._with_top(problem, outcome, now)
         if not outcome.converged and outcome.top is None:
@@ -72,7 +72,7 @@ class FromRest:
         return outcome
 
     def _continued(self, problem: Problem, tolerance: float, now: Outcome) -> Outcome:
-        """By way of slower rolling, or faster."""
+        """Continue from slower or from faster rolling to the problem."""
         # Forces that one creepage has no more are beyond the top: no need to come quite near it.
         shortest = 0.5 * self.first if len(problem.forces) else self.shortest
 
@@ -81,10 +81,10 @@ class FromRest:
             last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
             return self.nearby.solve(problem.at_speed_ratio(speed), last, before)
 
-        return continued(now, solve, "speed", self.first, shortest)
+        return follow_path(now, solve, "speed", self.first, shortest)
 
     def _with_top(self, problem: Problem, outcome: Outcome, now: Outcome) -> Outcome:
-        """The outcome with the top of the curve of the first force over its creepage."""
+        """Return the outcome with the maximum of the traction curve of the first force."""
         forces = problem.forces
         vector, target = forces.vectors[0], forces.target[0]
         others = PrescribedForces(forces.vectors[1:], forces.target[1:])
@@ -111,7 +111,7 @@ class FromRest:
 
 
 class _Curve:
-    """A force over its creepage, each problem started from the one before."""
+    """A force as a function of its creepage; each problem starts from the previous solution."""
 
     def __init__(self, solver, problem, others, vector, now, tolerance):
         self._solver, self._problem, self._others = solver, problem, others
@@ -137,7 +137,8 @@ class _Curve:
         return float(self._vector @ found.traction.sum(axis=(1, 2)))
 
 
-def _costing(outcome: Outcome, *earlier: Outcome) -> Outcome:
+def _add_cost(outcome: Outcome, *earlier: Outcome) -> Outcome:
+    """Add the cost of solves to that of the curve."""
     for one in earlier:
         outcome = outcome.costing(one)
     return outcome

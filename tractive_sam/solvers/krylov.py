@@ -68,7 +68,7 @@ def gmres(
     residual[0] = norm
     k = 0
     while k < most and abs(residual[k]) > tolerance * norm:
-        w, h, beyond = orthogonalised(operator(preconditioner(basis[k])), basis[: k + 1])
+        w, h, beyond = orthogonalise(operator(preconditioner(basis[k])), basis[: k + 1])
         # Givens: the rotations so far, then one that takes away what the new vector adds below.
         column = h.tolist()
         for i, (c, s) in enumerate(rotations):
@@ -97,8 +97,8 @@ def gmres(
     return np.array(preconditioner(weights @ basis[:k])), k
 
 
-def orthogonalised(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """The part of w that is orthogonal to the basis, its components along it, and its norm.
+def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return the part of w orthogonal to the basis, its components along it, and its norm.
 
     Classical Gram-Schmidt: products with the whole basis at once. It is done again where little is
     left, of which rounding has spoilt a part ("twice is enough").
@@ -160,7 +160,7 @@ def conjugate_residuals(
         vectors[k] = system.preconditioner(left)
         responses[k] = system.response(vectors[k])
         made = system.product(vectors[k], responses[k])
-        w, h, beyond = orthogonalised(made, basis[:k])
+        w, h, beyond = orthogonalise(made, basis[:k])
         if beyond <= rounding * sqrt(h @ h):
             break
         np.divide(w, kind(beyond), out=basis[k])

@@ -18,7 +18,7 @@ from tractive_sam.solvers.uzawa import Uzawa
 
 @dataclass(frozen=True)
 class Ladder:
-    """Methods one after the other, until one converges.
+    """A sequence of methods that are tried one after the other until one converges.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Ladder:
 
 @dataclass(frozen=True)
 class Method:
-    """A method of a scene.
+    """The solution method of a scene, for bodies of equal and of different material.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ NORMAL = Nested(ConjugateGradients())
 PRESSURE_ONLY = Sequential(NORMAL)
 """Bodies without cause for traction."""
 
-HELD, COUPLED = Newton(krylov=120), Newton(krylov=150)
+FIXED_PRESSURE, COUPLED = Newton(krylov=120), Newton(krylov=150)
 NEARBY = Newton(
     krylov=60,  # three vectors of each iteration are stored
     halvings=3,
@@ -103,8 +103,8 @@ NEARBY = Newton(
 )
 """Newton's method from a start nearby: a step or a revolution before."""
 
-NEWTON = Sequential(NORMAL, Nested(HELD, nearby=NEARBY))
-ROUGH_SEQUENTIAL = RoughSequential(NORMAL, Nested(HELD))
+NEWTON = Sequential(NORMAL, Nested(FIXED_PRESSURE, nearby=NEARBY))
+ROUGH_SEQUENTIAL = RoughSequential(NORMAL, Nested(FIXED_PRESSURE))
 """Where the method for dissimilar bodies starts."""
 
 COUPLED_NEWTON = Nested(COUPLED, begin=ROUGH_SEQUENTIAL, nearby=NEARBY)
@@ -116,7 +116,11 @@ METHODS = {
         alike=Sequential(
             NORMAL,
             Ladder(
-                (NEWTON.tangential, Bracketing(HELD, Continuation(HELD)), Anderson()),
+                (
+                    NEWTON.tangential,
+                    Bracketing(FIXED_PRESSURE, Continuation(FIXED_PRESSURE)),
+                    Anderson(),
+                ),
                 with_forces=2,
             ),
         ),

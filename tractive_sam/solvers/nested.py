@@ -10,11 +10,11 @@ import numpy as np
 
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import NormalProblem, Problem
-from tractive_sam.solvers.progress import report
+from tractive_sam.solvers.progress import report_progress
 
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Bilinear interpolation of the last two axes to elements of half the size, cut to `shape`."""
+    """Interpolate the last two axes bilinearly to elements of half the size, cut to `shape`."""
     for axis in (-2, -1):
         v = np.moveaxis(values, axis, 0)
         before, after = np.concatenate((v[:1], v[:-1])), np.concatenate((v[1:], v[-1:]))
@@ -26,24 +26,24 @@ def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarray) -> np.ndarray:
-    """Tractions on the finer mesh, by their share of the bound, which is smooth up to the edge."""
+    """Interpolate tractions to a finer mesh by their share of the bound, which is smooth."""
     return refine(shares(coarse, bound), fine_bound.shape) * fine_bound
 
 
 def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
-    """Tractions (2, n_x, n_y) over their bound; next to where there is one, as beside it."""
+    """Return tractions (2, n_x, n_y) over their bound, extended one element beyond contact."""
     inside = bound > 0.0
     share = np.where(inside, traction, 0.0) / np.where(inside, bound, 1.0)
     sums = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
     sums = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
     sums = sums[..., :-2] + sums[..., 1:-1] + sums[..., 2:]
-    beside = ~inside & (sums[2] > 0.0)
-    share[:, beside] = sums[:2, beside] / sums[2, beside]
+    neighbours = ~inside & (sums[2] > 0.0)
+    share[:, neighbours] = sums[:2, neighbours] / sums[2, neighbours]
     return share
 
 
 def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Pressure on the finer mesh, by a quantity that is smooth across the edge of contact.
+    """Interpolate pressure to a finer mesh by a quantity that is smooth across the edge.
 
     At a distance d from the edge the pressure inside rises like d^1/2 and the gap outside like
     d^3/2, so p² continues as -gap^2/3; the factor is the one of a Hertzian contact of line form,
@@ -53,8 +53,8 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     if peak == 0.0:
         return np.zeros(shape)
     outside = np.cbrt(np.maximum(1.5 * gap / peak, 0.0)) ** 2
-    continued = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
-    return peak * np.sqrt(np.maximum(refine(continued, shape), 0.0))
+    follow_path = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
+    return peak * np.sqrt(np.maximum(refine(follow_path, shape), 0.0))
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class Nested:
             share = float(next(sizes) / next(sizes))
             earlier.append((coarse, share))
             start = refined(coarse, coarse_problem, problem)
-        report(problem.operators.lattice.shape, 1.0)
+        report_progress(problem.operators.lattice.shape, 1.0)
         if start is None and self.begin is not None:
             start = self.begin.solve(problem, tolerance)
             earlier.append((start, 1.0))
@@ -114,7 +114,7 @@ class Nested:
 def refined(
     coarse: Outcome, coarse_problem: NormalProblem | Problem, problem: NormalProblem | Problem
 ) -> Start | Outcome | None:
-    """Where to start from what was found on a coarser mesh, if that is any good.
+    """Return a start for a problem from the solution on a coarser mesh; None if it is no help.
 
     Tractions that were not solved for still show where the contact sticks. Pressure and tractions
     of dissimilar bodies that were not lead nowhere.
@@ -136,6 +136,6 @@ def refined(
 
 
 def _shorter_side(problem: NormalProblem | Problem) -> int:
-    """Elements of a mesh along its shorter side, of those along which it can be coarsened."""
+    """Return the number of elements along the shorter side that can be coarsened."""
     lattice = problem.operators.lattice
     return min(n for n, block in zip(lattice.shape, lattice.block, strict=True) if block > 1)

@@ -25,14 +25,14 @@ from tractive_sam.solvers.krylov import conjugate_residuals, gmres
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
 from tractive_sam.solvers.problem import FixedPressure, Problem
-from tractive_sam.solvers.progress import report
+from tractive_sam.solvers.progress import report_progress
 
 GOLDEN = 0.5 * (1.0 + 5.0**0.5)
 
 
 @dataclass(frozen=True)
 class Newton:
-    """Semismooth Newton steps, solved for inexactly and damped.
+    """Semismooth Newton method with inexact linear solves and damping.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class Newton:
         least, since, before, bounded = np.inf, 0, np.inf, self.bounded
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
-            report(problem.operators.lattice.shape, at.residual)
+            report_progress(problem.operators.lattice.shape, at.residual)
             if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
                 # Only the slip by the very tractions dissipates what drives the bodies.
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
@@ -141,7 +141,7 @@ class Newton:
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
             kind = self.precision(goal, at.residual, tolerance, at.pressure.size)
-            at, spent = self._advanced(problem, at, goal, kind, stalled, bounded)
+            at, spent = self._advance(problem, at, goal, kind, stalled, bounded)
             cost = cost + spent
         # What is beyond a bound, or remains where the gap is open, is part of the residual.
         pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
@@ -161,6 +161,7 @@ class Newton:
         )
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
+        """Return the first iterate of a problem."""
         cost, normal = Cost(), problem.normal
         if start is None and not problem.is_pressure_fixed:
             found = ConjugateGradients().solve(normal, 1e-3)
@@ -183,7 +184,7 @@ class Newton:
         return at, cost + Cost(at.applications)
 
     def _with_least_slip(self, problem: Problem, at: Iterate) -> Iterate:
-        """Return an iterate with the creepages by which what is to stick slips least."""
+        """Return an iterate with the creepages that minimise the slip of sticking elements."""
         sticks = np.hypot(*at.traction) < self.inside * at.bound.radius
         if not sticks.any():
             return at
@@ -191,7 +192,7 @@ class Newton:
         change = np.linalg.lstsq(problem.forces.vectors.T, -slip, rcond=None)[0]
         return at.creeping(problem, at.creepage + change)
 
-    def _advanced(
+    def _advance(
         self,
         problem: Problem,
         at: Iterate,
@@ -210,10 +211,10 @@ class Newton:
             vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
         vector = vector.astype(float, copy=False)  # iterates are in double precision
         step, extra = system.fields(vector), vector[system.size :]
-        ahead, trials = self._led(problem, at, step, extra, response, stalled, bounded)
+        ahead, trials = self._step_along(problem, at, step, extra, response, stalled, bounded)
         return ahead, Cost(system.applications + trials, system.preconditionings)
 
-    def _led(
+    def _step_along(
         self,
         problem: Problem,
         at: Iterate,
@@ -223,7 +224,7 @@ class Newton:
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, int]:
-        """The iterate that a step leads to, and the applications it took.
+        """Return the iterate that a step leads to, and the operator applications that it took.
 
         Parameters
         ----------
@@ -257,7 +258,7 @@ class Newton:
         return self.damped(trial, at.merit_by(at.ratio), length, stalled), trials
 
     def forcing(self, residual: float, before: float, tolerance: float) -> float:
-        """Relative residual to which a linear system is worth solving (inexact Newton).
+        """Return the relative residual to which a linear system should be solved (inexact Newton).
 
         By how much the step before has gained (Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17,
         16-32, choice 2): loose while the stick and slip zones still move, sharp towards the end,
@@ -279,7 +280,7 @@ class Newton:
         return elements >= self.gmres_from
 
     def precision(self, goal: float, residual: float, tolerance: float, elements: int) -> type:
-        """Return the type of numbers in which to solve a linear system.
+        """Return the number type in which a linear system reaches a relative residual.
 
         Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed
         over a Krylov space: half the memory is moved for the same step. If the response to the step
@@ -301,7 +302,7 @@ class Newton:
     def damped(
         self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool
     ) -> Iterate:
-        """The trial of the length given, or of the longest halving that does not raise the merit.
+        """Return the trial at the given length, or at the first halving that lowers the merit.
 
         The active sets of a step may be worse for a while on the way to a better solution, so some
         rise is allowed; where none is that good, the best one is taken. Where the residual

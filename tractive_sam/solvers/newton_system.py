@@ -16,7 +16,7 @@ ROUNDING = 4.0 * float(np.finfo(float).eps)
 
 
 class Iterate:
-    """Pressure, tractions, approach, creepages, and what the contact conditions say of them.
+    """An iterate (pressure, tractions, approach, creepages) and its contact conditions.
 
     Tractions may be tiny beside the pressure: they and their slip count `ratio` times, the size of
     the pressure over theirs. The merit counts them as many times as asked for.
@@ -49,7 +49,7 @@ class Iterate:
             self.traction = problem.project(traction, self.bound.radius, physical=True)
         self.approach, self.creepage = approach, creepage
         self.applications = 0
-        if response is None or self._brought_back(pressure, traction):
+        if response is None or self._project(pressure, traction):
             response, self.applications = problem.response(self.fields(fixed)), 1
         self.response = response
         self.slip = problem.rigid + response[-2:]
@@ -94,18 +94,19 @@ class Iterate:
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
         self.merit = self.merit_by(ratio)
 
-    def _brought_back(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
+    def _project(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
+        """Return pressure and traction moved back into their admissible sets."""
         fields = ((self.traction, traction), (self.pressure, pressure))
         return any(one is not before and (one != before).any() for one, before in fields)
 
     def creeping(self, problem: Problem, creepage: np.ndarray) -> "Iterate":
-        """The same with other creepages."""
+        """Return the iterate with other creepages."""
         fields = self.pressure, self.traction, self.approach
         return Iterate(problem, *fields, creepage, 1.0, False, self.response)
 
     @property
     def is_admissible(self) -> bool:
-        """Whether no pressure is on an open gap, and tractions are within the bound."""
+        """Return whether open gaps carry no pressure, and tractions are within the bound."""
         return self._bounded and not (self.pressure[~self.active] > 0.0).any()
 
     def within_bound(self, problem: Problem) -> "Iterate":
@@ -114,17 +115,17 @@ class Iterate:
         return Iterate(problem, pressure, self.traction, self.approach, self.creepage)
 
     def fields(self, fixed: bool) -> np.ndarray:
-        """The unknown fields."""
+        """Return the unknown fields."""
         return self.traction if fixed else np.concatenate((self.pressure[None], self.traction))
 
     def merit_by(self, ratio: float) -> float:
-        """Size of what the conditions miss, where those of the tractions count `ratio` times."""
+        """Return the size of the residual, with that of the tractions weighted by `ratio`."""
         # The ratio may be larger than what a square can be.
         return float(np.hypot(np.sqrt(self._normal), ratio * np.sqrt(self._tangential)))
 
 
 class System:
-    """The Newton system at an iterate; `kind` is the type of its numbers.
+    """The Newton system at an iterate; `kind` is its number type.
 
     An element in contact asks that its gap close, one that has left that its pressure vanish, and
     the friction law for what `Linearisation` says. A slipping traction follows its bound along its
@@ -154,11 +155,11 @@ class System:
         self._rows_made = self.fields(self._out)
 
     def fields(self, vector: np.ndarray) -> np.ndarray:
-        """The fields of a vector."""
+        """Return the fields of a vector of unknowns."""
         return vector[: self.size].reshape(self.shape)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Linearised conditions of a step and the change of gap and slip by it.
+        """Return the linearised conditions for a step and its change of gap and slip.
 
         They are the fields of the vector that `operator` returns, and overwritten by the next ones.
         """
@@ -175,6 +176,7 @@ class System:
         return rows
 
     def _resultants(self, step: np.ndarray) -> np.ndarray:
+        """Return the resultant force of a step."""
         sums = self.at.ratio * self.vectors @ step[-2:].sum(axis=(1, 2))
         return np.concatenate(([step[0].sum()], sums)) if self.under_load else sums
 
@@ -189,7 +191,7 @@ class System:
         return response
 
     def right_hand_side(self) -> np.ndarray:
-        """What the conditions miss."""
+        """Return the negative residual of the contact conditions."""
         at, rhs = self.at, np.zeros(self.length, self.kind)
         rows = self.fields(rhs)
         if self.free:
@@ -202,12 +204,12 @@ class System:
         return rhs
 
     def response(self, vector: np.ndarray) -> np.ndarray:
-        """What the operator answers to the fields of a vector; one application."""
+        """Return the elastic response to the fields of a vector; one operator application."""
         self.applications += 1
         return self.problem.response(self.fields(vector))
 
     def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """The matrix times a vector of which the response is known; overwritten by the next."""
+        """Return the matrix times a vector with a known response; the next call overwrites it."""
         step = self.fields(vector)
         self._rows(step, self._extended(response, vector[self.size :]))
         if self.length > self.size:
@@ -215,11 +217,11 @@ class System:
         return self._out
 
     def operator(self, vector: np.ndarray) -> np.ndarray:
-        """Apply the Newton matrix; the result is overwritten by the next one."""
+        """Apply the Newton matrix; the next call overwrites the result."""
         return self.product(vector, self.response(vector))
 
     def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
-        """The circulant inverse for the pressure, and the upwind sweep for the tractions."""
+        """Apply the circulant inverse to the pressure, the upwind sweep to the tractions."""
         at = self.at
         tangential = rows[-2:] if at.ratio == 1.0 else rows[-2:] / at.ratio
         step = self._inverse(tangential)
@@ -231,7 +233,7 @@ class System:
 
     @cached_property
     def _border(self) -> tuple[list[np.ndarray], np.ndarray]:
-        """Responses to the unknown approach and creepages, and of the resultants to them."""
+        """Compute the columns of the unknown approach and creepages, and their Schur complement."""
         count = self.length - self.size
         zero = np.zeros(self.shape if count else (), self.kind)
         responses = [

@@ -9,7 +9,7 @@ from tractive_sam.results import Cost, Status
 
 
 def relative(distance: float, size: float) -> float:
-    """A distance over a size, or the distance itself where there is no size."""
+    """Return a distance over a size; the distance if the size is zero."""
     return float(distance / size) if size > 0.0 else float(distance)
 
 
@@ -30,7 +30,7 @@ def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Note:
-    """One step of a solve: what was done, and how it ended.
+    """One step of a solve: its name and its status.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """What a solve may start from, on the whole mesh; names and units of `Outcome`.
+    """Initial guess of a solve on the complete mesh; names and units as in `Outcome`.
 
     An `Outcome` will do as well. Two more things may be known: the response of the elastic operator
     to the tractions, of dissimilar bodies with the pressure (`response`, shape (2 or 3, n_x, n_y)),
@@ -69,7 +69,7 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Result of a solver, dimensionless; fields of a problem it did not solve are None.
+    """Result of a solver, dimensionless; fields that were not solved for are None.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class Outcome:
 
     @property
     def converged(self) -> bool:
-        """Whether the contact conditions hold to the tolerance asked for."""
+        """Whether the contact conditions hold to the tolerance."""
         return self.status is Status.CONVERGED
 
     def costing(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
@@ -129,7 +129,7 @@ class Outcome:
 
 
 class Solver(Protocol):
-    """A method with its settings: any object with this method, such as a frozen dataclass."""
+    """Protocol of solvers: any object with this method, such as a frozen dataclass."""
 
     def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:
         """Solve a problem.

@@ -31,7 +31,7 @@ WearInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class NormalProblem:
-    """Find pi_n >= 0 with eta = gap + A_nn pi_n - delta >= 0 and pi_n eta = 0.
+    """Normal contact problem: find pi_n >= 0, eta = gap + A_nn pi_n - delta >= 0, pi_n eta = 0.
 
     Parameters
     ----------
@@ -51,12 +51,12 @@ class NormalProblem:
     approach: float = 0.0
 
     def is_the_same_as(self, other: "NormalProblem") -> bool:
-        """Whether both have the same solution."""
+        """Return whether both problems have equal solutions."""
         prescribed = self.load == other.load and self.approach == other.approach
         return prescribed and np.array_equal(self.gap, other.gap)
 
     def within(self, box: Box) -> "NormalProblem":
-        """The problem of the elements of a rectangle, as if there were no others."""
+        """Return the problem on a rectangle of elements, without the others."""
         gap = np.ascontiguousarray(self.gap[box])
         return replace(self, operators=self.operators.part(gap.shape), gap=gap)
 
@@ -94,7 +94,7 @@ class PrescribedForces:
 
     @property
     def minimum(self) -> float:
-        """Smallest size of the sum of all tractions that has the forces.
+        """Smallest sum of the sizes of tractions that gives the forces.
 
         No more than the sum of the bound can be had, in any direction.
         """
@@ -119,25 +119,25 @@ class PrescribedForces:
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
     def diverged(self, creepage: np.ndarray, elastic: float) -> bool:
-        """Whether the creepages have run away: the forces are beyond what friction can carry."""
+        """Return whether the creepages diverge: the forces exceed what friction can carry."""
         return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + elastic))
 
     def slip(self, creepage: np.ndarray) -> np.ndarray:
-        """Constant slip of the unknown creepages, shape (2, 1, 1)."""
+        """Return the constant slip of the unknown creepages, shape (2, 1, 1)."""
         return (creepage @ self.vectors)[:, None, None]
 
     def force(self, traction: np.ndarray) -> np.ndarray:
-        """Forces of a field of tractions, shape (m,)."""
+        """Return the forces of a field of tractions, shape (m,)."""
         return self.vectors @ traction.sum(axis=(1, 2))
 
     def coarsened(self, block: tuple[int, int]) -> "PrescribedForces":
-        """The same forces on elements each of which stands for a block."""
+        """Return the forces for elements that each combine a block."""
         return replace(self, target=self.target / math.prod(block))
 
 
 @dataclass(frozen=True, eq=False)
 class FixedPressure:
-    """A normal problem that is solved already: its pressure and gap.
+    """A solved normal problem: its pressure and gap.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ class FixedPressure:
 @renamed_attributes(held="is_pressure_fixed", holding="with_pressure", eased="at_speed_ratio")
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Find pi_n and pi_t, in the disc of the friction law, and with it the slip sigma.
+    """Contact problem: find pi_n, pi_t within the bound of the friction law, and the slip sigma.
 
     The normal conditions are those of `NormalProblem`, with the lift by tractions; in slip
     pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. D and the sigma
@@ -201,27 +201,27 @@ class Problem:
 
     @property
     def operators(self) -> Operators:
-        """The elastic operators."""
+        """Elastic operators of the problem."""
         return self.normal.operators
 
     @property
     def coupled(self) -> bool:
-        """Whether pressure makes the surfaces slip and tractions make them lift."""
+        """Whether pressure causes slip and tractions change the gap."""
         return self.operators.elasticity.coupled
 
     @property
     def has_tangential_cause(self) -> bool:
-        """Whether anything makes the surfaces slip: the tractions are zero otherwise."""
+        """Whether anything causes slip: otherwise the tractions are zero."""
         return self.coupled or len(self.forces) > 0 or bool(self.rigid.any())
 
     @property
     def is_pressure_fixed(self) -> bool:
-        """Whether the pressure is known, and the tractions are sought under it."""
+        """Whether the pressure is fixed, and only the tractions are unknown."""
         return isinstance(self.normal, FixedPressure)
 
     @property
     def load(self) -> float | None:
-        """Prescribed sum of the pressure; None where approach or pressure are given."""
+        """Prescribed sum of the pressure; None for a prescribed approach or a fixed pressure."""
         return None if isinstance(self.normal, FixedPressure) else self.normal.load
 
     @property
@@ -276,10 +276,12 @@ class Problem:
 
     @property
     def _tangential(self) -> Convolution:
+        """Operator from tractions to slip."""
         return self.kinematics.tangential(self.operators)
 
     @property
     def _coupled(self) -> Convolution:
+        """Operator from pressure and tractions to gap and slip."""
         return self.kinematics.coupled(self.operators)
 
     def response(self, fields: np.ndarray) -> np.ndarray:
@@ -309,17 +311,19 @@ class Problem:
         return self.friction.bound_sliding(pressure, sticking, seen.bound, seen.staggered)
 
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
-        """Return the slip that the friction law sees under a pressure and a gap."""
+        """Return the slip in the friction law as a function of leading faces, for a pressure."""
         if self.is_pressure_fixed:
             return self._fixed_slip
         return self.kinematics.friction_slip(self.operators, pressure, gap)
 
     @cached_property
     def _fixed_bound(self) -> Bound:
+        """Bound of the friction law under the fixed pressure."""
         return self.friction.bound(self.normal.pressure)
 
     @cached_property
     def _fixed_slip(self) -> FrictionSlip:
+        """Slip in the friction law under the fixed pressure."""
         normal = self.normal
         return self.kinematics.friction_slip(self.operators, normal.pressure, normal.gap)
 
@@ -328,7 +332,7 @@ class Problem:
         return self.friction.law.project(traction, radius, physical)
 
     def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:
-        """Return the slip that the tractions oppose, from the slip of the leading faces."""
+        """Return the slip that tractions oppose, computed from the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
         return self.friction.law.opposed(sticking, seen.bound, seen.staggered)
 

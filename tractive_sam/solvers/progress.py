@@ -12,7 +12,7 @@ _reporter: ContextVar[Reporter | None] = ContextVar("reporter", default=None)
 
 @contextmanager
 def report_to(reporter: Reporter) -> Iterator[None]:
-    """Report the progress of what is solved in the block."""
+    """Send the progress of all solves in the block to a function."""
     before = _reporter.set(reporter)
     try:
         yield
@@ -20,7 +20,7 @@ def report_to(reporter: Reporter) -> Iterator[None]:
         _reporter.reset(before)
 
 
-def report(mesh: tuple[int, int], residual: float) -> None:
+def report_progress(mesh: tuple[int, int], residual: float) -> None:
     """Report the progress of a solve, if something shows it."""
     if (reporter := _reporter.get()) is not None:
         reporter(mesh, residual)

@@ -24,7 +24,7 @@ Array = np.ndarray
 
 
 def slip_step(operators: Operators, contact: Array) -> float:
-    """Bound on the step of the slip on a contact area (see the module)."""
+    """Return the largest stable step of the slip iteration on a contact area (see the module)."""
     ones = np.where(contact, 1.0, 0.0)
     zero = np.zeros_like(ones)
     rows = (
@@ -35,13 +35,13 @@ def slip_step(operators: Operators, contact: Array) -> float:
 
 
 def gap_step(operators: Operators, contact: Array) -> float:
-    """Step of the gap: the inverse of a bound on the largest eigenvalue of A_nn on the contact."""
+    """Return the step of the gap iteration: an inverse bound of the eigenvalues of A_nn."""
     return 1.0 / operators.normal(np.where(contact, 1.0, 0.0)[None]).max()
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """A map applied once.
+    """One evaluation of the projected map.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class ProjectedMap:
-    """(pi_n, pi_t) -> both projections at once (paper, eq. 13 and section 7.5, steps II-V).
+    """The map (pi_n, pi_t) -> projections of both (paper, eq. 13 and section 7.5, steps II-V).
 
     States are fields of the problem, whose approach is taken as given.
 
@@ -78,20 +78,21 @@ class ProjectedMap:
 
     @classmethod
     def of(cls, problem: Problem, contact: Array, step_factor: float) -> "ProjectedMap":
-        """With steps that are right for a contact area, that of the slip over its bound given."""
+        """Return the map with steps for a contact area."""
         slip = step_factor * slip_step(problem.operators, contact)
         gap = [] if problem.is_pressure_fixed else [gap_step(problem.operators, contact)]
         return cls(problem, np.array([*gap, slip, slip])[:, None, None])
 
     def shortened(self, factor: float) -> "ProjectedMap":
-        """The same with steps multiplied by a factor below one."""
+        """Return the map with steps multiplied by a factor below one."""
         return replace(self, steps=factor * self.steps)
 
     def _pressure(self, state: Array) -> Array:
+        """Return the pressure of a state."""
         return self.problem.normal.pressure if self.problem.is_pressure_fixed else state[0]
 
     def admissible(self, state: Array) -> Array:
-        """Pressure not negative, tractions within the bound it gives."""
+        """Return a state with pressure at least 0 and tractions within their bound."""
         problem = self.problem
         if problem.is_pressure_fixed:
             radius = problem.bound(problem.normal.pressure).radius
@@ -135,7 +136,7 @@ class ProjectedMap:
 
 
 def missed(target: Array, state: Array) -> float:
-    """How far a state is from its projection, relative to that."""
+    """Return the relative distance of a state from its projection."""
     short = target - state
     return relative(sqrt(np.vdot(short, short)), sqrt(np.vdot(target, target)))
 
@@ -145,7 +146,7 @@ States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
 
 @dataclass(frozen=True)
 class Projection(ABC):
-    """What the projected iterations share: where they start, and how they meet a load.
+    """Base of the projected iterations: their start, and the iteration of the load.
 
     Attributes
     ----------
@@ -164,12 +165,12 @@ class Projection(ABC):
 
     @abstractmethod
     def _states(self, mapping: ProjectedMap, state: Array) -> States:
-        """States to evaluate, each after the evaluation of the one before; ends if it diverges."""
+        """Yield the states to evaluate; stop if the iteration diverges."""
 
     def _iterated(
         self, mapping: ProjectedMap, tolerance: float, state: Array
     ) -> tuple[Outcome, ProjectedMap]:
-        """Solve under given approach; and the map, whose steps may have been shortened."""
+        """Solve for a given approach; also return the map, whose steps may be shorter."""
         states = self._states(mapping, mapping.admissible(state))
         mapping, state = next(states)
         again = 0
@@ -272,7 +273,7 @@ class Projection(ABC):
         taken: int,
         again: int,
     ) -> Outcome:
-        """What came of iterations, each of which has evaluated the map once, some of them again."""
+        """Return the outcome of the iterations and their cost."""
         problem = mapping.problem
         return Outcome(
             status,

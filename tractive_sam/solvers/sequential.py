@@ -14,7 +14,7 @@ from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Proble
 
 @dataclass(frozen=True)
 class Sequential:
-    """Solves the normal problem without the lift by tractions, then the tangential one.
+    """Solves the normal problem without the effect of tractions, then the tangential one.
 
     The tangential problem has the pressure found, on the rectangle around the contact.
 
@@ -59,7 +59,7 @@ class Sequential:
         if box == tuple(slice(0, n) for n in shape):
             return self.normal.solve(problem, tolerance, start)
         near = self.normal.solve(problem.within(box), tolerance, Start(start.pressure[box]))
-        pressure = placed(near.pressure, box, shape)
+        pressure = embed(near.pressure, box, shape)
         gap = problem.gap + problem.operators.normal(pressure[None])[0] - near.approach
         residual, cost = natural_residual(pressure, gap), near.cost + Cost(1.0)
         near = replace(near, pressure=pressure, gap=gap, residual=residual, cost=cost)
@@ -70,6 +70,7 @@ class Sequential:
     def _tangential(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
+        """Solve the tangential problem under the pressure of the normal solution."""
         pressure = problem.normal.pressure
         if len(problem.forces):
             needed = problem.forces.minimum / problem.bound(pressure).radius.sum()
@@ -82,8 +83,8 @@ class Sequential:
         shape = pressure.shape
         return replace(
             outcome,
-            traction=placed(outcome.traction, box, shape),
-            slip=placed(outcome.slip, box, shape),
+            traction=embed(outcome.traction, box, shape),
+            slip=embed(outcome.slip, box, shape),
         )
 
 
@@ -134,7 +135,7 @@ class RoughSequential:
 
 
 def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
-    """Return an outcome with the pressure under which it was found."""
+    """Return a tangential outcome with the pressure of the normal one."""
     return replace(tangential, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
 
 
@@ -157,11 +158,11 @@ def rectangle(contact: np.ndarray, around: int = 0) -> Box:
     i = np.flatnonzero(contact.any(axis=1))
     j = np.flatnonzero(contact.any(axis=0))
     nx, ny = contact.shape
-    along = _rounded(i[0] - 1 - around, i[-1] + 2 + around, nx)
-    return along, _rounded(j[0] - around, j[-1] + 1 + around, ny)
+    along = _round_up(i[0] - 1 - around, i[-1] + 2 + around, nx)
+    return along, _round_up(j[0] - around, j[-1] + 1 + around, ny)
 
 
-def _rounded(first: int, end: int, most: int) -> slice:
+def _round_up(first: int, end: int, most: int) -> slice:
     """Return at least these elements, a multiple of a step length if the mesh has as many.
 
     Contacts that grow element by element then share their operators and plans, at the price of at
@@ -174,7 +175,7 @@ def _rounded(first: int, end: int, most: int) -> slice:
     return slice(first, first + length)
 
 
-def placed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
+def embed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
     """Return a field on a rectangle as a field on the mesh, zero around it."""
     whole = np.zeros((*field.shape[:-2], *shape))
     whole[..., *box] = field

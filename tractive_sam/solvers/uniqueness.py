@@ -31,7 +31,7 @@ def steepness(
     slip: np.ndarray,
     reaction: float = 1.1,
 ) -> float:
-    """Return how fast friction falls over what leaves one solution; from 1 on there may be several.
+    """Return the fall of friction over its uniqueness limit; from 1 on several solutions may exist.
 
     Parameters
     ----------

@@ -39,6 +39,7 @@ class Uzawa(Projection):
     name: ClassVar[str] = "uzawa"
 
     def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
+        """Yield the states of the iteration; shorten its steps if the residual stagnates."""
         best, least, since = state, np.inf, 0
         for taken in count():
             now = yield mapping, state

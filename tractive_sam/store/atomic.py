@@ -105,6 +105,7 @@ class _UnfailingFile:
         return self._position
 
     def tell(self) -> int:
+        """Return the position, as files do."""
         return self._position
 
     def read(self, size: int) -> bytes:

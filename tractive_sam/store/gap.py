@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tractive_sam import scene
 from tractive_sam.scene import ALONG, LENGTHS, TEXTS
 from tractive_sam.store.errors import GapError
-from tractive_sam.store.gap_text import first_place, is_number, read_text
+from tractive_sam.store.gap_text import first_place, is_number, read_gap_text
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
 from tractive_sam.store.numpy_guard import read_archive, read_array
@@ -129,6 +129,7 @@ def _read_unit(path: Path, name: str, dataset: h5py.Dataset) -> str:
 
 
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
+    """Read a gap from a NumPy file."""
     return _gap_from_array(path, settings, read_array(path))
 
 
@@ -169,7 +170,8 @@ def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
 
 
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
-    table = read_text(path)
+    """Read a gap from a text table."""
+    table = read_gap_text(path)
     named = dict(zip(table.names, table.units, strict=True))
     if "" in named.values() and set(named.values()) != {""}:
         bare = ", ".join(name for name, unit in named.items() if not unit)

@@ -59,7 +59,7 @@ class TextTable:
         return np.array(self.cells, float)
 
 
-def read_text(path: Path, max_bytes: int = 2**30) -> TextTable:
+def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
     """Read a table; the separator and the decimal sign follow from its lines.
 
     Parameters

@@ -315,12 +315,14 @@ def _link_axes(
 
 
 def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> None:
+    """Create the datasets of the last state."""
     first, *axes = _link_axes(state, grid, history)
     for name, quantity in FIELDS.items():
         _create_rows(state, name, quantity, (first, *axes), rows=len(first))
 
 
 def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
+    """Create the datasets of the columns."""
     _create_scale(history, "record", np.empty(0, int), ROW)
     history["y"] = grid["y"]
     _create_columns(history, columns)
@@ -333,6 +335,7 @@ def _create_fields(
     coordinate: Quantity,
     quantities: Mapping[str, Quantity],
 ) -> None:
+    """Create the datasets of the stored fields."""
     record = _create_scale(fields, "record", np.empty(0, int), ROW)
     axes = _link_axes(fields, grid, history)
     _create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
@@ -401,5 +404,6 @@ def _create_rows(
 
 
 def _describe(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
+    """Store the unit and the description of a dataset."""
     dataset.attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
     return dataset

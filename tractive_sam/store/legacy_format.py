@@ -49,7 +49,7 @@ def update_scene_text(text: str) -> str:
     return toml.emit(tables)
 
 
-def read_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
+def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
     """Read the fields after one of the last two records, by the names of `FIELDS`.
 
     Raises

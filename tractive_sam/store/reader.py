@@ -87,7 +87,7 @@ def read_state(path: str | Path, row: int) -> dict[str, np.ndarray]:
     """
     with open_results(Path(path)) as file:
         if file.version == 1:
-            fields = legacy_format.read_state(file, row)
+            fields = legacy_format.read_legacy_state(file, row)
         else:
             stored_row = int(file.attribute("state", "record")) if file.records else -1
             if stored_row != row:

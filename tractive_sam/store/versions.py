@@ -12,6 +12,7 @@ def versions() -> dict[str, str]:
 
 
 def _version(package: str) -> str:
+    """Return the version of a package."""
     try:
         return version(package)
     except PackageNotFoundError:  # run from a source tree

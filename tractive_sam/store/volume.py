@@ -195,6 +195,7 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
 
 
 def _check_suffix(path: Path) -> None:
+    """Raise an error unless a file has the suffix that ParaView needs."""
     if path.suffix != SUFFIX:
         raise ResultsError(
             f"{path} has another suffix than {SUFFIX}, which ParaView needs; change the name"

@@ -295,6 +295,7 @@ def check_results(path: Path, overwrite: bool = False) -> None:
 
 
 def _check_kind(path: Path) -> None:
+    """Raise an error unless a file is a results file."""
     with open_results(path):
         pass
 

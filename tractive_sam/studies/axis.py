@@ -32,7 +32,8 @@ SAMPLE = "sample"
 """Name of the dimension of a Latin hypercube."""
 
 
-def _entry_of_scene(key: str) -> str:
+def _check_key(key: str) -> str:
+    """Return a key; raise an error unless scenes have it."""
     try:
         Scene.find_field(key)
     except SceneError as error:
@@ -40,14 +41,15 @@ def _entry_of_scene(key: str) -> str:
     return key
 
 
-Key = Annotated[str, AfterValidator(_entry_of_scene)]
+Key = Annotated[str, AfterValidator(_check_key)]
 Spacing = Literal["linear", "logarithmic"]
 
 _KEY = "a dotted key of a scene, like friction.angle"
 _SPACING = '"linear" or "logarithmic"'
 
 
-def _one_way_to_give_values(entries: ValidEntries) -> Iterator[Fault]:
+def _check_values(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault unless either values or a complete range is given."""
     ends = [name for name in ("start", "stop", "number") if name in entries.given]
     allowed = "either values, or start, stop and number"
     if "values" in entries.given:
@@ -57,27 +59,29 @@ def _one_way_to_give_values(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("values", f"only {', '.join(ends)}" if ends else "nothing", allowed)
 
 
-def _distinct(entries: ValidEntries) -> Iterator[Fault]:
+def _check_distinct(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault if a value is repeated."""
     values = entries["values"] or ()
-    if len({_frozen(value) for value in values}) < len(values):
+    if len({_make_hashable(value) for value in values}) < len(values):
         yield Fault("values", shorten(values), "each value once")
 
 
-def _frozen(value: Any) -> Any:
-    """A value of a scene as one that can be told from many others at once."""
+def _make_hashable(value: Any) -> Any:
+    """Return a hashable copy of a value of a scene."""
     match value:
         case Mapping():
-            return frozenset((key, _frozen(item)) for key, item in value.items())
+            return frozenset((key, _make_hashable(item)) for key, item in value.items())
         case list() | tuple():
-            return tuple(map(_frozen, value))
+            return tuple(map(_make_hashable, value))
         case np.ndarray():
-            return _frozen(value.tolist())
+            return _make_hashable(value.tolist())
         case Hashable():
             return value
     return repr(value)
 
 
-def _logarithm_exists(entries: ValidEntries) -> Iterator[Fault]:
+def _check_spacing(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault of a logarithmic range across zero."""
     start, stop = entries["start"], entries["stop"]
     if entries["spacing"] == "logarithmic" and start is not None and stop is not None:
         if start * stop > 0.0:
@@ -85,7 +89,8 @@ def _logarithm_exists(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("spacing", f"logarithmic from {start:g} to {stop:g}", "two numbers of one sign")
 
 
-def _apart(entries: ValidEntries) -> Iterator[Fault]:
+def _check_range(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault if start and stop are equal."""
     if entries["start"] is not None and entries["start"] == entries["stop"]:
         yield Fault("stop", f"{entries['stop']:g}", "another number than start")
 
@@ -108,10 +113,10 @@ class Values(Table):
     stop: Real | None = entry("last value of a range", default=None)
     number: int | None = entry("number of values of a range", default=None, ge=2, le=MOST)
     spacing: Spacing = entry("spacing of a range", default="linear")
-    checks: ClassVar[tuple[Check, ...]] = (_one_way_to_give_values, _logarithm_exists, _apart)
+    checks: ClassVar[tuple[Check, ...]] = (_check_values, _check_spacing, _check_range)
 
     def column(self) -> tuple[Any, ...]:
-        """The values."""
+        """The values of the entry."""
         if self.values is not None:
             return self.values
         number, start, stop = (
@@ -120,7 +125,8 @@ class Values(Table):
         return _between(self.key, start, stop, self.spacing, np.linspace(0.0, 1.0, number))
 
 
-def _as_long_as_the_axis(entries: ValidEntries) -> Iterator[Fault]:
+def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of zipped entries with another number of values."""
     wanted = _length(entries["values"], entries["number"])
     for k, other in enumerate(entries["zip"]):
         if len(other.column()) != wanted:
@@ -129,19 +135,24 @@ def _as_long_as_the_axis(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _length(values: tuple | None, number: int | None) -> int | None:
+    """Return the number of values."""
     return number if values is None else len(values)
 
 
-def _each_zipped_entry_once(entries: ValidEntries) -> Iterator[Fault]:
-    yield from _repeated("zip", [entries["key"]], entries["zip"])
+def _check_zipped_entries(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of zipped entries that vary twice."""
+    yield from _find_repeated_keys("zip", [entries["key"]], entries["zip"])
 
 
-def _each_variable_once(entries: ValidEntries) -> Iterator[Fault]:
-    yield from _repeated("variable", [], entries["variable"])
+def _check_variables(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of sampled variables that are repeated."""
+    yield from _find_repeated_keys("variable", [], entries["variable"])
 
 
-def _repeated(name: str, before: list[str], tables: Iterable[Values | Bounds]) -> Iterator[Fault]:
-    """Faults of tables whose entry varies already."""
+def _find_repeated_keys(
+    name: str, before: list[str], tables: Iterable[Values | Bounds]
+) -> Iterator[Fault]:
+    """Yield faults of tables with an entry that varies already."""
     for k, one in enumerate(tables):
         if one.key in before:
             yield Fault(f"{name}[{k}].key", f"{one.key} again", "each entry of the scene once")
@@ -163,9 +174,9 @@ class Axis(Values):
     zip: tuple[Values, ...] = entry("entries that vary together with this one", default=())
     checks: ClassVar[tuple[Check, ...]] = (
         *Values.checks,
-        _distinct,
-        _as_long_as_the_axis,
-        _each_zipped_entry_once,
+        _check_distinct,
+        _check_lengths,
+        _check_zipped_entries,
     )
 
     def dimension(self) -> Dimension:
@@ -188,7 +199,7 @@ class Bounds(Table):
     start: Real = entry("one end of the interval")
     stop: Real = entry("the other end of the interval")
     spacing: Spacing = entry("in what it is uniform", default="linear")
-    checks: ClassVar[tuple[Check, ...]] = (_logarithm_exists, _apart)
+    checks: ClassVar[tuple[Check, ...]] = (_check_spacing, _check_range)
 
 
 class Latin(Table):
@@ -208,7 +219,7 @@ class Latin(Table):
         "entries and intervals", "a list of at least one table", min_length=1
     )
     seed: int = entry("seed of the samples", default=0, ge=0)
-    checks: ClassVar[tuple[Check, ...]] = (_each_variable_once,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_variables,)
 
     def dimension(self) -> Dimension:
         """The samples by key."""
@@ -256,16 +267,17 @@ class Dimension:
 def _between(
     key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
 ) -> tuple[float | int, ...]:
-    """Values at some shares of the way from start to stop; whole ones where the entry is whole."""
+    """Return values at shares of the range from start to stop; integers for whole entries."""
     if spacing == "logarithmic":
         values = start * (stop / start) ** shares
     else:
         values = start + (stop - start) * shares
-    if _whole(key):
+    if _is_integer(key):
         return tuple(round(value) for value in values.tolist())
     return tuple(float(f"{value:.{DIGITS}g}") for value in values.tolist())
 
 
-def _whole(key: str) -> bool:
+def _is_integer(key: str) -> bool:
+    """Return whether an entry is an integer."""
     kind = Scene.find_field(key).annotation
     return kind is int or int in get_args(kind)

@@ -22,7 +22,7 @@ from tractive_sam import interrupt
 from tractive_sam.extras import describe_missing
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.chain import Chain, make_chains
-from tractive_sam.studies.task import FAILED, LOCKED, Outcome, Task
+from tractive_sam.studies.task import FAILED, LOCKED, CaseOutcome, Task
 from tractive_sam.studies.worker import ONE_THREAD, run_case, run_chain
 
 if TYPE_CHECKING:
@@ -189,7 +189,7 @@ def on_cluster(
     count_records: Callable[[Task], int],
     say: Callable[[str], None],
     security: "Security | None" = None,
-) -> Iterator[tuple[Task, Outcome]]:
+) -> Iterator[tuple[Task, CaseOutcome]]:
     """Run tasks on the workers of a scheduler; yield them with their outcomes as they end.
 
     Parameters
@@ -215,7 +215,7 @@ def on_cluster(
     remaining = {task.case.digest: task for task in tasks}
     killed: dict[str, int] = {}
 
-    def submit_remaining(client: "Client") -> Iterator[tuple[Task, Outcome]]:
+    def submit_remaining(client: "Client") -> Iterator[tuple[Task, CaseOutcome]]:
         chains = make_chains(remaining.values(), single=killed)
         for task, together, outcome in _submit_chains(client, chains):
             if outcome is None and together > 1:
@@ -263,14 +263,14 @@ def _report_workers(client: "Client", say: Callable[[str], None]) -> None:
         say(f"{many} workers have several threads, which slows them; start them with --nthreads 1")
 
 
-def _judge_death(task: Task, records: int, killed: dict[str, int]) -> Outcome | None:
+def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcome | None:
     """Return a failure, or None if the case has more records than at the previous death."""
     before = killed.get(task.case.digest, 0)
     killed[task.case.digest] = records
     if records > before:
         return None
     cure = "the memory may be too small: tractive-sam explain estimates what a scene needs"
-    return Outcome(FAILED, f"every worker that computed it died; {cure}")
+    return CaseOutcome(FAILED, f"every worker that computed it died; {cure}")
 
 
 @contextmanager
@@ -309,7 +309,7 @@ def _client(
 
 def _submit_chains(
     client: "Client", chains: list[Chain]
-) -> Iterator[tuple[Task, int, Outcome | None]]:
+) -> Iterator[tuple[Task, int, CaseOutcome | None]]:
     """Submit every chain once.
 
     Yields each task with the length of its chain and its outcome, None if its workers died.
@@ -445,7 +445,7 @@ def _call_of(chain: Chain) -> tuple[Any, ...]:
     return run_chain, [task.case.scene for task in chain]
 
 
-def _outcomes(future: "Future", number: int) -> Sequence[Outcome | None]:
+def _outcomes(future: "Future", number: int) -> Sequence[CaseOutcome | None]:
     """Return the outcomes of the cases of a chain, None if its workers died."""
     from distributed.scheduler import KilledWorker  # of an extra
 
@@ -458,4 +458,4 @@ def _outcomes(future: "Future", number: int) -> Sequence[Outcome | None]:
     if isinstance(error, KilledWorker):
         return [None] * number
     traceback = "".join(format_exception(error))
-    return [Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=traceback)] * number
+    return [CaseOutcome(FAILED, f"{type(error).__name__}: {error}", traceback=traceback)] * number

@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.contact import Model
 from tractive_sam.description import Description, Section, format_duration, format_setting
-from tractive_sam.operators import available
+from tractive_sam.operators import available_memory
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
 from tractive_sam.schema import Fault
@@ -84,7 +84,7 @@ def check_memory(found: list[Case], workers: int) -> None:
     each = (
         max(map(memory.scene_bytes, _models(found)), default=0.0) + explain.PROGRAM_MEMORY * 2**20
     )
-    free, workers = available(), min(workers, len(found))
+    free, workers = available_memory(), min(workers, len(found))
     if workers * each > free:
         mebi = 2**20
         given = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"

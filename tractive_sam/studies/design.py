@@ -32,7 +32,7 @@ from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
 
 
 class StudyError(SceneError):
-    """A study that cannot be run, with every fault that was found, those of its scenes too.
+    """Raised for a study that cannot be run, with all faults of the study and its scenes.
 
     Examples
     --------
@@ -47,12 +47,14 @@ class StudyError(SceneError):
     subject: ClassVar[str] = "study"
 
 
-def _something_varies(entries: ValidEntries) -> Iterator[Fault]:
+def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault of a study in which no entry varies."""
     if not entries["axis"] and entries["latin"] is None:
         yield Fault("axis", "nothing", "at least one [[axis]], or a [latin] hypercube")
 
 
-def _each_entry_once(entries: ValidEntries) -> Iterator[Fault]:
+def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of entries that vary more than once."""
     keys = Counter(
         key for one in _dimensions(entries["axis"], entries["latin"]) for key in one.columns
     )
@@ -78,7 +80,8 @@ def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault("axis", key, suggest_name(entry_name, kind.model_fields))
 
 
-def _not_too_many(entries: ValidEntries) -> Iterator[Fault]:
+def _check_count(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault of a study with too many cases."""
     count = math.prod(map(len, _dimensions(entries["axis"], entries["latin"])))
     if count > MOST:
         yield Fault("axis", f"{count} cases", f"at most {MOST:.0e}")
@@ -134,10 +137,10 @@ class Study(Document):
         default="all",
     )
     checks: ClassVar[tuple[Check, ...]] = (
-        _something_varies,
-        _each_entry_once,
+        _check_axes,
+        _check_entries,
         _parameters_have_a_law,
-        _not_too_many,
+        _check_count,
     )
     error_class: ClassVar[type[SceneError]] = StudyError
 
@@ -223,6 +226,7 @@ def _setting_from(folder: Path, setting: Any) -> Any:
 
 
 def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, ...]:
+    """Return the dimensions of axes and of a Latin hypercube."""
     of_axes = tuple(axis.dimension() for axis in axes)
     return of_axes if latin is None else (*of_axes, latin.dimension())
 
@@ -245,14 +249,15 @@ def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
         raise SceneError([Fault("scene", given, allowed)])
     _check_keys(without)
     try:
-        found = _named(scene)
+        found = _find_scene(scene)
         changed = found.replace(**dict.fromkeys(without)) if without else found
         return changed.with_set(settings) if settings else changed
     except SceneError as error:
-        raise SceneError(map(_in_study, error.faults)) from None
+        raise SceneError(map(_move_fault, error.faults)) from None
 
 
 def _check_keys(without: Iterable[str]) -> None:
+    """Raise an error unless scenes have all keys."""
     for key in without:
         try:
             Scene.find_field(key)
@@ -260,12 +265,13 @@ def _check_keys(without: Iterable[str]) -> None:
             raise SceneError(replace(fault, key="without") for fault in error.faults) from None
 
 
-def _in_study(fault: Fault) -> Fault:
-    """A fault of the scene as seen from the study; one of the whole scene has no key of its own."""
+def _move_fault(fault: Fault) -> Fault:
+    """Return a fault of the scene as a fault of the study."""
     return replace(fault, key="scene") if fault.key.startswith("(") else fault.under("scene")
 
 
-def _named(scene: Scene | Mapping[str, Any] | str) -> Scene:
+def _find_scene(scene: Scene | Mapping[str, Any] | str) -> Scene:
+    """Return a scene from a scene, a table or a name."""
     if isinstance(scene, Scene):
         return scene
     if not isinstance(scene, str):

@@ -28,7 +28,7 @@ from tractive_sam.store import FileInUseError, ResultsError, StorageError, hold_
 from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.case_log import CaseLog
 from tractive_sam.studies.design import Study
-from tractive_sam.studies.task import Outcome, Task
+from tractive_sam.studies.task import CaseOutcome, Task
 
 _DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST}}}")
 
@@ -112,7 +112,7 @@ class Folder:
         """Return the results file of a case, whether it exists or not."""
         return results.get(case.digest, self.path / f"{case.name}.h5")
 
-    def log_complete(self, task: Task, outcome: Outcome) -> None:
+    def log_complete(self, task: Task, outcome: CaseOutcome) -> None:
         """Log the last record of a complete case; the size is 0 if it has no file."""
         entry = {
             "digest": task.case.digest,
@@ -124,7 +124,7 @@ class Folder:
         self.log.append(entry)
         self._failure_file(task.case).unlink(missing_ok=True)
 
-    def log_failure(self, case: Case, outcome: Outcome) -> None:
+    def log_failure(self, case: Case, outcome: CaseOutcome) -> None:
         """Write why a case failed."""
         by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
         write_file(self._failure_file(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")

@@ -310,6 +310,7 @@ class StudyResults:
         write_file(path, text.getvalue())
 
     def _heading(self, name: str) -> str:
+        """Return the heading of a column, with its unit."""
         unit = self.quantities[name].unit
         return f"{name} [{unit}]" if unit not in ("", "1") else name
 

@@ -18,7 +18,7 @@ from tractive_sam.studies.cost import check_memory, estimates
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.results import StudyResults, open_study
-from tractive_sam.studies.task import COMPLETE, LOCKED, Outcome, Task
+from tractive_sam.studies.task import COMPLETE, LOCKED, CaseOutcome, Task
 from tractive_sam.studies.worker import run_case, run_neighbour
 
 SCHEDULER_ENCRYPTS = (
@@ -59,7 +59,7 @@ class Progress:
     failed: int
     share: float
     case: Case | None = None
-    outcome: Outcome | None = None
+    outcome: CaseOutcome | None = None
 
 
 def study(
@@ -195,7 +195,7 @@ def _run_tasks(
     workers: int | None,
     encrypted: bool | None,
     say: Callable[[str], None],
-) -> Iterator[tuple[Task, Outcome]]:
+) -> Iterator[tuple[Task, CaseOutcome]]:
     """Yield the tasks with their outcomes, as they end."""
     if not tasks:
         return
@@ -218,7 +218,7 @@ def _run_tasks(
 
 def _run_in_process(
     tasks: list[Task], say: Callable[[str], None]
-) -> Iterator[tuple[Task, Outcome]]:
+) -> Iterator[tuple[Task, CaseOutcome]]:
     """Yield the tasks with their outcomes, computed in this process."""
     neighbours = SequentialRuns()
     for task in tasks:

@@ -21,7 +21,7 @@ from tractive_sam.store import (
     open_history,
     versions,
 )
-from tractive_sam.studies.task import COMPLETE, FAILED, LOCKED, Outcome, summary
+from tractive_sam.studies.task import COMPLETE, FAILED, LOCKED, CaseOutcome, summary
 
 ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -34,7 +34,7 @@ ONE_THREAD = {
 one thread by default.)"""
 
 
-def run_case(scene: Scene, path: str) -> Outcome:
+def run_case(scene: Scene, path: str) -> CaseOutcome:
     """Compute a scene into a results file, which is resumed if it exists.
 
     Parameters
@@ -47,13 +47,13 @@ def run_case(scene: Scene, path: str) -> Outcome:
     file = Path(path)
     if not file.parent.is_dir():
         cure = "the folder of a study must be on a file system that all its machines share"
-        return Outcome(
+        return CaseOutcome(
             FAILED, f"{_worker_name()} finds no folder {file.parent}; {cure}", {}, _worker_name()
         )
     return _outcome(partial(_compute_or_repeat, scene, file))
 
 
-def run_chain(scenes: Sequence[Scene]) -> list[Outcome]:
+def run_chain(scenes: Sequence[Scene]) -> list[CaseOutcome]:
     """Compute neighbours, each from the solution of the previous one; no file is written.
 
     Parameters
@@ -68,7 +68,7 @@ def run_chain(scenes: Sequence[Scene]) -> list[Outcome]:
     return outcomes
 
 
-def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> Outcome:
+def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> CaseOutcome:
     """Compute a scene from the solution of the previous one; no file is written."""
     return _outcome(lambda: _history_outcome(neighbours.roll(scene), versions()["tractive-sam"]))
 
@@ -78,20 +78,20 @@ def _worker_name() -> str:
     return f"{socket.gethostname()}:{os.getpid()}"
 
 
-def _outcome(compute: Callable[[], Outcome]) -> Outcome:
+def _outcome(compute: Callable[[], CaseOutcome]) -> CaseOutcome:
     """Return the outcome of a case, also if it fails."""
     began = perf_counter()
     try:
         outcome = compute()
     except FileInUseError:
-        outcome = Outcome(LOCKED, "another process computes it")
+        outcome = CaseOutcome(LOCKED, "another process computes it")
     except Exception as error:  # whatever the error, the other cases are computed
-        outcome = Outcome(FAILED, f"{type(error).__name__}: {error}", traceback=format_exc())
+        outcome = CaseOutcome(FAILED, f"{type(error).__name__}: {error}", traceback=format_exc())
     found = outcome.version or versions()["tractive-sam"]
     return replace(outcome, worker=_worker_name(), seconds=perf_counter() - began, version=found)
 
 
-def _compute_or_repeat(scene: Scene, file: Path) -> Outcome:
+def _compute_or_repeat(scene: Scene, file: Path) -> CaseOutcome:
     """Compute a scene, from the beginning if its results file is damaged."""
     try:
         return _compute(scene, file)
@@ -103,7 +103,7 @@ def _compute_or_repeat(scene: Scene, file: Path) -> Outcome:
         return replace(_compute(scene, file), note=note)
 
 
-def _compute(scene: Scene, file: Path) -> Outcome:
+def _compute(scene: Scene, file: Path) -> CaseOutcome:
     """Compute a scene into its results file, or resume it."""
     if file.exists():
         history = open_history(file)
@@ -112,8 +112,8 @@ def _compute(scene: Scene, file: Path) -> Outcome:
     return _history_outcome(roll(scene, file, resume=True, progress=False))
 
 
-def _history_outcome(history: History, version: str = "") -> Outcome:
+def _history_outcome(history: History, version: str = "") -> CaseOutcome:
     """Return the outcome of the case of a history."""
     status = COMPLETE if history.finished else FAILED
     by = version or history.versions.get("tractive-sam", "")
-    return Outcome(status, history.message, summary(history), version=by)
+    return CaseOutcome(status, history.message, summary(history), version=by)

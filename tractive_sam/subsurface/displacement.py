@@ -55,7 +55,7 @@ def displacement(
     tractions = np.concatenate((contact.traction, contact.pressure[None]))
     (own,) = tractions_on_bodies(tractions, (SIGNS[body],))
     px, py = lattice.padded
-    table = formula.quadrant(
+    table = formula.displacement_quadrant(
         (px // 2 + 1, py // 2 + 1), grid.dx, grid.dy, depth, getattr(material, body).poisson
     )
     kernels = {

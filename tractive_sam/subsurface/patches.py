@@ -45,5 +45,7 @@ class Patches:
     def stress(self, points: np.ndarray) -> np.ndarray:
         """Return stresses (n, 6) at points (n, 3) of the half-space, MPa."""
         out = np.empty((len(points), 6))
-        stress_sum.stress_at(out, points, self.centres, self.tractions, *self.sides, self.poisson)
+        stress_sum.sum_patch_stress(
+            out, points, self.centres, self.tractions, *self.sides, self.poisson
+        )
         return out

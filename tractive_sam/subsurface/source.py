@@ -168,9 +168,11 @@ class StripStress:
 
 @stress_source.register
 def _patch_stress(body: HalfSpaces, *of_bodies) -> PatchStress:
+    """Return the method for half-spaces."""
     return PatchStress(*of_bodies)
 
 
 @stress_source.register
 def _strip_stress(body: Strips, *of_bodies) -> StripStress:
+    """Return the method for a line contact."""
     return StripStress(*of_bodies)

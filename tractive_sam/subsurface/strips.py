@@ -47,7 +47,7 @@ class StripLoads:
         """Return stresses (n, 6) at points (n, 3) of the half-space, constant in y, MPa."""
         out = np.empty((len(points), 6))
         at = np.ascontiguousarray(points[:, [0, 2]])
-        strip_stress.stress_at(out, at, self.edges, self.jumps, self.width, self.poisson)
+        strip_stress.sum_strip_stress(out, at, self.edges, self.jumps, self.width, self.poisson)
         return out
 
 

@@ -13,8 +13,8 @@ from tractive_sam.kernels.surface_edges import (
     BOTH,
     UNLOADED,
     kinds_of_corners,
-    where_loaded,
-    where_rough,
+    stresses_at_edges,
+    stresses_at_loaded_corners,
 )
 from tractive_sam.mechanics import HalfSpaces, StressCriterion
 from tractive_sam.operators import Lattice, surface_stress
@@ -59,8 +59,8 @@ def largest_at_surface(
         kinds[:] = BOTH
     poisson = tuple(body.A.poisson for body in bodies)
     candidates = (
-        where_loaded(stress, kinds),
-        where_rough(stress, pressure, kinds, poisson, lattice.dx, lattice.dy),
+        stresses_at_loaded_corners(stress, kinds),
+        stresses_at_edges(stress, pressure, kinds, poisson, lattice.dx, lattice.dy),
     )
     each, places = (np.concatenate(parts, axis=-1) for parts in zip(*candidates, strict=True))
     values = criterion(each)
@@ -163,7 +163,7 @@ def _corners_and_edges(
     loaded = kinds != UNLOADED
     away = kinds_of_corners(1.0 * (pressure <= 0.0), sliding) != UNLOADED
     nu, sides = (body.A.poisson,), (lattice.dx, lattice.dy)
-    rough, places = where_rough(stress[None], pressure, kinds, nu, *sides)
+    rough, places = stresses_at_edges(stress[None], pressure, kinds, nu, *sides)
     in_row = places[1] == np.rint(places[1])
     is_valid = loaded.any(axis=0) | away.all(axis=0)
     last = np.array(stress.shape[1:])[:, None] - 1

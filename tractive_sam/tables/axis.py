@@ -14,7 +14,8 @@ from tractive_sam.schema import Check, Fault, ValidEntries, entry, shorten
 from tractive_sam.studies import Axis
 
 
-def _named(entries: ValidEntries) -> Iterator[Fault]:
+def _check_name(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault of an axis without a valid name."""
     name = entries["name"] or entries["key"].rpartition(".")[2]
     try:
         check_axis_name(name, further=True)
@@ -22,7 +23,8 @@ def _named(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("name", shorten(name), str(error))
 
 
-def _along_numbers(entries: ValidEntries) -> Iterator[Fault]:
+def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of values without numeric positions along the axis."""
     values, at = entries["values"], entries["at"]
     if values is None:  # a range of numbers
         return
@@ -36,7 +38,8 @@ def _along_numbers(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("at", f"{len(at)} numbers", f"{len(values)}, as many as there are values")
 
 
-def _ascending(entries: ValidEntries) -> Iterator[Fault]:
+def _check_ascending(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of positions or ranges that do not ascend."""
     start, stop = entries["start"], entries["stop"]
     if entries["at"] is not None and _falls(entries["at"]):
         yield Fault("at", shorten(entries["at"]), "ascending numbers, each once")
@@ -45,10 +48,12 @@ def _ascending(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _falls(values: tuple[float, ...]) -> bool:
+    """Return whether values do not ascend."""
     return any(low >= high for low, high in pairwise(values))
 
 
 def _is_number(value: object) -> bool:
+    """Return whether a value is a number, and no bool."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -73,7 +78,12 @@ class TableAxis(Axis):
     at: tuple[float, ...] | None = entry(
         "where the values are along the axis", "ascending numbers; the values by default", None
     )
-    checks: ClassVar[tuple[Check, ...]] = (*Axis.checks, _named, _along_numbers, _ascending)
+    checks: ClassVar[tuple[Check, ...]] = (
+        *Axis.checks,
+        _check_name,
+        _check_positions,
+        _check_ascending,
+    )
 
     @property
     def label(self) -> str:
@@ -88,7 +98,7 @@ class TableAxis(Axis):
     @property
     def apart(self) -> bool:
         """Whether its values are discrete, so that they are not interpolated."""
-        return not all(map(_interpolated, self.dimension().columns.items()))
+        return not all(map(_is_interpolated, self.dimension().columns.items()))
 
     def entries_at(self, x: float) -> dict[str, Any]:
         """Return the values of the keys at a place along the axis."""
@@ -96,10 +106,11 @@ class TableAxis(Axis):
         near = int(np.abs(nodes - x).argmin())
         if nodes[near] == x or self.apart:
             return {key: column[near] for key, column in columns.items()}
-        return {key: _at(x, nodes, column) for key, column in columns.items()}
+        return {key: _interpolate(x, nodes, column) for key, column in columns.items()}
 
 
-def _interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
+def _is_interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
+    """Return whether the values of a key can be interpolated."""
     key, column = item
     if Scene.find_field(key).annotation is int:
         return False
@@ -110,7 +121,8 @@ def _interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
     return all(map(_is_number, column))
 
 
-def _at(x: float, nodes: np.ndarray, column: tuple[Any, ...]) -> Any:
+def _interpolate(x: float, nodes: np.ndarray, column: tuple[Any, ...]) -> Any:
+    """Interpolate the values of a key at a place along the axis."""
     if isinstance(column[0], list | tuple):
         return [float(np.interp(x, nodes, one)) for one in zip(*column, strict=True)]
     return float(np.interp(x, nodes, column))

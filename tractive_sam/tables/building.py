@@ -338,6 +338,7 @@ class _Builder:
         )
 
     def _table(self, between, about=None, widening: float = 1.0) -> CreepTable:
+        """Return the table of the present nodes."""
         shape = tuple(map(len, self.axes))
         places = list(itertools.product(*map(range, shape)))
         points = [
@@ -373,7 +374,7 @@ class _Builder:
         slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]
 
     def _canonical_node(self, point: tuple[float, ...]) -> _Node | None:
-        """The contact by which a node is known, None in full slip that has a closed form."""
+        """Return the node of a contact; None if full slip has a closed form."""
         if point[-1] == 1.0 and self.design.closed_form:
             return None
         place = point[: self.lead]
@@ -381,6 +382,7 @@ class _Builder:
         return _Node(self._job(place, creepages), signs)
 
     def _job(self, place: tuple[float, ...], creepages, gradient: bool = True) -> Job:
+        """Return the job to solve the contact at a place."""
         heading, tilt, u = creepages
         w = creepages_at(
             self.design.ratio(place),
@@ -416,6 +418,7 @@ class _Builder:
                 self._check_bar(found)
 
     def _check_bar(self, found: Solved) -> None:
+        """Raise an error if the error bar of a contact exceeds the tolerance."""
         design = self.design
         if found.bar.max() > design.tolerance:
             fault = Fault(

@@ -43,12 +43,14 @@ class TableError(SceneError):
     subject: ClassVar[str] = "table"
 
 
-def _listed(value: object) -> object:
+def _as_tuple(value: object) -> object:
+    """Return a single number as a tuple."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return (value,) if number else value
 
 
-def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
+def _check_ascending(values: tuple[float, ...]) -> tuple[float, ...]:
+    """Return values; raise an error unless they ascend."""
     if any(low >= high for low, high in pairwise(values)):
         raise ValueError("ascending numbers, each once")
     return values
@@ -56,25 +58,27 @@ def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
 
 Ratios = Annotated[
     tuple[Annotated[float, Field(ge=0.1, le=10.0)], ...],
-    BeforeValidator(_listed),
-    AfterValidator(_ascending),
+    BeforeValidator(_as_tuple),
+    AfterValidator(_check_ascending),
     Field(min_length=1),
 ]
 Poissons = Annotated[
     tuple[Annotated[float, Field(ge=0.0, le=0.5)], ...],
-    BeforeValidator(_listed),
-    AfterValidator(_ascending),
+    BeforeValidator(_as_tuple),
+    AfterValidator(_check_ascending),
     Field(min_length=1),
 ]
 
 
-def _finest_is_fine(entries: ValidEntries) -> Iterator[Fault]:
+def _check_finest(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield a fault if the finest mesh is coarser than the usual one."""
     if entries["finest"] < entries["elements"]:
         cure = f"at least {entries['elements']}, as elements is"
         yield Fault("finest", shorten(entries["finest"]), cure)
 
 
-def _of_a_scene_or_of_any(entries: ValidEntries) -> Iterator[Fault]:
+def _check_keys(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of keys that a table of one scene cannot have."""
     if entries["scene"] is not None:
         for key in ("ellipticity", "poisson"):
             if key in entries.given:
@@ -82,7 +86,8 @@ def _of_a_scene_or_of_any(entries: ValidEntries) -> Iterator[Fault]:
                 yield Fault(key, "a table of one scene", cure)
 
 
-def _each_axis_once(entries: ValidEntries) -> Iterator[Fault]:
+def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of axes with equal names or keys."""
     for what in ("label", "key"):
         names = [getattr(one, what) for one in entries["axis"]]
         for name in {one for one in names if names.count(one) > 1}:
@@ -93,7 +98,8 @@ SCALED = ("friction.mu", "friction.angle")
 """Keys that do not change the scaling of contacts of Hertz, by mu1 P."""
 
 
-def _axes_of_any_contact(entries: ValidEntries) -> Iterator[Fault]:
+def _check_scaled_axes(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of axes that need a scene."""
     if entries["scene"] is not None:
         return
     for k, one in enumerate(entries["axis"]):
@@ -107,7 +113,8 @@ LEFT_OUT = ("wear", "subsurface", "fatigue", "accuracy", "grid")
 """Tables of a scene that affect neither its creep forces nor the meshes of a table."""
 
 
-def _one_steady_contact(entries: ValidEntries) -> Iterator[Fault]:
+def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of a scene that is not a single steady contact."""
     scene = entries["scene"]
     if scene is None:
         return
@@ -173,11 +180,11 @@ class TableDesign(Document):
     most: int = entry("nodes at most", default=50_000, ge=300, le=10**6)
     seed: int = entry("seed of the points that are held out", default=0, ge=0)
     checks: ClassVar[tuple[Check, ...]] = (
-        _finest_is_fine,
-        _of_a_scene_or_of_any,
-        _each_axis_once,
-        _axes_of_any_contact,
-        _one_steady_contact,
+        _check_finest,
+        _check_keys,
+        _check_axes,
+        _check_scaled_axes,
+        _check_scene,
     )
     error_class: ClassVar[type[SceneError]] = TableError
 
@@ -186,14 +193,14 @@ class TableDesign(Document):
             try:
                 given["scene"] = Scene.from_name(given["scene"])
             except SceneError as error:
-                raise TableError(_in_design(error)) from None
+                raise TableError(_move_faults(error)) from None
         super().__init__(**given)
         faults: list[Fault] = []
         for entries in self._each_entry():
             try:
                 self._scene_with(entries)
             except SceneError as error:
-                faults += [one for one in _in_design(error) if str(one) not in map(str, faults)]
+                faults += [one for one in _move_faults(error) if str(one) not in map(str, faults)]
         if faults:
             raise TableError(faults)
 
@@ -267,6 +274,7 @@ class TableDesign(Document):
         return self._scene_with(entries, place)
 
     def _scene_with(self, entries: dict[str, Any], place: tuple[float, ...] = (0.0, 0.3)) -> Scene:
+        """Return the scene of a contact of the table, with some entries changed."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its numbers may be of no steel
             if self.scene is None:
@@ -290,11 +298,13 @@ class TableDesign(Document):
                 yield first | one.entries_at(x)
 
 
-def _in_design(error: SceneError) -> list[Fault]:
+def _move_faults(error: SceneError) -> list[Fault]:
+    """Return the faults of a scene as faults of the design."""
     return [one.under("scene") for one in error.faults]
 
 
 def _mirrored(scene: Scene) -> bool:
+    """Return the scene mirrored at y = 0."""
     friction = friction_of(scene)
     mu1, mu2 = friction.mu
     aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
@@ -303,6 +313,7 @@ def _mirrored(scene: Scene) -> bool:
 
 
 def _reversed(scene: Scene) -> bool:
+    """Return the scene with reversed creepages."""
     return bool(scene.material.coupling == 0.0) and not _has_named_law(scene)
 
 

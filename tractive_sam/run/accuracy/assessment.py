@@ -94,6 +94,7 @@ def describe_missed_accuracy(history: History, scene: Scene) -> str:
 
 
 def _add_advice(scene: Scene, note: str) -> str:
+    """Add to a note how to reach the accuracy."""
     accuracy = scene.accuracy
     return (
         f"{note}; accuracy.tolerance is {accuracy.tolerance:.1e}, and accuracy.elements "

@@ -28,10 +28,10 @@ from tractive_sam.rolling import stressed_volume
 SAFETY = 3.0
 """Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
 
-FORMER = 0.7
+PREVIOUS = 0.7
 """Weight of the previous difference: 2^(-1/2), by which errors of first order fall."""
 
-SURFACE_SAFETY, SURFACE_FORMER = 6.0, 0.84
+SURFACE_SAFETY, SURFACE_PREVIOUS = 6.0, 0.84
 """Both for the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
 
 GROWING = 0.9
@@ -48,7 +48,7 @@ SHARING = (*FORCES, "p_max")
 
 
 @dataclass(frozen=True)
-class StressMaximum:
+class BodyStress:
     """Which of the largest stresses of a body a value is.
 
     Attributes
@@ -82,7 +82,7 @@ class BodyColumn:
     body: str
 
 
-Name = str | StressMaximum | BodyColumn
+Name = str | BodyStress | BodyColumn
 """Name of a quantity, or one of the two stresses behind it."""
 
 FATIGUE_COLUMNS = {
@@ -100,7 +100,7 @@ class Sample:
     Attributes
     ----------
     values : mapping of Name to float
-        Quantities by name; those of stress by `StressMaximum`.
+        Quantities by name; those of stress by `BodyStress`.
     scales : mapping of Name to float
         Reference of the relative error of each quantity; zero for prescribed quantities. Forces:
         the integral of the magnitude of the traction, times the mean radius of the contact for the
@@ -175,7 +175,7 @@ def _largest_stresses(
     column: str, body: str, interior: float, surface: float, largest: float
 ) -> Numbers:
     """Return the largest stress inside a body and that at its surface."""
-    inside, outside = (StressMaximum(column, body, at_surface) for at_surface in (False, True))
+    inside, outside = (BodyStress(column, body, at_surface) for at_surface in (False, True))
     return {inside: (interior, largest), outside: (surface, largest)}
 
 
@@ -205,7 +205,7 @@ def _path_errors(
         if cycle.criterion is None:
             continue
         error = cycle.criterion.path_error
-        floors |= {StressMaximum("utilisation", body, at): error for at in (False, True)}
+        floors |= {BodyStress("utilisation", body, at): error for at in (False, True)}
         volume = values.get(BodyColumn("stressed_volume", body), 0.0)
         if volume > 0.0:
             stressed = replace(cycle, utilisation=cycle.utilisation * (1.0 + error))
@@ -262,18 +262,21 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
 
 
 def _at_surface(name: Name) -> bool:
-    return isinstance(name, StressMaximum) and name.surface
+    """Return whether a name is that of the largest stress at a surface."""
+    return isinstance(name, BodyStress) and name.surface
 
 
 def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
     """Return how far the finest value may be from its limit, by the differences between meshes."""
-    if isinstance(name, StressMaximum) and not name.surface and 0.0 in (coarse, middle):
+    if isinstance(name, BodyStress) and not name.surface and 0.0 in (coarse, middle):
         return 0.0  # there was no maximum; once it appears, it is well resolved
     early, late = middle - coarse, fine - middle
     if name == "p_max" and late > GROWN * fine and late > GROWING * early > 0.0:
         return math.inf
-    safety, former = (SURFACE_SAFETY, SURFACE_FORMER) if _at_surface(name) else (SAFETY, FORMER)
-    return safety * max(abs(late), former * abs(early))
+    safety, previous = (
+        (SURFACE_SAFETY, SURFACE_PREVIOUS) if _at_surface(name) else (SAFETY, PREVIOUS)
+    )
+    return safety * max(abs(late), previous * abs(early))
 
 
 def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
