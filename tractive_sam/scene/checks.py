@@ -233,32 +233,31 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, largest: fl
         warn(text)
 
 
-def warn_if_unequal(bodies: Bodies, wear: Wear, difference: float = 0.05) -> None:
-    """Warn of bodies that wear and do not turn equally often, unless the scene says so.
+def unequal_turns(bodies: Bodies, wear: Wear, difference: float = 0.05) -> str:
+    """Return a note on bodies that wear and do not turn equally often, unless the scene says so.
 
     Parameters
     ----------
     bodies : Bodies
         The bodies.
     wear : Wear
-        Their wear; ``turns = "each"`` in the scene avoids the warning.
+        Their wear; ``turns = "each"`` in the scene avoids the note.
     difference : float
-        Relative difference of the circumferences up to which there is no warning.
+        Relative difference of the circumferences up to which there is no note.
     """
     radii = {name: abs(getattr(bodies, name).radius_x) for name in "AB"}
     alike = max(radii.values()) <= (1.0 + difference) * min(radii.values())
     if alike or (wear.turns == "each" and "turns" in wear.model_fields_set):
-        return
+        return ""
     counted = "A" if math.isfinite(radii["A"]) else "B"
     meaning = 'worn material returns after a turn of its body (wear.turns = "each")'
     if wear.turns != "each":
         meaning = 'with wear.turns = "each" worn material returns after a turn of its body'
-    text = (
+    return (
         f"wear.turns: radius_x of A is {radii['A']:g} and of B {radii['B']:g}, so the bodies do "
         f"not turn equally often (a flat body never turns); wear.revolutions counts the turns of "
         f"{counted}, and {meaning}"
     )
-    warn(text)
 
 
 def _directions(

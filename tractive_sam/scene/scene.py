@@ -27,7 +27,7 @@ from tractive_sam.schema import (
 from . import describe
 from .bodies import Bodies
 from .catalogue import builtin_text, is_path
-from .checks import SCENE_CHECKS, warn_if_large, warn_if_unequal
+from .checks import SCENE_CHECKS, unequal_turns, warn_if_large
 from .contact_type import LineContact, PointContact
 from .duty import Block, Spectrum, block_scenes, check_blocks_on_mesh, cycle_notes
 from .fatigue import Fatigue
@@ -123,8 +123,8 @@ class Scene(Document):
             self._check_blocks()
         for note in scene_notes(self):
             warn(note, PlausibilityWarning)
-        if self.wear and self.schedule.revolves:
-            warn_if_unequal(self.body, self.wear)
+        if note := self._unequal_turns:
+            warn(note)
         hertz = self.hertz
         if self.has_gap or hertz is None:  # with a gap the Hertz ellipse is not the contact
             return
@@ -158,6 +158,11 @@ class Scene(Document):
         """Whether the bodies differ from ellipsoids, so that the contact is not that of Hertz."""
         return self.gap is not None or self.wheel is not None
 
+    @property
+    def _unequal_turns(self) -> str:
+        """Note on bodies that do not turn equally often; empty if there is none."""
+        return unequal_turns(self.body, self.wear) if self.wear and self.schedule.revolves else ""
+
     def _check_blocks(self) -> None:
         """Raise the faults of the blocks, and issue the warnings that concern only them."""
         with warnings.catch_warnings(record=True) as raised:
@@ -165,9 +170,9 @@ class Scene(Document):
             faults = [*check_blocks_on_mesh(self, self.blocks)]
         if faults:
             raise SceneError(faults)
-        notes = set(scene_notes(self))
+        notes = {*scene_notes(self), self._unequal_turns}
         for message in dict.fromkeys(str(warning.message) for warning in raised):
-            if message not in notes and not message.startswith("wear"):
+            if message not in notes:
                 warn(f"duty: {message}", PlausibilityWarning)
         for note in cycle_notes(self):
             warn(note, PlausibilityWarning)

@@ -79,8 +79,11 @@ class Load(Table):
         if hertz is None:
             yield Row("load", text, brief=True)
             return
-        computed = [f"P = {hertz.load:.6g} {unit}", f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn"]
-        rest = " and ".join(part for part in computed if not part.startswith(f"{name} "))
+        computed = {
+            "P": f"P = {hertz.load:.6g} {unit}",
+            "p0": f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn",
+        }
+        rest = " and ".join(part for one, part in computed.items() if one != name)
         yield Row("load", f"{text}: {rest}", brief=True)
         yield Row("unworn contact (Hertz)", hertz.describe())
 

@@ -78,15 +78,20 @@ class CreepageCourse(Table):
     True
     """
 
+    shifts: ClassVar[Mapping[str, str]] = {
+        "longitudinal": "the shift of A over B in x, mm",
+        "lateral": "the shift of A over B in y, mm",
+        "spin": "the rotation of A over B, radians",
+    }
+    """Meaning of each course with `start = "shift"`."""
+
     longitudinal: Course | None = course(
-        'longitudinal creepage xi_x; with start = "shift" the shift of A over B in x, mm'
+        f'longitudinal creepage xi_x; with start = "shift" {shifts["longitudinal"]}'
     )
     lateral: Course | None = course(
-        'lateral creepage xi_y; with start = "shift" the shift of A over B in y, mm'
+        f'lateral creepage xi_y; with start = "shift" {shifts["lateral"]}'
     )
-    spin: Course | None = course(
-        'spin creepage phi, 1/mm; with start = "shift" the rotation of A over B, radians'
-    )
+    spin: Course | None = course(f'spin creepage phi, 1/mm; with start = "shift" {shifts["spin"]}')
 
 
 class FrictionCourse(Table):

@@ -14,7 +14,7 @@ from tractive_sam.description import format_setting
 from tractive_sam.output_file import make_folder
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, Quantity, index_by_name
-from tractive_sam.scene import Scene
+from tractive_sam.scene import CreepageCourse, Scene
 from tractive_sam.studies.axis import SAMPLE
 from tractive_sam.studies.case import title_of
 from tractive_sam.studies.design import Study
@@ -209,8 +209,11 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else _texts(columns[key]))
-    rolling, _, shifting = title_of(key).partition('; with start = "shift" ')
-    meaning = shifting if shifting and scene.schedule.shifts else rolling
+    table, _, name = key.rpartition(".")
+    meaning = title_of(key)
+    if table == "transient.creepage":
+        shifts = scene.schedule.shifts
+        meaning = CreepageCourse.shifts[name] if shifts else title_of(f"creepage.{name}")
     return Variable(key, values, meaning, _unit(key, scene))
 
 
