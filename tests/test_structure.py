@@ -19,7 +19,7 @@ LIMITS = {
     "modules with TYPE_CHECKING": 4,
     "functions over 40 code lines": 17,
     "functions over 60 code lines": 1,
-    "modules over 250 code lines": 11,
+    "modules over 250 code lines": 14,
     "module constants": 570,
     "code lines": 36300,
     "public names": 119,

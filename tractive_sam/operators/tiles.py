@@ -1,14 +1,14 @@
 """Convolutions of large meshes, in tiles of spectral columns that stay in the processor's cache.
 
-A padded transform is done axis by axis. After the transform along y, the columns are independent:
-a tile of them is padded, transformed along x, multiplied by the kernels, and transformed back,
-before the next tile is loaded. The spectra pass through the memory once instead of five times, and
-the padding along x is never stored.
+A padded transform is done axis by axis: rows along y, in blocks, then columns along x. Of the
+transformed rows, the columns are independent: a tile of them is padded, transformed, multiplied by
+the kernels, and transformed back, before the next tile is loaded. Spectra pass through the memory
+once instead of five times, and the padding is never stored.
 """
 
-import itertools
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -41,12 +41,18 @@ def tile_edges(fields: int, padded: tuple[int, int], cache: int = 2**19) -> list
     return [k * columns // count for k in range(count + 1)]
 
 
+def block_edges(rows: int, padded: tuple[int, int], cache: int = 2**18) -> list[tuple[int, int]]:
+    """Return the first rows, and those behind the last, of blocks of about the size of a cache."""
+    count = -(-16 * padded[1] * rows // cache)
+    return [*pairwise(k * rows // count for k in range(count + 1))]
+
+
 def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> list[np.ndarray]:
     """Return contiguous kernels (entries, m) of each tile, of spectra (entries, p_x, p_y/2 + 1)."""
     edges = tile_edges(fields, padded)
     if len(edges) == 2:
         return [spectra.reshape(len(spectra), -1)]
-    tiles = (spectra[..., a:b] for a, b in itertools.pairwise(edges))
+    tiles = (spectra[..., a:b] for a, b in pairwise(edges))
     return [np.ascontiguousarray(tile).reshape(len(spectra), -1) for tile in tiles]
 
 
@@ -82,7 +88,28 @@ class WholeConvolution:
         return self._transform.backward().copy()
 
 
-class Buffer(NamedTuple):
+class RowBuffer(NamedTuple):
+    """Rows of one block: as numbers in, transformed along y, and as numbers out."""
+
+    given: np.ndarray
+    spectra: np.ndarray
+    found: np.ndarray
+    forward: Any
+    backward: Any
+
+    @classmethod
+    def create(cls, rows: int, py: int, single: bool) -> "RowBuffer":
+        """Return a buffer for a number of rows of the padded length p_y; its padding stays zero."""
+        real, spectral = _kinds(single)
+        given, found = (pyfftw.zeros_aligned((rows, py), dtype=real) for _ in range(2))
+        spectra = pyfftw.zeros_aligned((rows, py // 2 + 1), dtype=spectral)
+        forward = plan(given, spectra, 1, "FFTW_FORWARD")
+        backward = plan(spectra, found, 1, "FFTW_BACKWARD")
+        given[:] = 0.0  # planning wrote into it
+        return cls(given, spectra, found, forward, backward)
+
+
+class ColumnBuffer(NamedTuple):
     """Padded columns of one tile, and their transforms along x in place."""
 
     columns: np.ndarray
@@ -90,27 +117,68 @@ class Buffer(NamedTuple):
     backward: Any
 
     @classmethod
-    def create(cls, shape: tuple[int, int, int], dtype: type) -> "Buffer":
+    def create(cls, shape: tuple[int, int, int], single: bool) -> "ColumnBuffer":
         """Return a buffer of shape (fields, p_x, columns)."""
-        columns = pyfftw.zeros_aligned(shape, dtype=dtype)
+        columns = pyfftw.zeros_aligned(shape, dtype=_kinds(single)[1])
         directions = ("FFTW_FORWARD", "FFTW_BACKWARD")
         return cls(columns, *(plan(columns, columns, 1, each) for each in directions))
 
-    def convolve(self, rows: np.ndarray, kernels: np.ndarray, product: Product) -> None:
-        """Replace columns (fields, n_x, m), without padding, by their convolution."""
-        count = rows.shape[1]
-        self.columns[:, :count] = rows
-        self.columns[:, count:] = 0.0
-        self.forward.execute()
-        product(kernels, self.columns.reshape(len(rows), -1))
-        self.backward.execute()
-        rows[:] = self.columns[:, :count]
+
+class Worker:
+    """One thread of a `TiledConvolution`: its share of the rows and columns, and its buffers.
+
+    Parameters
+    ----------
+    spectra : ndarray of complex, shape (fields, n_x, p_y/2 + 1)
+        Rows of all fields transformed along y; the workers share it.
+    padded : tuple of int
+        Padded shape (p_x, p_y).
+    share : slice
+        Blocks of rows and tiles of columns of this worker.
+    """
+
+    def __init__(self, spectra: np.ndarray, padded: tuple[int, int], share: slice) -> None:
+        fields, nx, half = spectra.shape
+        single, self._share = spectra.dtype == np.complex64, share
+        self._spectra = spectra.reshape(-1, half)
+        self._blocks = block_edges(fields * nx, padded)[share]
+        heights = {b - a for a, b in self._blocks}
+        self._rows = {n: RowBuffer.create(n, padded[1], single) for n in heights}
+        edges = tile_edges(fields, padded)
+        self._tiles = [spectra[..., a:b] for a, b in pairwise(edges)][share]
+        shapes = {tile.shape[-1]: (fields, padded[0], tile.shape[-1]) for tile in self._tiles}
+        self._columns = {n: ColumnBuffer.create(shape, single) for n, shape in shapes.items()}
+
+    def transform_rows(self, fields: np.ndarray) -> None:
+        """Transform rows (fields n_x, n_y) along y."""
+        for a, b in self._blocks:
+            buffer = self._rows[b - a]
+            buffer.given[:, : fields.shape[1]] = fields[a:b]
+            buffer.forward.execute()
+            self._spectra[a:b] = buffer.spectra
+
+    def convolve_columns(self, kernels: Sequence[np.ndarray], product: Product) -> None:
+        """Pad columns, transform them along x, multiply by the kernels, and transform back."""
+        for tile, kernel in zip(self._tiles, kernels[self._share], strict=True):
+            buffer, count = self._columns[tile.shape[-1]], tile.shape[1]
+            buffer.columns[:, :count] = tile
+            buffer.columns[:, count:] = 0.0
+            buffer.forward.execute()
+            product(kernel, buffer.columns.reshape(len(tile), -1))
+            buffer.backward.execute()
+            tile[:] = buffer.columns[:, :count]
+
+    def restore_rows(self, out: np.ndarray) -> None:
+        """Transform rows back along y, into an array of shape (fields n_x, n_y)."""
+        for a, b in self._blocks:
+            buffer = self._rows[b - a]
+            buffer.spectra[:] = self._spectra[a:b]
+            buffer.backward.execute()
+            out[a:b] = buffer.found[:, : out.shape[1]]
 
 
 class TiledConvolution:
     """The convolution on a large mesh, tile by tile (`Convolver`).
-
-    On several threads, each takes its share of the tiles.
 
     Parameters
     ----------
@@ -121,45 +189,40 @@ class TiledConvolution:
     def __init__(
         self, fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool
     ) -> None:
-        self._fields, self._padded, self._ny = fields, padded, shape[1]
-        real, spectral = (np.float32, np.complex64) if single else (np.float64, np.complex128)
-        (nx, _), (px, py) = shape, padded
-        self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
-        rows = pyfftw.zeros_aligned((fields, nx, py // 2 + 1), dtype=spectral)
-        self._threads = threads_for_transform(padded)
-        self._forward = plan(self._real, rows, 2, "FFTW_FORWARD", self._threads)
-        self._backward = plan(rows, self._real, 2, "FFTW_BACKWARD", self._threads)
-        edges = tile_edges(fields, padded)
-        self._tiles = [rows[..., a:b] for a, b in itertools.pairwise(edges)]
-        widths = {tile.shape[-1] for tile in self._tiles}
-        self._buffers = [
-            {width: Buffer.create((fields, px, width), spectral) for width in widths}
-            for _ in range(self._threads)
-        ]
+        self._fields, self._padded = fields, padded
+        half = (fields, shape[0], padded[1] // 2 + 1)
+        spectra = pyfftw.zeros_aligned(half, dtype=_kinds(single)[1])
+        threads = threads_for_transform(padded)
+        shares = (slice(k, None, threads) for k in range(threads))
+        self._workers = [Worker(spectra, padded, share) for share in shares]
 
     def __call__(
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
         """See `Convolver`."""
-
-        def convolve(worker: int) -> None:
-            share = slice(worker, None, self._threads)
-            for tile, kernel in zip(self._tiles[share], kernels[share], strict=True):
-                self._buffers[worker][tile.shape[-1]].convolve(tile, kernel, product)
-
         for _ in ("forward", "backward"):
             count_transform(self._fields, self._padded)
-        self._real[..., : self._ny] = fields
-        self._real[..., self._ny :] = 0.0
-        self._forward.execute()
-        if self._threads == 1:
-            convolve(0)
+        out = np.empty(fields.shape, fields.dtype)
+        given, found = (each.reshape(-1, fields.shape[-1]) for each in (fields, out))
+        phases: tuple[Callable[[Worker], None], ...] = (
+            lambda worker: worker.transform_rows(given),
+            lambda worker: worker.convolve_columns(kernels, product),
+            lambda worker: worker.restore_rows(found),
+        )
+        if len(self._workers) == 1:
+            for phase in phases:
+                phase(self._workers[0])
         else:
             # Started for each call, so that no thread waits in a process that forks.
-            with ThreadPoolExecutor(self._threads) as pool:
-                list(pool.map(convolve, range(self._threads)))
-        self._backward.execute()
-        return self._real[..., : self._ny].copy()
+            with ThreadPoolExecutor(len(self._workers)) as pool:
+                for phase in phases:
+                    list(pool.map(phase, self._workers))
+        return out
+
+
+def _kinds(single: bool) -> tuple[type, type]:
+    """Return the types of numbers and of their transforms."""
+    return (np.float32, np.complex64) if single else (np.float64, np.complex128)
 
 
 def _create(
