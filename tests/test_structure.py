@@ -14,14 +14,14 @@ import pytest
 import tractive_sam
 
 LIMITS = {
-    "modules on the longest chain of imports": 16,
+    "modules on the longest chain of imports": 13,
     "modules that import each other, in any way": 0,
     "modules with TYPE_CHECKING": 4,
     "functions over 40 code lines": 17,
     "functions over 60 code lines": 1,
-    "modules over 250 code lines": 14,
-    "module constants": 570,
-    "code lines": 36300,
+    "modules over 250 code lines": 13,
+    "module constants": 460,
+    "code lines": 39000,
     "public names": 119,
 }
 
