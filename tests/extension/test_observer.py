@@ -100,13 +100,16 @@ def test_a_resumed_run_is_the_uninterrupted_one(name, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         ts.roll(scene, path, progress=stop)
     history = ts.roll(scene, path, resume=True)
+    # Arrays from a file lie otherwise in memory, so that sums and transforms round otherwise. The
+    # linear systems of steps are of single precision, within their tolerance.
+    rounding = 1e-10 if scene.transient else 1e-13
     for column in ("energy_max", "energy_profile", "Qx"):
-        # Arrays from a file lie otherwise in memory, so that sums and transforms round otherwise.
-        atol = 1e-13 * np.abs(whole[column]).max()
-        np.testing.assert_allclose(history[column], whole[column], rtol=1e-13, atol=atol)
+        atol = rounding * np.abs(whole[column]).max()
+        np.testing.assert_allclose(history[column], whole[column], rtol=rounding, atol=atol)
     energy = whole.field("energy")
-    atol = 1e-13 * energy.max()
-    np.testing.assert_allclose(history.field("energy"), energy, rtol=0, atol=atol)
+    np.testing.assert_allclose(
+        history.field("energy"), energy, rtol=0, atol=rounding * energy.max()
+    )
     assert history.own_fields["energy"].unit == "mJ/mm2"
     assert whole["energy_max"][-1] > 0.0
 

@@ -6,7 +6,6 @@ from .column_table import REVOLUTION as REVOLUTION
 from .column_table import ROLLED as ROLLED
 from .column_table import SHARE as SHARE
 from .column_table import columns as columns
-from .column_table import stress_columns as stress_columns
 from .cycle import PREFIX as PREFIX
 from .cycle import cycle_record as cycle_record
 from .describe import caveats as caveats
@@ -52,3 +51,4 @@ from .stored_fields import HEAT_FIELDS as HEAT_FIELDS
 from .stored_fields import OUTSIDE as OUTSIDE
 from .stored_fields import STRESS as STRESS
 from .stored_fields import storable_fields as storable_fields
+from .stress_columns import stress_columns as stress_columns

@@ -68,9 +68,10 @@ class SteadyBalance:
         scene = self.history.scene
         changing = ("wear.temperature", "duty", "transient.friction.mu")
         replaced = not {"wear", UNNAMED}.isdisjoint(self.history.law_records)
-        if not scene.has("wear") or replaced or any(map(scene.has, changing)):
+        friction, wear = scene.friction, scene.wear
+        if friction is None or wear is None or replaced or any(map(scene.has, changing)):
             return None
-        return None if scene.friction.varies else scene.wear.per_work(scene.friction.mu)
+        return None if friction.varies else wear.per_work(friction.mu)
 
     @property
     def energy_cure(self) -> str:

@@ -9,25 +9,19 @@ from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
-from typing import Any
 
-import numpy as np
-
-from tractive_sam.mechanics import VON_MISES, StressCriterion
-from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, index_by_name
+from tractive_sam.mechanics import VON_MISES
+from tractive_sam.results.fatigue_columns import FATIGUE_COLUMNS
+from tractive_sam.results.quantity import COORDINATE, Quantity, index_by_name
 from tractive_sam.results.state import State
 from tractive_sam.results.stored_fields import read_component, read_heat, read_number
+from tractive_sam.results.stress_columns import error_bar_column, read_error_bar, stress_columns
 from tractive_sam.scene import Scene
 
 
 def _over_load(force: str, contact: State) -> float:
     """Return a force of a contact over its load."""
     return getattr(contact, force) / contact.P if contact.P else 0.0
-
-
-def _bars_of_damage(contact: State) -> Any:
-    """Return the error bars of the damage."""
-    return contact.error_bars.get("damage", {})
 
 
 def _deepest(contact: State) -> float:
@@ -38,20 +32,6 @@ def _deepest(contact: State) -> float:
 def _has_single_load(scene: Scene) -> bool:
     """Return whether there is a single load: only then error bars of a body are computed."""
     return not scene.duty
-
-
-def _has_fatigue(body: str, scene: Scene) -> bool:
-    """Return whether the fatigue of a body is computed."""
-    return body in scene.fatigue.bodies
-
-
-def _surface_fatigue_index(contact: State) -> float:
-    """Return the largest |p_t|/p_n - k/p_n in contact."""
-    k, touching = contact.scene.fatigue.shear_yield_stress, contact.touching
-    if not touching.any():
-        return math.nan
-    shear = np.hypot(*contact.traction[:, touching]) - k
-    return float((shear / contact.pressure[touching]).max())
 
 
 REVOLUTION = Quantity(
@@ -87,10 +67,8 @@ PARAMETER = Quantity(
 )
 
 
-_IN_STEPS = {"needs": ("transient",)}
-_ROLLING = {"needs": ("transient.rolls",)}
-_SHIFTING = {"needs": ("schedule.shifts",)}
-_HEATED = {"needs": ("heat",)}
+_of_step = partial(Quantity, needs=("transient",))
+_of_heat = partial(Quantity, needs=("heat",))
 
 # fmt: off
 _SCALARS = (
@@ -149,24 +127,26 @@ _SCALARS = (
              partial(read_number, "converged"), format="d"),
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
-    Quantity("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
-             symbol=r"\delta_x", **_IN_STEPS),
-    Quantity("shift_y", "mm", "shift of A over B in y since the start, by creepage too",
-             symbol=r"\delta_y", **_IN_STEPS),
-    Quantity("turn", "rad", "turn of A over B since the start, by spin too", **_IN_STEPS),
-    Quantity("step_work", "N mm", "work supplied in the step to this record, by tangential forces "
-             "and, of dissimilar bodies, by the load", per_length=True, **_IN_STEPS),
-    Quantity("step_friction", "N mm", "work of friction in the step to this record",
-             per_length=True, **_IN_STEPS),
-    Quantity("friction_work", "N mm", "work of friction since the start", per_length=True,
-             **_IN_STEPS),
+    _of_step("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
+             symbol=r"\delta_x"),
+    _of_step("shift_y", "mm", "shift of A over B in y since the start, by creepage too",
+             symbol=r"\delta_y"),
+    _of_step("turn", "rad", "turn of A over B since the start, by spin too"),
+    _of_step("step_work", "N mm", "work supplied in the step to this record, by tangential "
+             "forces "
+             "and, of dissimilar bodies, by the load", per_length=True),
+    _of_step("step_friction", "N mm", "work of friction in the step to this record",
+             per_length=True),
+    _of_step("friction_work", "N mm", "work of friction since the start", per_length=True),
     Quantity("step_worn", "mm3", "volume worn off both bodies in the step to this record",
              per_length=True, needs=("transient", "wear")),
-    Quantity("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar bodies with "
-             "the pressure", symbol="W", per_length=True, **_IN_STEPS),
-    Quantity("next_step", "1", "how far the parameter is to go in the next step", **_SHIFTING),
-    Quantity("next_step", "mm", "how far the next step is to go", **_ROLLING),
-    Quantity("stretch", "1", "stretch between two knots, from 0 on", format="g", **_IN_STEPS),
+    _of_step("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar "
+             "bodies with "
+             "the pressure", symbol="W", per_length=True),
+    Quantity("next_step", "1", "how far the parameter is to go in the next step",
+             needs=("schedule.shifts",)),
+    Quantity("next_step", "mm", "how far the next step is to go", needs=("transient.rolls",)),
+    _of_step("stretch", "1", "stretch between two knots, from 0 on", format="g"),
 )
 
 _OTHERS = (
@@ -188,15 +168,15 @@ _OTHERS = (
              dims=("y",), needs=("gap",)),
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
              attrgetter("creepage_found"), ("axis",), needs=("finds_creepage",)),
-    Quantity("temperature_max", "degC", "largest temperature of the surfaces in contact",
-             partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}", **_HEATED),
-    Quantity("temperature_max_at", "mm", "position (x, y) of the largest temperature",
+    _of_heat("temperature_max", "degC", "largest temperature of the surfaces in contact",
+             partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}"),
+    _of_heat("temperature_max_at", "mm", "position (x, y) of the largest temperature",
              partial(read_heat, "temperature_max_at", none=(math.nan, math.nan)),
-             ("axis",), **_HEATED),
-    Quantity("temperature_mean", "degC", "mean temperature of the surfaces in contact",
-             partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}", **_HEATED),
-    Quantity("heat_share", "1", "share of body A in the heat that friction makes",
-             partial(read_heat, "share"), format=".4f", **_HEATED),
+             ("axis",)),
+    _of_heat("temperature_mean", "degC", "mean temperature of the surfaces in contact",
+             partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}"),
+    _of_heat("heat_share", "1", "share of body A in the heat that friction makes",
+             partial(read_heat, "share"), format=".4f"),
     Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat body "
              "only where a transient wears it",
              attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, needs=("wear",)),
@@ -211,117 +191,7 @@ WITH_ERROR_BAR = (
 )
 
 
-def _bar(name: str, contact: State) -> float:
-    """Return an error bar of a contact; nan if there is none."""
-    return contact.error_bars.get(name, math.nan)
-
-
-def _bars(name: str, contact: State) -> dict[str, float]:
-    """Return the error bars of both bodies; nan if there are none."""
-    bars = contact.error_bars.get(name, {})
-    return {body: bars.get(body, math.nan) for body in BODIES}
-
-
-def _error_bar(of: Quantity) -> Quantity:
-    """Return the column of the error bar of a quantity; nan if there is none."""
-    return replace(
-        of,
-        name=f"{of.name}_error",
-        long_name=f"error bar of {of.name}",
-        of=partial(_bars if of.dims else _bar, of.name),
-        symbol="",
-        needs=(*of.needs, "accuracy"),
-    )
-
-
-def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
-    """Return the columns of the largest stress in each body by a criterion, and its error bar."""
-    name, unit, text = criterion.name, criterion.unit, f"largest {criterion.long_name}"
-    stressed = {"needs": ("subsurface",), "bodies_of": "subsurface"}
-    of_bodies = stressed | {"dims": ("body",), "symbol": criterion.symbol}
-    largest = Quantity(
-        f"{name}_max", unit, f"{text}, inside or at the surface", role="stress_max", **of_bodies
-    )
-    return (
-        largest,
-        Quantity(
-            f"{name}_interior", unit, f"{text} inside the body", role="stress_interior", **of_bodies
-        ),
-        Quantity(
-            f"{name}_surface", unit, f"{text} at the surface", role="stress_surface", **of_bodies
-        ),
-        Quantity(
-            f"{name}_max_at",
-            "mm",
-            f"position (x, y, depth) of the {text}",
-            dims=("body", "position"),
-            role="stress_max_at",
-            **stressed,
-        ),
-        replace(_error_bar(largest), role="stress_max_error"),
-    )
-
-
 _STRESSES = stress_columns(VON_MISES)
-
-_OF_BODIES = {"dims": ("body",), "needs": ("fatigue.limit",), "bodies_of": "fatigue"}
-_IN_VOLUME = {"dims": ("body",), "needs": ("fatigue.volume",), "bodies_of": "fatigue"}
-_OF_PLACES = _OF_BODIES | {"dims": ("body", "position")}
-_YIELD = "fatigue.shear_yield_stress"
-_SHAKEDOWN = {"dims": ("body",), "needs": (_YIELD,), "bodies_of": "fatigue"}
-
-# fmt: off
-_FATIGUE = (
-    Quantity("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
-             symbol=r"\lambda_-", format=".3f", **_SHAKEDOWN),
-    Quantity("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
-             symbol=r"\lambda_+", format=".3f", **_SHAKEDOWN),
-    Quantity("shakedown_interior", "1", "load factor up to which it is certain inside the body",
-             format=".3f", **_SHAKEDOWN),
-    Quantity("shakedown_surface", "1", "load factor up to which it is certain at the surface",
-             format=".3f", **_SHAKEDOWN),
-    Quantity("shakedown_lower_at", "mm", "position (no x, y, depth) that bounds shakedown_lower",
-             **_SHAKEDOWN | {"dims": ("body", "position")}),
-    Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
-             _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
-             needs=(_YIELD, "friction")),
-    Quantity("utilisation", "1", "largest equivalent stress of the cycle over its limit",
-             symbol="u", format=".3f", **_OF_BODIES),
-    Quantity("utilisation_interior", "1", "largest utilisation inside the body",
-             format=".3f", **_OF_BODIES),
-    Quantity("utilisation_surface", "1", "largest utilisation at the surface",
-             format=".3f", **_OF_BODIES),
-    Quantity("utilisation_at", "mm", "position of it (x only in a transient, y, depth)",
-             **_OF_PLACES),
-    Quantity("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
-             symbol="D", format=".3g", **_OF_BODIES),
-    Quantity("damage_at", "mm", "position of it (x only in a transient, y, depth below the "
-             "unworn surface)",
-             **_OF_PLACES),
-    Quantity("damage_error", "1", "error of it by the length of jumps, the order of blocks and the "
-             "points of stress paths, with [accuracy] by the mesh as well", _bars_of_damage,
-             format=".1g", **_OF_BODIES),
-    Quantity("initiation", "1", "revolution at which it reached 1", format=".4g", **_OF_BODIES),
-    Quantity("fatigue_life", "1", "revolutions, or repetitions of a transient, to a crack by the "
-             "stress so far, without wear",
-             format=".4g", **_OF_BODIES),
-    Quantity("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
-             "track; below 1 cracks start; none without wear", format=".3g", **_OF_BODIES),
-    Quantity("stressed_volume", "1", "integral of stress over the volume, N and mm by the "
-             "exponents of fatigue.volume; of a flat body over 1 mm of track", format=".4g",
-             **_IN_VOLUME),
-    Quantity("volume_life", "1", "revolutions that all of the volume survives, by this record's "
-             "stress, with the probability fatigue.volume.survival", format=".4g",
-             **_IN_VOLUME | {"needs": ("fatigue.volume.constant",)}),
-    Quantity("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
-             "of all: near 1 the volume grows with the mesh", format=".2g", **_IN_VOLUME),
-    Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
-             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
-    Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
-             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
-)
-# fmt: on
-
 
 _FATIGUE_WITH_ERROR_BAR = (
     "utilisation",
@@ -341,19 +211,19 @@ COLUMNS = (
     *_SCALARS,
     *_OTHERS,
     *_STRESSES[:-1],
-    *_FATIGUE,
+    *FATIGUE_COLUMNS,
     *(
-        replace(_error_bar(column), when=_has_single_load)
-        for column in _FATIGUE
+        replace(error_bar_column(column), when=_has_single_load)
+        for column in FATIGUE_COLUMNS
         if column.name in _FATIGUE_WITH_ERROR_BAR
     ),
-    *(_error_bar(_BY_NAME[name]) for name in WITH_ERROR_BAR),
+    *(error_bar_column(_BY_NAME[name]) for name in WITH_ERROR_BAR),
     _STRESSES[-1],
     Quantity(
         "relative_error",
         "1",
         "widest relative error bar of what accuracy.tolerance bounds",
-        partial(_bar, "relative"),
+        partial(read_error_bar, "relative"),
         needs=("accuracy",),
     ),
 )

@@ -86,7 +86,7 @@ class BodyFatigue(ShortArrays):
         inside = np.where(remaining, self.damage, 0.0)
         if not inside.any():
             return 0.0, (math.nan,) * 3
-        j, k = np.unravel_index(np.argmax(inside), inside.shape)
+        j, k = (int(index) for index in np.unravel_index(np.argmax(inside), inside.shape))
         value, at = float(inside[j, k]), (math.nan, float(self.y[j]), float(self.zeta[k]))
         if k and remaining[j, k - 1]:
             depth, more = _parabola_tops(self.zeta, inside[j])

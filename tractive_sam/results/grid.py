@@ -33,7 +33,8 @@ class Grid:
     @classmethod
     def of(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
         """Return the grid of two directions, or of x alone for a line contact."""
-        return cls((*half_length, 0.5)[:2], (*elements, 1)[:2])
+        (half_x, half_y), (nx, ny) = (*half_length, 0.5)[:2], (*elements, 1)[:2]
+        return cls((half_x, half_y), (nx, ny))
 
     def lengthened(self, elements: int) -> "Grid":
         """Return the grid with this number of elements added before and behind in x."""

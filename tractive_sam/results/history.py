@@ -28,6 +28,7 @@ from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.results.stored_fields import BOUND, FIELDS, HEAT_FIELDS, OUTSIDE, storable_fields
 from tractive_sam.scene import Scene, block_label
+from tractive_sam.schema import required
 
 DONE = "done"
 """The `History.status` of a complete computation."""
@@ -433,7 +434,8 @@ class History:
         if at is None and len(self.saved):
             return len(self.saved) - 1
         # A distance may come from a sum.
-        rows = [] if at is None else np.flatnonzero(np.isclose(self.saved, at, rtol=1e-12, atol=0))
+        wanted = math.nan if at is None else at
+        rows = np.flatnonzero(np.isclose(self.saved, wanted, rtol=1e-12, atol=0))
         if not len(rows):
             saved = ", ".join(map(str, self.saved)) or "none"
             value = "" if at is None else f" {at:g}"
@@ -500,7 +502,7 @@ class History:
             values[name] = self.values[each][:, k] if each in self.values else self.values[name]
         fields = {name: _BlockRows(rows, k) for name, rows in self.fields.items()}
         grid = self.grid.shifted(self.scene.duty[k].shift_y)
-        changes = {"columns": columns, "values": values, "fields": fields}
+        changes: dict[str, Any] = {"columns": columns, "values": values, "fields": fields}
         changes["stresses"] = self.stresses_of_blocks[k] if self.stresses_of_blocks else {}
         changes["stresses_of_blocks"] = ()
         changes["law_records"] = self._law_records_of(self.scene.blocks[k])
@@ -514,7 +516,7 @@ class History:
         records, friction = dict(self.law_records), self.scene.friction
         record = records.get("friction")
         if record and friction and friction.named_law and record.frame == friction.frame:
-            records["friction"] = replace(record, frame=block.friction.frame)
+            records["friction"] = replace(record, frame=required(block.friction, "friction").frame)
         return records
 
     def place_of(self, which: int | str) -> int:
@@ -573,7 +575,8 @@ class History:
         )
         if all(name in fields for name in HEAT_FIELDS):
             into_A = fields["heat_into_A"]
-            heat = -self.scene.creepage.speed * (contact.traction * contact.slip).sum(axis=0)
+            speed = required(self.scene.creepage.speed, "creepage.speed")
+            heat = -speed * (contact.traction * contact.slip).sum(axis=0)
             warm = {"A": fields["temperature_A"], "B": fields["temperature_B"]}
             flux = {"A": into_A, "B": heat - into_A}
             temperatures = FlashTemperature(self.grid, contact.touching, warm, flux)
@@ -623,8 +626,9 @@ class History:
             if column.dims[:1] == ("body",):
                 labels[0] = column.bodies(self.scene)
             for place in product(*labels):
-                at = tuple(of_dims[dim].index(k) for dim, k in zip(column.dims, place, strict=True))
-                arrays[" ".join((name, *place))] = self[name][(..., *at)]
+                dims = zip(column.dims, place, strict=True)
+                at: tuple[Any, ...] = (..., *(of_dims[dim].index(label) for dim, label in dims))
+                arrays[" ".join((name, *place))] = self[name][at]
         return arrays
 
     def to_dataframe(self) -> "pandas.DataFrame":

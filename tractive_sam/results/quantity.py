@@ -99,6 +99,18 @@ class Quantity:
         """Return whether the history of a scene has this quantity."""
         return all(map(scene.has, self.needs)) and self.when(scene)
 
+    def read(self, contact: State) -> Any:
+        """Return its value in a contact.
+
+        Raises
+        ------
+        LookupError
+            If only the process has it.
+        """
+        if self.of is None:
+            raise LookupError(f"{self.name} cannot be read from a contact")
+        return self.of(contact)
+
     def bodies(self, scene: Scene) -> tuple[str, ...]:
         """Return the bodies for which a scene has it, for dimensions ("body", ...)."""
         if not self.applies(scene):

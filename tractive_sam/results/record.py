@@ -80,7 +80,7 @@ class Record:
             return cls(values, names)
         warm = {}
         if contact.heat is not None:
-            warm = {name: quantity.of(contact) for name, quantity in HEAT_FIELDS.items()}
+            warm = {name: quantity.read(contact) for name, quantity in HEAT_FIELDS.items()}
         own_values = {quantity.name: values for quantity, values in (own_fields or {}).items()}
         quantities = {
             quantity.name: quantity.with_units_of(contact.scene) for quantity in own_fields or {}
@@ -136,7 +136,7 @@ def _read(column: Quantity, contact: State) -> Any:
 
 def restart_fields(contact: State) -> dict[str, np.ndarray]:
     """Return the fields of a contact that resuming needs: `FIELDS`, and its `BOUND`."""
-    values = {name: quantity.of(contact) for name, quantity in FIELDS.items()}
+    values = {name: quantity.read(contact) for name, quantity in FIELDS.items()}
     if contact.traction_bound is not None:
         values[BOUND.name] = contact.traction_bound
     return values

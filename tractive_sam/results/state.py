@@ -212,9 +212,8 @@ class State:
     @property
     def at_edge(self) -> tuple[bool, bool]:
         """Whether the contact reaches the edge of the mesh in x and in y; a line has none in y."""
-        rows, columns = self.touching.any(axis=1), self.touching.any(axis=0)
-        sides = bool(columns[0] or columns[-1]) and columns.size > 1
-        return bool(rows[0] or rows[-1]), sides
+        touching, is_line = self.touching, self.touching.shape[1] == 1
+        return bool(touching[[0, -1]].any()), bool(touching[:, [0, -1]].any()) and not is_line
 
     @property
     def elements_across(self) -> tuple[int, ...]:
@@ -234,7 +233,7 @@ class State:
         same_sides = np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9)
         if not same_sides or grid.centre != self.grid.centre:
             raise ValueError(f"{self.grid} is not the middle of {grid}")
-        changes = {
+        changes: dict[str, Any] = {
             name: widen_field(
                 getattr(self, name), grid.elements, math.inf if name == "gap" else 0.0
             )

@@ -1,0 +1,89 @@
+"""The columns of the fatigue of each body: shakedown, utilisation, damage and life."""
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.results.quantity import Quantity
+from tractive_sam.results.state import State
+from tractive_sam.scene import Scene
+from tractive_sam.schema import required
+
+
+def _bars_of_damage(contact: State) -> Any:
+    """Return the error bars of the damage."""
+    return contact.error_bars.get("damage", {})
+
+
+def _has_fatigue(body: str, scene: Scene) -> bool:
+    """Return whether the fatigue of a body is computed."""
+    return body in required(scene.fatigue, "fatigue").bodies
+
+
+def _surface_fatigue_index(contact: State) -> float:
+    """Return the largest |p_t|/p_n - k/p_n in contact."""
+    k = required(contact.scene.fatigue, "fatigue").shear_yield_stress
+    touching = contact.touching
+    if not touching.any():
+        return math.nan
+    shear = np.hypot(*contact.traction[:, touching]) - k
+    return float((shear / contact.pressure[touching]).max())
+
+
+_of_bodies = partial(Quantity, dims=("body",), bodies_of="fatigue")
+_fatigue = partial(_of_bodies, needs=("fatigue.limit",))
+_volume = partial(_of_bodies, needs=("fatigue.volume",))
+_shakedown = partial(_of_bodies, needs=("fatigue.shear_yield_stress",))
+_position = partial(_fatigue, dims=("body", "position"))
+
+# fmt: off
+FATIGUE_COLUMNS = (
+    _shakedown("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
+               symbol=r"\lambda_-", format=".3f"),
+    _shakedown("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
+               symbol=r"\lambda_+", format=".3f"),
+    _shakedown("shakedown_interior", "1", "load factor up to which it is certain inside the body",
+               format=".3f"),
+    _shakedown("shakedown_surface", "1", "load factor up to which it is certain at the surface",
+               format=".3f"),
+    _shakedown("shakedown_lower_at", "mm",
+               "position (no x, y, depth) that bounds shakedown_lower",
+               dims=("body", "position")),
+    Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
+             _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
+             needs=("fatigue.shear_yield_stress", "friction")),
+    _fatigue("utilisation", "1", "largest equivalent stress of the cycle over its limit",
+             symbol="u", format=".3f"),
+    _fatigue("utilisation_interior", "1", "largest utilisation inside the body",
+             format=".3f"),
+    _fatigue("utilisation_surface", "1", "largest utilisation at the surface",
+             format=".3f"),
+    _position("utilisation_at", "mm", "position of it (x only in a transient, y, depth)"),
+    _fatigue("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
+             symbol="D", format=".3g"),
+    _position("damage_at", "mm", "position of it (x only in a transient, y, depth below the "
+              "unworn surface)"),
+    _fatigue("damage_error", "1", "error of it by the length of jumps, the order of blocks and the "
+             "points of stress paths, with [accuracy] by the mesh as well", _bars_of_damage,
+             format=".1g"),
+    _fatigue("initiation", "1", "revolution at which it reached 1", format=".4g"),
+    _fatigue("fatigue_life", "1", "revolutions, or repetitions of a transient, to a crack by the "
+             "stress so far, without wear",
+             format=".4g"),
+    _fatigue("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
+             "track; below 1 cracks start; none without wear", format=".3g"),
+    _volume("stressed_volume", "1", "integral of stress over the volume, N and mm by the "
+            "exponents of fatigue.volume; of a flat body over 1 mm of track", format=".4g"),
+    _of_bodies("volume_life", "1", "revolutions that all of the volume survives, by this record's "
+               "stress, with the probability fatigue.volume.survival", format=".4g",
+               needs=("fatigue.volume.constant",)),
+    _volume("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
+            "of all: near 1 the volume grows with the mesh", format=".2g"),
+    Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
+    Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
+)
+# fmt: on
