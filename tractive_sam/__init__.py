@@ -14,7 +14,7 @@ Mech. Sci. 294 (2025) 110195.
     >>> history.status
     'done'
 
-Every public name has an example, which goes on from here; those of `plot`, `subsurface` and
+Every public name has an example, which continues from here; those of `plot`, `subsurface` and
 `reference` also know the names of their package.
 
 Names by topic

@@ -85,7 +85,7 @@ def choose_grid(
     Parameters
     ----------
     scene : Scene
-        What is asked.
+        The scene.
     measured : Gap, optional
         The measured separation of a scene with [gap].
     profiles : tuple of Gap
@@ -131,7 +131,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
             x, y, _ = measured
             half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
             if half_length[0] >= ALONG:
-                cure = "it: a profile across the track does not tell how long the contact is"
+                cure = "it: a profile across the track does not determine the length of the contact"
                 raise SceneError([Fault("grid.half_length", "nothing", cure)])
         across = 0.5 * min(half_length)
         side = (2.0 * across / (ACROSS * finer),) * 2

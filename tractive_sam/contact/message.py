@@ -54,7 +54,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
         return text
     reached = (
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
-        f"({', '.join(map(str, outcome.trace))}), asked for {solver.tolerance:.1e}; "
+        f"({', '.join(map(str, outcome.trace))}), tolerance {solver.tolerance:.1e}; "
     )
     forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(scene.load, key)]
     forces += [f"transient.{key}" for key in courses if key.startswith("load.force")]

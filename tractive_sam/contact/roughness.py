@@ -3,7 +3,7 @@
 The gap is sampled at the centres of elements, where the displacements are computed. Waves between
 the samples of the mesh are not resolved: they appear as longer ones. A wave of amplitude h and wave
 number q is flattened by a pressure of the amplitude E* q h/2 (Johnson 1985, Contact Mechanics,
-13.2), and many waves by E*/2 times their rms slope. So the slope of what a mesh leaves out tells
+13.2), and many waves by E*/2 times their rms slope. So the slope of the unresolved part shows
 whether it matters, beside the pressure of the contact. Its height does not: of white noise the
 height is the same on all meshes, while a smooth profile has little slope between the elements
 however finely it was sampled.

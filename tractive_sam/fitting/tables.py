@@ -151,7 +151,7 @@ def _check_place(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Observation(Table):
-    """What data sets and candidate tests have in common: which number of which record."""
+    """The part common to data sets and candidate tests: the observed quantities and records."""
 
     observe: Names = entry(
         "columns of a record that are observed", "a name, or a list of names", min_length=1

@@ -87,5 +87,5 @@ def list_notes(found: Estimate, table: Fit) -> list[str]:
                     f"{key} is at its {name} bound, {bound:g}: its interval is no interval"
                 )
     if messages := found.problem.failures:
-        notes.append(f"{len(messages)} computations failed on the way: {messages[-1]}")
+        notes.append(f"{len(messages)} computations failed during the fit: {messages[-1]}")
     return notes

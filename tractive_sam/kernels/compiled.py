@@ -1,9 +1,9 @@
 """The decorator of every kernel: compiled when first called, kept on disk until its source changes.
 
-Where nothing can be kept, every process compiles anew; `NUMBA_CACHE_DIR` names another folder.
+If nothing can be stored, every process compiles again; `NUMBA_CACHE_DIR` names another folder.
 
 By itself numba's cache sees a change in the module of a function, but not in the modules from which
-that takes other functions and constants: it would go on with an old formula. So what is kept bears
+that takes other functions and constants: it would use an old formula. So stored code has
 a hash of all these sources in its name.
 
 What takes long to compile, and kernels do without: an array assigned to a slice or a row (the text

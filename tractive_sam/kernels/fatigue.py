@@ -42,7 +42,7 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
     """Find the smallest ball that encloses points.
 
     Minimises over c the largest |p_i - c|². In the dual c is the mean of some of the points with
-    positive weights, all of which are equally far: an active set of these grows by the farthest
+    positive weights and equal distances: an active set of these grows by the farthest
     point and loses those whose weight falls to zero, until no point is farther. So it ends after
     few steps with the exact ball (Gärtner, ESA 1999, 325; Fischer, Gärtner & Kutz, ESA 2003, 630).
 
@@ -265,7 +265,7 @@ def dang_van(out, radius, paths, a):
     """Compute the largest tau(x) + a sigma_h(x) of each path, and the radius of `enclosing_radii`.
 
     tau is the largest shear stress of s minus the centre of the smallest ball around its path,
-    sigma_h the hydrostatic stress; arguments as of `enclosing_radii`.
+    sigma_h the hydrostatic stress; arguments as in `enclosing_radii`.
     """
     n = paths.shape[2]
     points, squares, centre = np.empty((5, n)), np.empty(n), np.empty(5)
@@ -302,10 +302,10 @@ def shakedown_layer(out, paths):
 
         J2 - 2 c p + 2 r q + c² + r²,
 
-    the largest of which along the path is to be smallest over the c of each path, and then the
-    largest of these over r. The worst point of a path bounds this from below at every c, the worst
-    points of a depth at every r, each by A + 2 B c + c²: the next c or r is where two such bounds,
-    the last from either side, are smallest together.
+    with c the value that minimises the largest one along each path, and then r the value that
+    minimises the largest of all paths. The worst point of a path bounds this from below at every c,
+    the worst points of a depth at every r, each by A + 2 B c + c²: the next c or r is where two
+    such bounds, the last from either side, are smallest together.
 
     Parameters
     ----------
@@ -485,9 +485,9 @@ def _centre_of_three(support, weights, points):
 def _evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
     """Evaluate the criterion on a plane: shear amplitude and largest normal stress.
 
-    tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), whichever is asked for; and how
-    many points hold the circle of the shear, and which one has the normal stress. Once the value is
-    no larger than `enough` it may be too large.
+    Return tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), depending on the factors;
+    the number of support points of the circle of the shear; and the index of the point with the
+    largest normal stress. A value up to `enough` may be too large.
     """
     on_plane, squares, support, weights, look, _ = room
     _stress_factors(look, normal)
@@ -518,7 +518,7 @@ def _stress_factors(look, normal):
 
 
 SIDE = 7
-"""Cells along each side of the faces of a cube, three of which are half a sphere, at first."""
+"""Cells along each side of a face of a cube in the first search; three faces are half a sphere."""
 
 ENOUGH = 1e-4
 """What a critical plane may miss, over its value: where a cell can hold no more, it is left."""
@@ -776,7 +776,7 @@ def _newton_step(path, here, count, at, sum_k, product_k, room):
         ga, gb = 0.5 * ga / radius, 0.5 * gb / radius
         haa, hbb = (0.5 * haa - ga * ga) / radius, (0.5 * hbb - gb * gb) / radius
         hab = (0.5 * hab - ga * gb) / radius
-    # With the normal stress, the derivatives of which are 2 en, 2 fn; 2 (ee - n), 2 ef, 2 (ff - n).
+    # With the normal stress, with the derivatives 2 en, 2 fn; 2 (ee - n), 2 ef, 2 (ff - n).
     for k in range(6):
         seen[3, k] = 0.0
         for c in range(6):
@@ -853,7 +853,7 @@ def monotone(out, x, values, at):
     values : ndarray, shape (rows, n)
         There.
     at : ndarray, shape (rows, m)
-        Places, ascending in each row; beyond the ends the last cubic goes on.
+        Places, ascending in each row; beyond the ends the last cubic continues.
     """
     n = x.size
     h, rise, slope = np.diff(x), np.empty(n - 1), np.empty(n)

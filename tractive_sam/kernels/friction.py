@@ -116,7 +116,7 @@ def lead(slip, traction, rows, columns, kept, answer):
     rows, columns : ndarray of int, shape (m,)
         Indices of the leading elements.
     kept, answer : ndarray, shapes (m,) and (m, 2, 2)
-        The share, and the answer to the traction.
+        The share, and the response to the traction.
     """
     for m in range(rows.size):
         i, j = rows[m], columns[m]
@@ -255,7 +255,7 @@ def linearise(
         turned from a vector of another size, k is set, and the defect scaled, so that the row is
         one in that vector.
     across : ndarray, shape (2, 2, nx, ny)
-        Set to what the slip opposed answers to the slip at the leading face (first index 0) and
+        Set to the response of the opposed slip to the slip at the leading face (first index 0) and
         at the centre (1), across the direction of slip, where it slips.
     defect : ndarray, shape (2, nx, ny)
         Set to disc(p - w s) - p, the part across the direction of slip scaled like its row.
@@ -362,7 +362,7 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
     """Divide a residual between the two halves of the upwind-sweep preconditioner.
 
     A local term gamma competes with the elastic one, of the size of the element's slip of itself,
-    d = t.D t: of leading elements half the bound w (``stiffness``) on their answer to the opening
+    d = t.D t: of leading elements half the bound w (``stiffness``) on their response to the opening
     ahead, and of those that slip 1/kappa - 1, which counts 1 + w times since a row is divided by
     that (`operators.stencil.FrictionSlip`). The circulant inverse takes the share 2 d/(2 d + gamma)
     (``smooth``); of an element that slips, the rest (``rough``, a scalar along t) is left to the

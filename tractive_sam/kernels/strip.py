@@ -13,7 +13,7 @@ x/r²      pi sign(x)            odd
 
 and those of x²/r³, x y/r³ and y/r² contribute nothing. An infinitely long load moves the
 whole half-plane infinitely far, so that only displacements relative to some other point have a
-meaning: here the points of the surface at the distance d from each load, of which the mean is
+meaning: here the points of the surface at the distance d from each load, whose mean is
 taken.
 
 Source: Johnson, Contact Mechanics (1985), sections 2.2, 2.3 and 2.5, which take derivatives in x

@@ -114,7 +114,7 @@ def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
             for j in range(ny):
                 k, h = ROOM + i, ROOM + j
                 here = around[k, h]
-                # Amid corners of its own kind, as most are, nothing is rough.
+                # A corner among others of its kind, as most are, has no edge.
                 alike = here == around[k - 1, h] == around[k + 1, h]
                 if here == UNLOADED or (alike and here == around[k, h - 1] == around[k, h + 1]):
                     continue

@@ -99,7 +99,7 @@ class SinglePointLaw:
         mirrored = w3 < 0.0 and not self._whole
         reverse = -1.0 if w1 < 0.0 and not self._whole else 1.0
         mirror = -1.0 if mirrored else 1.0
-        # Adding 0 turns -0, of which atan2 would make a heading of pi, into 0.
+        # Adding 0 turns -0 into 0: for -0, atan2 would return a heading of pi.
         x, y, kappa = reverse * w1 + 0.0, mirror * w2 + 0.0, mirror * w3 * SPIN
         tangent, r0 = hypot(x, y), float(unit_radius(a / b))
         r = hypot(tangent, kappa)

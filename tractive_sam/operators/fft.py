@@ -61,7 +61,7 @@ class PaddedTransform:
     """Forward and backward transform of ``fields`` zero-padded arrays, planned once.
 
     A padded two-dimensional transform is done axis by axis, so that the rows known to be zero are
-    neither transformed on the way in nor computed on the way out: three quarters of the work of
+    neither transformed forward nor computed backward: three quarters of the work of
     the full transform.
 
     The arrays returned belong to the plan and are overwritten by its next call.
@@ -143,7 +143,7 @@ def _wait_for_planner() -> None:
 
 def _keep_planner_for_fork() -> None:
     # A lock that another thread holds while the process forks stays held in the child for good.
-    # With the queue, the fork waits for one plan, and not for all that threads still ask for.
+    # With the queue, the fork waits for one plan, and not for all plans that threads still request.
     """Hold the planner while the process forks."""
     _QUEUE.acquire()
     _PLANNING.acquire()

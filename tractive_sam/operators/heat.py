@@ -119,7 +119,7 @@ class SurfaceHeat:
     grid : Grid
         The mesh; of a line contact one row, infinitely long in y.
     speed, kappa, lam, until : float
-        As of `temperature_coefficients`.
+        See `temperature_coefficients`.
     """
 
     def __init__(self, grid: Grid, speed: float, kappa: float, lam: float, until: float = np.inf):

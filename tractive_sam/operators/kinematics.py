@@ -67,7 +67,7 @@ class Kinematics(ABC):
 
     @abstractmethod
     def self_influence(self, operators: Operators) -> Entries:
-        """Return the slip of an element by its own traction."""
+        """Return the slip of an element due to its traction."""
 
     @abstractmethod
     def friction_slip(

@@ -13,7 +13,7 @@ except ImportError:  # no such limits on this system
     resource = None
 
 GROUPS = Path("/sys/fs/cgroup")
-"""Where Linux tells the limits of groups of processes, as of a container or of a batch job."""
+"""Folder in which Linux stores the limits of control groups, such as containers or batch jobs."""
 
 
 def available_memory() -> float:

@@ -3,7 +3,7 @@
 Tractions belong to the centres of the elements, -du/dx by the difference of two neighbouring
 centres to the face between them: the leading face of the one element and the trailing face of the
 other. Both schemes let an element answer for its **leading** face, so that every row is determined
-from its leading edge on, as the material that enters there unstressed asks for, and odd-even waves
+from its leading edge on, as the unstressed material that enters there requires, and odd-even waves
 of the traction are damped. They differ in what makes the error of first or of second order:
 
 ================  =====================================  =======================================
@@ -21,12 +21,13 @@ displacements of its elements gives the slip at the face up to a relative error 
 So it is the points compared with each other, and the edges, that cost an order. *Leading edge*:
 there traction and pressure rise like the root of the distance, and the traction is a smooth share
 of its bound. The pressure of the normal problem makes the displacements of neighbouring centres
-differ smoothly as long as both are in contact, but that of the first centre ahead by the gap there;
-a traction of constant share of it does likewise. So where the leading element sticks, the face
-ahead of it slips by -share x gap/dx. To ask for this lets the traction learn from the pressure
-where within its element the edge lies, to second order; with no slip asked for there the contact is
-about half an element too long. *Border of stick and slip*: it is free, and forces do not answer a
-small shift of it to first order. *Trailing edge in slip*: there the traction is the bound.
+differ smoothly as long as both are in contact; the displacement of the first centre ahead differs
+by the gap there. A traction that is a constant share of the pressure causes that share of the jump.
+So if the leading element sticks, the face ahead of it slips by -share x gap/dx. By this condition
+the traction takes the position of the edge within its element from the pressure, to second order;
+with zero slip there the contact would be about half an element too long. *Border of stick and
+slip*: it is free, and a small shift of it does not change forces to first order. *Trailing edge in
+slip*: there the traction is the bound.
 
 Between dissimilar bodies the share changes with the logarithm of the distance from the edge, and
 the leading edge remains of first order.
@@ -82,7 +83,7 @@ class Stencil:
         return mean
 
     def leading(self, bound: np.ndarray, gap: np.ndarray) -> Places:
-        """Return indices (i, j) of elements ahead of which the surfaces part; none for `UPWIND`.
+        """Return indices (i, j) of elements with an opening gap ahead of them; none for `UPWIND`.
 
         Parameters
         ----------
@@ -170,7 +171,7 @@ class FrictionSlip:
     bound, gap : ndarray, shape (n_x, n_y)
         Pressure and gap.
     leading, parted : tuple of ndarray of int, shape (m,)
-        Indices (i, j) of the leading elements, and of those at which `gap` tells how far the
+        Indices (i, j) of the leading elements, and of those at which `gap` determines how far the
         surfaces part ahead of them.
     aspect : float
         dx/dy.

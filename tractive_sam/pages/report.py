@@ -158,7 +158,7 @@ def _notes(history: History) -> list[str]:
 
 
 def _scene(history: History, most: int = 20_000) -> str:
-    """Return the scene as TOML, of which that many characters are shown."""
+    """Return the scene as TOML; only the first `most` characters are shown."""
     text = history.scene.to_toml()
     return (
         text if len(text) <= most else f"{text[:most]}\n... and {len(text) - most} characters more"

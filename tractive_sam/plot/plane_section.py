@@ -86,7 +86,7 @@ class PlaneSection:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """The quantity over the pressure of the scale, shape as of the axes."""
+        """The quantity over the pressure of the scale, in the shape of the axes."""
         if self.criterion is None:
             values = self.stress.components[str(self.quantity)]
         else:

@@ -121,7 +121,7 @@ def new_figure(width: float = 1.0, height: float = 0.66) -> Figure:
 
 
 def new_axes(width: float = 1.0, height: float = 0.66, title: str = "") -> tuple[Figure, Axes]:
-    """Return a figure with a title and its axes; sides as of `new_figure`."""
+    """Return a figure with a title and its axes; sides as in `new_figure`."""
     figure = new_figure(width, height)
     axes = figure.add_subplot()
     if title:

@@ -52,7 +52,7 @@ _FreeOrReal = Literal["free"] | Real
 
 
 class _ProfileTable(Table):
-    """Keys that tell where a profile comes from."""
+    """Keys for the source of a profile."""
 
     unit: _Unit | None = entry(
         f"unit of a profile file, one of {', '.join(UNITS)}; default: that of the file, or mm",

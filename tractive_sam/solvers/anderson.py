@@ -15,7 +15,7 @@ class Anderson(Projection):
 
     Anderson (1965), J. ACM 12, 547-560; Walker & Ni (2011), SIAM J. Numer. Anal. 49, 1715-1735.
 
-    A state that makes the residual ten times the best one so far starts the memory anew from the
+    A state that makes the residual ten times the best one so far restarts the memory from the
     best state.
 
     Attributes

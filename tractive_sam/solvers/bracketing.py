@@ -35,7 +35,7 @@ class Bracketing:
     first, growth : float
         First step in search of the other side, in units of slip; how much longer each next one is.
     rough : float
-        Residual asked for on the way.
+        Residual of the intermediate problems.
     close : float
         Force missed, over the sum of all tractions, from which the solver leads to the end.
     """
@@ -103,6 +103,6 @@ class Bracketing:
             taken += 1
             now = last.costing(now)
         except _NotSolvedError:
-            pass  # its outcome tells why
+            pass  # its outcome has the reason
         note = Note("newton between creepages", now.status, f" after {taken} problems")
         return replace(now, trace=(note,))

@@ -29,11 +29,11 @@ class FromRest:
     sliding : bool
         Whether the way begins at great speed.
     rough : float
-        Residual asked for on the way.
+        Residual of the intermediate problems.
     first, shortest : float
         Stretches of the way from 0 to 1: the first one, and the shortest before giving up.
     growth : float
-        How much larger each next creepage is on the way to the top of the traction curve.
+        Growth of the creepage from step to step, up to the maximum of the traction curve.
     """
 
     solver: Solver

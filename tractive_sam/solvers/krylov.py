@@ -61,7 +61,7 @@ def gmres(
     basis = np.empty((min(most, 15) + 1, rhs.size), rhs.dtype)
     basis[0] = rhs / norm
     # The basis has the precision of rhs. The triangle and the rotations are in double: they are
-    # small, and add no rounding of their own to that of the products.
+    # small, and add no rounding errors to those of the products.
     triangle = np.zeros((most, most))
     rotations: list[tuple[float, float]] = []
     residual = np.zeros(most + 1)
@@ -101,7 +101,7 @@ def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndar
     """Return the part of w orthogonal to the basis, its components along it, and its norm.
 
     Classical Gram-Schmidt: products with the whole basis at once. It is done again where little is
-    left, of which rounding has spoilt a part ("twice is enough").
+    left, with rounding errors ("twice is enough").
     """
     before = sqrt(w @ w)
     h = basis @ w

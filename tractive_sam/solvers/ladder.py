@@ -57,7 +57,7 @@ class Method:
     Attributes
     ----------
     alike : Solver
-        Of bodies of equal material, the pressure of which does not feel the tractions.
+        For bodies of equal material, whose pressure does not depend on the tractions.
     dissimilar : Solver
         Of others.
     description : str

@@ -75,7 +75,7 @@ class Nested:
     coarsest : int
         A mesh is coarsened as long as its shorter side has more elements than this.
     coarse_tolerance : float
-        Residual asked for on coarser meshes: below their own discretisation error.
+        Residual on coarser meshes: below their own discretisation error.
     """
 
     solver: Solver

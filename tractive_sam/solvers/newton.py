@@ -120,7 +120,7 @@ class Newton:
         for taken in range(self.steps + 1):
             report_progress(problem.operators.lattice.shape, at.residual)
             if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
-                # Only the slip by the very tractions dissipates what drives the bodies.
+                # Only the slip by these tractions dissipates what drives the bodies.
                 at, bounded, cost = at.within_bound(problem), True, cost + Cost(1.0)
             if at.residual <= tolerance:
                 status = Status.CONVERGED
@@ -233,7 +233,7 @@ class Newton:
         extra : ndarray
             Of the approach, under a load, and of the creepages.
         response : ndarray, optional
-            What the operator answers to the step, if that is known.
+            Response of the operator to the step, if it is known.
         """
         under_load = problem.load is not None
         closer, faster = extra[:under_load].sum(), extra[int(under_load) :]
@@ -304,7 +304,7 @@ class Newton:
     ) -> Iterate:
         """Return the trial at the given length, or at the first halving that lowers the merit.
 
-        The active sets of a step may be worse for a while on the way to a better solution, so some
+        The active sets of a step may be worse for some steps before the solution improves, so some
         rise is allowed; where none is that good, the best one is taken. Where the residual
         has stalled, full steps swing between two states: then the best one is taken as well.
         """

@@ -19,14 +19,14 @@ class Iterate:
     """An iterate (pressure, tractions, approach, creepages) and its contact conditions.
 
     Tractions may be tiny beside the pressure: they and their slip count `ratio` times, the size of
-    the pressure over theirs. The merit counts them as many times as asked for.
+    the pressure over theirs. The merit weights them by that factor.
 
     Tractions beyond their bound are brought back to it, which is the safer way while stick and slip
     zones move. But where mu1 and mu2 are far apart, a step can push an element at its bound, and
     said to stick, outwards along the weak axis; brought back every time, it never gets to slip.
     If not `bounded` it stays outside, and the next linearisation finds that it slips.
 
-    What the operator answers to the fields may be known (`response`); if it is not, or something
+    The response of the operator to the fields may be known (`response`); if it is not, or something
     has been brought back, `applications` is one.
     """
 
@@ -60,7 +60,7 @@ class Iterate:
         # An element with an open gap has left the contact, whatever pressure a step has left on it.
         touching = self.pressure if fixed else closed(self.pressure, self.gap)
         self.seen = problem.friction_slip(touching, self.gap)
-        # The tractions lie within the bound at rest, the law asks for that under the slip.
+        # The tractions lie within the bound at rest, the law needs the bound under the slip.
         self.bound = problem.bound_sliding(
             self.bound, self.pressure, self.traction, self.slip, self.seen
         )

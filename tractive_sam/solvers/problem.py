@@ -144,7 +144,7 @@ class FixedPressure:
     operators : Operators
         The elastic operators.
     pressure, gap : ndarray, shape (n_x, n_y)
-        pi_n and eta; the gap tells where within their elements the edges lie.
+        pi_n and eta; the gap determines the positions of edges within their elements.
     """
 
     operators: Operators

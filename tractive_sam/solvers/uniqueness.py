@@ -117,7 +117,7 @@ def _joint_steepness(
     iterations : int
         Most power iterations, of one application each. Scaled by the root of the slopes the matrix
         is symmetric and nearly positive: the error of Rayleigh's quotient falls with the square,
-        and a vector that shrinks everywhere tells that the radius is below one (Collatz 1942,
+        and a vector that shrinks everywhere shows that the radius is below one (Collatz 1942,
         Math. Z. 48, 221-226), which is all that matters then.
     """
     carried, root = np.hypot(*traction), np.sqrt(np.maximum(slope, 0.0))

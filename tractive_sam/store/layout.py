@@ -300,7 +300,9 @@ def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
     """Add a further array from which the run resumes."""
     chunks = tuple(max(1, n) for n in values.shape)
     about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
-    _describe(state.create_dataset(name, data=values, **about), Quantity(name, "", "to go on from"))
+    _describe(
+        state.create_dataset(name, data=values, **about), Quantity(name, "", "to continue from")
+    )
 
 
 def _link_axes(

@@ -57,7 +57,7 @@ this package, one thread each, and the folder of the study under the same name::
     tractive-sam study STUDY.toml -o DIR --scheduler ADDRESS
 
 The nannies of ``dask worker`` hold BLAS to one thread; with ``--no-nanny``, set OMP_NUM_THREADS=1.
-FFTW has one thread wherever nothing else is asked for, and the compiled kernels have no others.
+FFTW has one thread unless another number is set, and the compiled kernels have no others.
 Under SLURM, dask-jobqueue (``pip install dask-jobqueue``) starts the workers as jobs::
 
     from dask_jobqueue import SLURMCluster
@@ -65,22 +65,22 @@ Under SLURM, dask-jobqueue (``pip install dask-jobqueue``) starts the workers as
     cluster = SLURMCluster(
         cores=16,  # of a job
         processes=16,  # one thread each
-        memory="32GB",  # of a job; tractive-sam explain tells what a worker takes
+        memory="32GB",  # of a job; tractive-sam explain prints what a worker takes
         walltime="12:00:00",
     )
     cluster.adapt(maximum_jobs=32)
     ts.study("STUDY.toml", "/shared/DIR", scheduler=cluster.scheduler_address)
 
-A job that meets its walltime is a worker that dies: its cases go on in the next one.
+A job that meets its walltime is a worker that dies: its cases continue in the next one.
 
 Who may hand out work
 ---------------------
 Whoever reaches the port of a scheduler or worker of dask.distributed can have it run any program in
-your name: dask asks for no password. Processes that this package starts listen to 127.0.0.1 alone,
+your name: dask needs no password. Processes that this package starts listen to 127.0.0.1 alone,
 which keeps other machines out, and speak TLS with keys that live as long as the study, which keeps
 out other users of this one; the package cryptography makes them. ``tractive-sam study ...
 --unencrypted`` (`study(..., encrypted=False)`) does without. A scheduler of your own listens to all
-interfaces unless told otherwise, and so does its dashboard: start it with ``--host`` on a network
+interfaces by default, and so does its dashboard: start it with ``--host`` on a network
 that you trust and with ``--no-dashboard``, or with TLS, see
 https://distributed.dask.org/en/stable/tls.html; its address then begins with ``tls://``, and the
 keys are found by dask's configuration. A folder of results is safe to receive: reading one runs
@@ -88,16 +88,16 @@ nothing of it.
 
 Processes of your own
 ---------------------
-Scripts may compute in processes of their own, started in any way: ``fork`` waits for plans of
+Scripts may compute in separate processes, started in any way: ``fork`` waits for plans of
 transforms that other threads are making. With ``spawn``, the script needs ``if __name__ ==
 "__main__":``.
 
 What holds when something dies
 ------------------------------
 The state of a study is in its files (see `folder`), not in the scheduler. A case is complete when
-its results file says so, and is then never run again; to run the study again is to go on with it,
+its results file says so, and is then never run again; to run the study again is to resume it,
 also with other axes: cases are known by the hash of their scenes. A case whose worker died is
-handed to another one and goes on from what its file holds; one process at a time writes a file.
+handed to another one and continues from its results file; one process at a time writes a file.
 A client that loses its scheduler waits for it, or for another one at that address, for ten minutes;
 the workers of a scheduler end with it, and have to be started again as well.
 Where the client itself goes, cases begun end on their workers, and the next client finds them.

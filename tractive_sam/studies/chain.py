@@ -27,7 +27,7 @@ def make_chains(
     tasks : iterable of Task
         Tasks in their order.
     single : container of str
-        Hashes of cases that are chains of their own, as are those with a results file.
+        Hashes of cases that are separate chains, as are those with a results file.
     longest : float
         Expected seconds of a chain of several cases: the loss if a worker dies, and the time for
         which others wait at the end.

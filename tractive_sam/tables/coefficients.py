@@ -29,7 +29,7 @@ def coefficients(
     Parameters
     ----------
     axes : sequence of ndarray
-        Nodes along the axes of a table, the last of which are heading, tilt and u.
+        Nodes along the axes of a table, the last ones heading, tilt and u.
     values : ndarray, shape (n_1, ..., n_N, 3)
         Forces.
     slopes : ndarray, shape (n_1, ..., n_N, 3, 3)

@@ -23,7 +23,7 @@ class CreepageGrid:
     ----------
     mirrored, reversed : bool
         Whether forces are mirrored with creepages at y = 0, and reversed with them. With both, the
-        table contains a quarter of all creepages; else all of them, of which half are solved.
+        table contains a quarter of all creepages; else all of them, and half are solved.
     """
 
     mirrored: bool
