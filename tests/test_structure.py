@@ -19,7 +19,7 @@ LIMITS = {
     "modules with TYPE_CHECKING": 4,
     "functions over 40 code lines": 17,
     "functions over 60 code lines": 1,
-    "modules over 250 code lines": 13,
+    "modules over 250 code lines": 14,
     "module constants": 460,
     "code lines": 39000,
     "public names": 119,
