@@ -34,8 +34,8 @@ PHRASES = re.compile(
 """Phrases of docstrings, comments, messages and pages."""
 
 LIMITS = {  # names, phrases
-    "tractive_sam/**/*.py": (299, 411),
-    "tests/**/*.py": (389, 121),
+    "tractive_sam/**/*.py": (1, 0),  # `tell` of the file that HDF5 writes to
+    "tests/**/*.py": (35, 19),
     "benchmarks/**/*.py": (0, 0),
     "benchmarks/*.md": (0, 0),
     "docs/**/*.py": (0, 0),
