@@ -65,7 +65,7 @@ def powers() -> None:
     """Fit friction and layer to the measured powers, beside a grid of chi-square."""
     measured = HEAT * 1e3 / (SPEED * TRACK)
     found = ts.fit(creep(SCENE, measured))
-    scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False))
+    scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False, curve=0))
     before = power_of(SCENE, 0.463, 0.0) / measured
     after = found.dataset["predicted"].values / measured
     mu = np.linspace(0.43, 0.50, 15)
@@ -123,13 +123,13 @@ def worn(masses: np.ndarray, profile: np.ndarray, y: np.ndarray) -> dict:
         {"values": {"y": y, "depth": profile}, "observe": "wear_profile", "body": "B",
          "noise": {"absolute": 1e-4}},
     ]  # fmt: skip
-    return {"scene": DISCS, "free": list(WEAR), "data": sets, "mesh_check": False}
+    return {"scene": DISCS, "free": list(WEAR), "data": sets, "mesh_check": False, "curve": 0}
 
 
 def exact() -> None:
     """Fit data without noise, from other first values: relative errors."""
     rows = []
-    found = ts.fit(creep(LINE, power_of(LINE, *FRICTION.values()), mesh_check=False))
+    found = ts.fit(creep(LINE, power_of(LINE, *FRICTION.values()), mesh_check=False, curve=0))
     rows += _errors(found, FRICTION)
     history = ts.roll(DISCS, progress=False)
     masses = history["worn_mass"][[STEPS.index(n) for n in (1000, 2000, 3000)], 0]
@@ -158,7 +158,7 @@ def repeats() -> None:
 
     def creep_repeat() -> ts.FitResult:
         noisy = power * (1.0 + 0.05 * rng.standard_normal(power.size))
-        return ts.fit(creep(LINE, noisy, mesh_check=False))
+        return ts.fit(creep(LINE, noisy, mesh_check=False, curve=0))
 
     def worn_repeat() -> ts.FitResult:
         noisy = masses + 0.02 * rng.standard_normal(masses.size)
@@ -192,7 +192,7 @@ def repeats() -> None:
 def cost() -> None:
     """Count contacts of a creep curve with and without exact derivatives, and rolls of a test."""
     measured = HEAT * 1e3 / (SPEED * TRACK)
-    design = creep(SCENE, measured, mesh_check=False)
+    design = creep(SCENE, measured, mesh_check=False, curve=0)
     rows = [_cost("creep curve, mu exact", ts.fit(design))]
     # A temperature law that is one everywhere has no exact derivative.
     alike = SCENE.replace(**{"friction.strength": 1e6})

@@ -26,7 +26,7 @@ def test_friction_and_layer_return_from_data_without_noise(spheres):
     start = starts(friction__layer=0.7 * layer_of(spheres))
     found = ts.fit(
         {"scene": spheres, "free": [*truth], "parameter": start,
-         "data": [creep_data(spheres, truth)], "mesh_check": False}
+         "data": [creep_data(spheres, truth)], "mesh_check": False, "curve": 0}
     )  # fmt: skip
     assert np.abs(errors(found, truth)).max() < EXACT
     assert found.points == len(CREEPAGES)
@@ -149,7 +149,7 @@ def test_only_coefficient_times_revolutions_is_determined(discs):
     together = discs.replace(**{"wear.coefficient": 3.5e-4})
     found = ts.fit(
         {"scene": together, "free": ["wear.coefficient", "wear.revolutions"],
-         "data": [data, data], "mesh_check": False}
+         "data": [data, data], "mesh_check": False, "curve": 0}
     )  # fmt: skip
     assert found.undetermined == ["only wear.coefficient * wear.revolutions is determined"]
 
@@ -171,7 +171,13 @@ def test_a_prior_decides_what_data_do_not(spheres):
 @pytest.mark.slow
 def test_profile_likelihood_of_a_nearly_linear_problem_is_the_linear_interval(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.02)
-    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    design = {
+        "scene": spheres,
+        "free": ["friction.mu"],
+        "data": [data],
+        "mesh_check": False,
+        "curve": 0,
+    }
     linear, profile = (ts.fit(design | {"intervals": one}) for one in ("linear", "profile"))
     for one, other in zip(linear.interval("friction.mu"), profile.interval("friction.mu"),
                           strict=True):  # fmt: skip
@@ -183,7 +189,13 @@ def test_profile_likelihood_of_a_nearly_linear_problem_is_the_linear_interval(sp
 def test_an_outlier_counts_less_by_a_robust_loss(spheres):
     factors = np.array([1.0, 1.0, 1.0, 1.6])
     data = creep_data(spheres, {"friction.mu": 0.35}, noise={"absolute": 0.005}, factors=factors)
-    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    design = {
+        "scene": spheres,
+        "free": ["friction.mu"],
+        "data": [data],
+        "mesh_check": False,
+        "curve": 0,
+    }
     linear, robust = (ts.fit(design | {"loss": one}) for one in ("linear", "cauchy"))
     assert abs(robust.values["friction.mu"] - 0.35) < abs(linear.values["friction.mu"] - 0.35) / 5
     assert any("chi-square" in note for note in linear.notes)
@@ -194,7 +206,7 @@ def test_random_starts_find_the_same_minimum(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     bounds = {"key": "friction.mu", "start": 0.1, "lower": 0.05, "upper": 0.9}
     design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds]}
-    found = ts.fit(design | {"starts": 2, "mesh_check": False})
+    found = ts.fit(design | {"starts": 2, "mesh_check": False, "curve": 0})
     assert found.values["friction.mu"] == pytest.approx(0.35, rel=EXACT)
 
 
@@ -203,7 +215,7 @@ def test_an_estimate_at_its_bound_has_a_note(spheres):
     bounds = {"key": "friction.mu", "start": 0.25, "upper": 0.3}
     found = ts.fit(
         {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds],
-         "mesh_check": False}
+         "mesh_check": False, "curve": 0}
     )  # fmt: skip
     assert found.values["friction.mu"] == pytest.approx(0.3)
     assert any("friction.mu is at its upper bound" in note for note in found.notes)
@@ -212,7 +224,13 @@ def test_an_estimate_at_its_bound_has_a_note(spheres):
 def test_scatter_widens_intervals(spheres):
     factors = np.array([1.1, 0.9, 1.1, 0.9])
     data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.01, factors=factors)
-    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    design = {
+        "scene": spheres,
+        "free": ["friction.mu"],
+        "data": [data],
+        "mesh_check": False,
+        "curve": 0,
+    }
     stated, scattered = ts.fit(design), ts.fit(design | {"scatter": True})
     ratio = scattered.sd["friction.mu"] / stated.sd["friction.mu"]
     assert ratio == pytest.approx((stated.chi2 / 3) ** 0.5)

@@ -1,7 +1,6 @@
 """``tractive-sam fit``: coefficients from measurements, with intervals."""
 
 import json
-import math
 from pathlib import Path
 from typing import Annotated, TypeAlias
 
@@ -113,13 +112,11 @@ def _check_folder(path: Path) -> None:
 def print_fit(result: "ts.FitResult") -> None:
     """Print the estimates of a fit, and what is doubtful about it."""
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    level = f"{result.design.fit.level:.0%}"
-    for heading in ("parameter", "value", "sd", f"{level} from", "to", "by a finer mesh"):
+    rows = result.estimates()
+    for heading in rows[0]:
         table.add_column(heading, justify="left" if heading == "parameter" else "right")
-    shifts = dict(zip(result.keys, result.dataset["mesh_shift"].values, strict=True))
-    for key in result.keys:
-        numbers = (result.values[key], result.sd[key], *result.interval(key), shifts[key])
-        table.add_row(key, *("" if not math.isfinite(one) else f"{one:.4g}" for one in numbers))
+    for row in rows:
+        table.add_row(*row.values())
     out = console()
     out.print(table)
     for name, text in result.summary().items():

@@ -158,6 +158,13 @@ class Fit(Table):
         le=0.2,
     )
     iterations: int = entry("most iterations", "a whole number from 1 to 1000", 50, ge=1, le=1000)
+    curve: int = entry(
+        "points of the model curve of each creep curve, for figures; 0: at measured points only",
+        "a whole number from 0 to 200",
+        25,
+        ge=0,
+        le=200,
+    )
     mesh_check: bool = entry(
         "whether the solution is computed on a finer mesh as well", "true or false", True
     )

@@ -137,7 +137,11 @@ class Estimate:
     @property
     def band(self) -> np.ndarray:
         """Standard deviation of the predictions by that of the parameters, shape (points,)."""
-        spread = self.jacobian @ self.directions.rooted
+        return self.spread(self.jacobian)
+
+    def spread(self, slopes: np.ndarray) -> np.ndarray:
+        """Return standard deviations of numbers with derivatives `slopes`, shape (k, size)."""
+        spread = slopes @ self.directions.rooted
         return self.scatter * np.sqrt(np.square(spread).sum(axis=1))
 
     def shift(self, change: np.ndarray) -> np.ndarray:
@@ -330,7 +334,7 @@ def search(problem: FitProblem, fit: Fit, u: np.ndarray, fixed: int | None = Non
             gtol=1e-8,
             max_nfev=fit.iterations,
         )
-        u, message, iterations = inner.at(found.x), found.message.lower(), found.nfev
+        u, message, iterations = inner.at(found.x), ENDS[found.status], found.nfev
     predicted = problem.predict(u)
     squares = np.square((problem.observed - predicted) / problem.noise)
     losses, weights = LOSSES[fit.loss](squares)
@@ -339,6 +343,15 @@ def search(problem: FitProblem, fit: Fit, u: np.ndarray, fixed: int | None = Non
     slopes = inner.jacobian(u)
     return Estimate(problem, u, predicted, slopes, weights, cost, iterations, message, fit.scatter)
 
+
+ENDS = {
+    0: "the search reached its most iterations",
+    1: "the derivatives of the sum of squares are zero",
+    2: "the sum of squares no longer falls",
+    3: "the parameters no longer change",
+    4: "neither the sum of squares nor the parameters change",
+}
+"""Ends of the search, by the status of `scipy.optimize.least_squares`."""
 
 LOSSES = {
     "linear": lambda z: (z, np.ones_like(z)),

@@ -7,6 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import norm
 
 from tractive_sam import interrupt
 from tractive_sam.fitting.results import FitResult
@@ -18,7 +19,7 @@ from tractive_sam.plot import (
     Variable,
     confidence_ellipses,
     fitted_curve,
-    study_curves,
+    profile_likelihood,
 )
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
@@ -71,7 +72,7 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
         for name in dict.fromkeys(names[series == number]):
             rows = np.flatnonzero((series == number) & (names == name))
             curve = _curve(result, rows, str(name))
-            label = result.design.fit.data[number].label or f"data set {number}"
+            label = result.design.fit.data[number].name or f"data set {number}"
             title = "\n".join(filter(None, (result.title, label)))
             caption = f"{label}: measured {name} with one standard deviation, and the model."
             file = f"data{number}-{str(name).replace(' ', '-')}"
@@ -97,7 +98,22 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
     key = str(data["abscissa_name"].values[rows[0]])
     x = Variable(key, data["abscissa"].values[rows], _meaning(key))
     label = quantity.label or plain[0].replace("_", " ")
-    return FittedCurve(x, Variable(name, observed, label + body, quantity.unit), **columns)
+    if quantity.symbol and not quantity.label:
+        label = f"${quantity.symbol}$"
+    number = data["series"].values[rows[0]]
+    return FittedCurve(
+        x, Variable(name, observed, label + body, quantity.unit), **columns,
+        between=_between(result, number, name),
+    )  # fmt: skip
+
+
+def _between(result: FitResult, number: int, name: str) -> np.ndarray | None:
+    """Return abscissas, predictions and their deviations between measured points, if known."""
+    if "curve" not in result.dataset:
+        return None
+    numbers = result.dataset["curve"].values
+    chosen = (numbers[:, 0] == number) & (result.dataset["curve_column"].values == name)
+    return numbers[chosen, 1:].T
 
 
 def _meaning(key: str) -> str:
@@ -112,13 +128,10 @@ def _meaning(key: str) -> str:
 
 def _likelihoods(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
     """Yield the curves of the profile likelihood."""
-    numbers = result.dataset["likelihood"].values
+    numbers, level = result.dataset["likelihood"].values, result.design.fit.level
+    limit = float(result.dataset.attrs.get("scatter", 1.0) * norm.ppf(0.5 + 0.5 * level)) ** 2
     for k in np.unique(numbers[:, 0]).astype(int):
         _, values, rise = numbers[numbers[:, 0] == k].T
         key = result.keys[k]
-        figure = study_curves(
-            Variable(key, values, key),
-            Variable("rise", rise, "rise of chi-square"),
-            title=f"{result.title}\nprofile likelihood",
-        )
+        figure = profile_likelihood(key, values, rise, limit, title=result.title)
         yield f"likelihood-{key}", f"Profile likelihood of {key}.", figure

@@ -8,11 +8,13 @@ from os import PathLike
 from pathlib import Path
 
 from tractive_sam import interrupt
+from tractive_sam.fitting.entries import base_of
 from tractive_sam.fitting.figures import fit_figures
 from tractive_sam.fitting.results import DONE, FitResult
 from tractive_sam.markup import Html, fill, security_policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages import style
+from tractive_sam.scene import Scene
 
 WIDTH = 460.0
 """Width of a picture, pixels."""
@@ -61,7 +63,9 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
         facts=(
             fill("<tr><th>$name</th><td>$text</td></tr>\n", name=name, text=text)
             for name, text in result.summary().items()
+            if name not in (*result.keys, "title", "status")
         ),
+        estimates=_estimates(result),
         correlation=_correlation(result),
         tests=_tests(result),
         pictures=_pictures(result),
@@ -77,6 +81,14 @@ def _pictures(result: FitResult) -> Iterator[Html]:
     for _, caption, figure in fit_figures(result):
         interrupt.raise_if_interrupted()
         yield fill(card, caption=caption, image=figure.to_html(WIDTH))
+
+
+def _estimates(result: FitResult) -> Html:
+    """Return the table of the estimates, with the meaning of each parameter."""
+    rows = result.estimates()
+    meanings = (Scene.find_field(base_of(key)).title or "" for key in result.keys)
+    lines = [[*row.values(), text] for row, text in zip(rows, meanings, strict=True)]
+    return _section("Estimates", [[*rows[0], "meaning"], *lines])
 
 
 def _correlation(result: FitResult) -> Html:
@@ -104,14 +116,15 @@ def _tests(result: FitResult) -> Html:
 def _section(title: str, rows: list[list[str]]) -> Html:
     """Return a section of rows as HTML."""
     lines = (
-        fill("<tr>$cells</tr>\n", cells=[fill("<td>$text</td>", text=text) for text in row])
-        for row in rows
+        fill("<tr>$cells</tr>\n", cells=[fill(f"<{tag}>$text</{tag}>", text=text) for text in row])
+        for tag, row in zip(["th", *["td"] * len(rows)], rows, strict=False)
     )
     return fill("<h2>$title</h2>\n<table>$lines</table>\n", title=title, lines=lines)
 
 
 _STYLE = """table { width: auto; }
-.cards { display: flex; flex-wrap: wrap; gap: 1rem; }
+.cards { display: flex; flex-wrap: wrap; gap: 1rem; align-items: end; }
+.cards figure { max-width: 460px; }
 pre { background: var(--tint); padding: .8rem; overflow-x: auto; }
 """
 
@@ -131,7 +144,8 @@ $policy
 $notes
 </header>
 <main>
-<h2>Estimates</h2>
+$estimates
+<h2>Agreement and cost</h2>
 <table>
 $facts</table>
 $correlation

@@ -217,6 +217,32 @@ class FitResult:
             for test, gain, sd in zip(*columns, strict=True)
         ]
 
+    def estimates(self) -> list[dict[str, str]]:
+        """Return a row of text for each parameter: value, deviation, interval, error of the mesh.
+
+        The error of the mesh is the change of the estimate on a finer mesh, over the standard
+        deviation.
+        """
+        names = ("value", "sd", "low", "high", "mesh_shift")
+        columns = {name: self._named(name) for name in names}
+        level = f"{self.design.fit.level:.0%}"
+        rows = []
+        for key in self.keys:
+            value, sd, low, high, shift = (columns[name][key] for name in names)
+            texts = {
+                "value": f"{value:.4g}",
+                "sd": f"{sd:.2g}",
+                f"{level} from": f"{low:.4g}",
+                f"{level} to": f"{high:.4g}",
+                "finer mesh / sd": f"{shift / sd:.1g}",
+            }
+            known = ("value",) if not math.isfinite(sd) else tuple(texts)
+            rows.append({"parameter": key} | {
+                name: text if name in known and text not in ("nan", "inf") else ""
+                for name, text in texts.items()
+            })  # fmt: skip
+        return rows
+
     def summary(self) -> dict[str, str]:
         """Return what the fit found, in words."""
         rows = {"title": self.title, "status": f"{self.status}; {self.dataset.attrs['message']}"}
@@ -225,7 +251,8 @@ class FitResult:
         for key in self.keys:
             low, high = self.interval(key)
             level = self.design.fit.level
-            rows[key] = f"{self.values[key]:.4g}, {level:.0%} from {low:.4g} to {high:.4g}"
+            known = f", {level:.0%} from {low:.4g} to {high:.4g}" if low <= high else ""
+            rows[key] = f"{self.values[key]:.4g}{known or ', not determined'}"
         low, high = self.chi2_range
         expected = "" if math.isnan(low) else f", expected {low:.3g} to {high:.3g}"
         rows["chi-square"] = f"{self.chi2:.4g} of {self.points} points{expected}"

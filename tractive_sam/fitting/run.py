@@ -15,6 +15,7 @@ from tractive_sam.fitting.design import Fit, FitDesign, FitError
 from tractive_sam.fitting.estimate import Estimate, estimate
 from tractive_sam.fitting.evaluations import Evaluations, Here, compute_with
 from tractive_sam.fitting.likelihood import profile_interval
+from tractive_sam.fitting.model_curve import curve_variables
 from tractive_sam.fitting.next_test import check_tests, rank_tests
 from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.prepare import SharedPlaces
@@ -220,6 +221,7 @@ def _complete(document: FitDesign, found: Estimate, next_test: bool) -> FitResul
         "design": ((), document.to_toml(), "1", "the fit file"),
         **parameter_variables(found, intervals, shift),
         **point_variables(found, finer),
+        **curve_variables(found, table),
         **text_variables(texts),
         **test_variables(gains),
         **answer_variables(problem.evaluations.known),

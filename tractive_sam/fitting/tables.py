@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -209,6 +210,11 @@ class Data(Observation):
         _check_profile,
         _check_place,
     )
+
+    @property
+    def name(self) -> str:
+        """Label, or else the name of the file."""
+        return self.label or (Path(self.file).name if self.file else "")
 
     @property
     def profile(self) -> bool:

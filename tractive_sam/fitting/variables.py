@@ -119,6 +119,7 @@ def attributes_of(found: Estimate, fit: Fit) -> dict[str, Any]:
         "chi2_low": low,
         "chi2_high": high,
         "degrees": found.degrees,
+        "scatter": found.scatter,
         "points": found.problem.observed.size,
         "iterations": found.iterations,
         "solves": solves,

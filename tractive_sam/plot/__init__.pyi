@@ -25,6 +25,7 @@ from .figure import Figure as Figure
 from .fit import FittedCurve as FittedCurve
 from .fit import confidence_ellipses as confidence_ellipses
 from .fit import fitted_curve as fitted_curve
+from .fit import profile_likelihood as profile_likelihood
 from .gallery import DPI as DPI
 from .gallery import FORMATS as FORMATS
 from .gallery import list_figures as list_figures

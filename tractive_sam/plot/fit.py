@@ -1,14 +1,14 @@
 """Fits: measured values with the model, residuals, and confidence ellipses."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tractive_sam.description import ShortArrays
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.study import Variable
-from tractive_sam.plot.style import LOOK, apply_style, new_figure, set_title
+from tractive_sam.plot.style import LOOK, apply_style, new_axes, new_figure, set_title
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,6 +24,8 @@ class FittedCurve(ShortArrays):
     noise, predicted, band, residual : ndarray, shape (n,)
         Standard deviation of the measurement, prediction, its standard deviation by that of the
         parameters, and residual over the noise.
+    between : ndarray, shape (3, m), optional
+        Further values of x with the prediction and its standard deviation there.
 
     Examples
     --------
@@ -39,11 +41,25 @@ class FittedCurve(ShortArrays):
     predicted: np.ndarray
     band: np.ndarray
     residual: np.ndarray
+    between: np.ndarray | None = None
+
+    @property
+    def line(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Abscissas of the model, predictions, and their standard deviations, in order."""
+        x, predicted, band = self.x.places, self.predicted, self.band
+        if self.between is not None:
+            values, more, spread = self.between
+            x = np.append(x, replace(self.x, values=values).places)
+            predicted, band = np.append(predicted, more), np.append(band, spread)
+        order = np.argsort(x)
+        return x[order], predicted[order], band[order]
 
 
 @apply_style
 def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
-    """Measured values with error bars, the model with its band of 95 %, and residuals.
+    """Draw measured values with error bars, the model with its band of 95 %, and residuals.
+
+    Axes are logarithmic if all values are positive and span a factor of 30.
 
     Examples
     --------
@@ -56,26 +72,68 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
     """
     figure = new_figure(1.0, 0.95)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    order = np.argsort(curve.x.places)
-    x = curve.x.places[order]
-    model, reach = curve.predicted[order], 1.96 * curve.band[order]
+    places, points = curve.x.places, curve.observed.values
+    x, model, band = curve.line
+    reach = 1.96 * band
     upper.fill_between(x, model - reach, model + reach, color=LOOK.blue, alpha=0.2, linewidth=0,
-                       label="95 % of the model")  # fmt: skip
-    marker = "-" if x.size > 40 else "o-"
-    upper.plot(x, model, marker, color=LOOK.blue, markersize=3, label="model")
-    size = 2.0 if x.size > 40 else 4.0
-    points = curve.observed.values[order]
-    upper.errorbar(x, points, curve.noise[order], fmt="s", color=LOOK.vermillion,
+                       label="model, 95 %")  # fmt: skip
+    upper.plot(x, model, color=LOOK.blue, label="model")
+    size = 2.0 if places.size > 40 else 4.0
+    upper.errorbar(places, points, curve.noise, fmt="s", color=LOOK.vermillion,
                    markersize=size, elinewidth=0.8, capsize=2, label="measured")  # fmt: skip
     upper.set_ylabel(curve.observed.label)
     upper.legend()
     lower.axhspan(-1.96, 1.96, color=LOOK.grey, alpha=0.15, linewidth=0)
     lower.axhline(0.0, color=LOOK.grey, linewidth=0.8)
-    lower.plot(x, curve.residual[order], "s", color=LOOK.vermillion, markersize=size)
-    lower.set(xlabel=curve.x.label, ylabel="residual\nover noise")
-    if curve.x.logarithmic:
+    lower.plot(places, curve.residual, "s", color=LOOK.vermillion, markersize=size)
+    most = max(2.5, 1.2 * np.abs(curve.residual).max())
+    lower.set(xlabel=curve.x.label, ylabel="residual / noise", ylim=(-most, most))
+    if _spans_decades(places):
         lower.set_xscale("log")
+    if _spans_decades(points - curve.noise):
+        upper.set_yscale("log")
+    figure.align_ylabels()
     set_title(figure, title)
+    return figure
+
+
+def _spans_decades(values: np.ndarray) -> bool:
+    """Whether values are positive, and the largest is 30 times the smallest."""
+    return bool(values.min() > 0.0 and values.max() > 30.0 * values.min())
+
+
+@apply_style
+def profile_likelihood(
+    name: str, values: np.ndarray, rise: np.ndarray, limit: float, *, title: str = ""
+) -> Figure:
+    """Draw the rise of chi-square over a parameter, and the limit that sets its interval.
+
+    Parameters
+    ----------
+    name : str
+        The parameter.
+    values, rise : ndarray, shape (n,)
+        Values of the parameter in rising order, and the rise of chi-square with all others fitted.
+    limit : float
+        Rise at the ends of the interval.
+
+    Examples
+    --------
+    >>> rise = np.array([3.8, 0.0, 3.9])
+    >>> plot.profile_likelihood("friction.mu", np.array([0.43, 0.46, 0.49]), rise, 3.84)
+    <Figure size ...>
+    """
+    figure, axes = new_axes(title=title)
+    # Signed roots of the rise are nearly straight: their squares give the curve between points.
+    roots = np.sqrt(rise) * np.where(np.arange(rise.size) < rise.argmin(), -1.0, 1.0)
+    x = np.linspace(values[0], values[-1], 101)
+    axes.plot(x, np.square(np.interp(x, values, roots)), color=LOOK.blue)
+    axes.plot(values, rise, "o", color=LOOK.blue, markersize=4)
+    axes.axhline(limit, color=LOOK.grey, linewidth=0.8, linestyle="--")
+    axes.annotate(f"interval ends at {limit:.3g}", (0.5, limit), (0, -4), ha="center", va="top",
+                  xycoords=("axes fraction", "data"), textcoords="offset points",
+                  fontsize=9)  # fmt: skip
+    axes.set(xlabel=name, ylabel="rise of chi-square", ylim=(0.0, 1.15 * max(limit, rise.max())))
     return figure
 
 
@@ -89,7 +147,7 @@ def confidence_ellipses(
     title: str = "",
     most: int = 5,
 ) -> Figure:
-    """Ellipses that hold 68 and 95 % of each pair of fitted parameters.
+    """Draw the ellipses that hold 68 and 95 % of each pair of fitted parameters.
 
     Parameters
     ----------
@@ -123,10 +181,17 @@ def confidence_ellipses(
                 continue
             _ellipses(axes, values[[column, row]], deviations[[column, row]],
                       float(correlation[column, row]))  # fmt: skip
+            axes.locator_params(nbins=5)
             if row == count - 1:
                 axes.set_xlabel(names[column])
             if column == 0:
                 axes.set_ylabel(names[row])
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    if count > 2:
+        panels[0, -1].legend(handles, labels, loc="center")
+    else:  # an ellipse leaves these corners empty
+        corner = "upper left" if correlation[0, 1] >= 0.0 else "upper right"
+        panels[0, 0].legend(loc=corner, fontsize=9, borderaxespad=0.2)
     set_title(figure, title)
     return figure
 
@@ -140,6 +205,7 @@ def _ellipses(axes, centre: np.ndarray, deviations: np.ndarray, correlation: flo
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         circle = radius * np.sqrt(np.maximum(sizes, 0.0))[:, None] * [np.cos(turn), np.sin(turn)]
         x, y = centre[:, None] + deviations[:, None] * (vectors @ circle)
-        axes.plot(x, y, color=LOOK.blue, linewidth=1.4 if share < 0.9 else 0.8)
-    axes.plot(*centre, "+", color=LOOK.vermillion)
-    axes.annotate(f"{correlation:.2f}", (0.04, 0.9), xycoords="axes fraction", fontsize=9)
+        axes.plot(x, y, color=LOOK.blue, linewidth=1.4 if share < 0.9 else 0.8,
+                  label=f"{share:.0%}")  # fmt: skip
+    axes.plot(*centre, "+", color=LOOK.vermillion, label="estimate")
+    axes.set_title(f"correlation {correlation:.2f}", loc="right", fontsize=9)

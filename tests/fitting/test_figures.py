@@ -1,0 +1,59 @@
+"""Figures of a fit: what is drawn between measured points, and axes over decades."""
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tests.fitting.conftest import creep_data
+from tractive_sam import plot
+from tractive_sam.fitting import fit_figures
+
+
+@pytest.fixture(scope="module")
+def found(spheres):
+    data = creep_data(spheres, {"friction.mu": 0.35})
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    return ts.fit(design | {"intervals": "profile", "curve": 9})
+
+
+def test_model_is_computed_between_measured_points(found, spheres):
+    _, x, predicted, deviation = found.dataset["curve"].values.T
+    assert 4 <= x.size <= 9
+    assert not set(x) & set(found.dataset["abscissa"].values)
+    scene = found.scene.replace(**{"creepage.longitudinal": x[0]})
+    expected = ts.solve(scene)
+    # each contact is solved to the tolerance of the scene, from another first guess
+    assert predicted[0] == pytest.approx(expected.Qx / expected.P, rel=1e-6)
+    assert deviation.min() > 0.0
+    (axes, _) = next(fit_figures(found))[2].axes
+    assert axes.lines[0].get_xdata().size == 4 + x.size
+
+
+def test_profile_likelihood_reaches_its_limit(found):
+    names = [name for name, _, _ in fit_figures(found)]
+    assert names == ["data0-Qx_over_P", "likelihood-friction.mu"]
+    values, rise = found.dataset["likelihood"].values[:, 1:].T
+    for end in found.interval("friction.mu"):
+        at_end = rise[np.abs(values - end).argmin()]
+        assert at_end == pytest.approx(3.84, rel=0.05)  # ends are found to 2 % of the root
+
+
+def curve(points):
+    x = plot.Variable("revolution", np.array([1.0, 2.0, 3.0]))
+    ones = np.ones(3)
+    points = np.array(points)
+    return plot.FittedCurve(x, plot.Variable("Qx", points), 0.1 * ones, points, 0.01 * ones, ones)
+
+
+def test_values_over_decades_have_a_logarithmic_axis():
+    scales = [plot.fitted_curve(curve(p)).axes[0].get_yscale()
+              for p in ([1.0, 2.0, 3.0], [1.0, 9.0, 90.0], [-1.0, 9.0, 90.0])]  # fmt: skip
+    assert scales == ["linear", "log", "linear"]
+
+
+def test_every_residual_is_within_its_panel():
+    one = curve([1.0, 2.0, 3.0])
+    one.residual[1] = 7.0
+    low, high = plot.fitted_curve(one).axes[1].get_ylim()
+    assert low < -7.0
+    assert high > 7.0

@@ -1,0 +1,75 @@
+"""Predictions between the measured points of a creep curve, for figures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tractive_sam.fitting.case import is_one_contact
+from tractive_sam.fitting.data import Measured
+from tractive_sam.fitting.design import Fit, FitError
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.problem import Series
+from tractive_sam.fitting.variables import Variables
+
+
+def curve_variables(found: Estimate, fit: Fit) -> Variables:
+    """Return predictions and their standard deviations between measured points.
+
+    Only data sets whose rows are single contacts and differ in one key have them: a roll for each
+    point would cost more than the fit.
+
+    Parameters
+    ----------
+    found : Estimate
+        The minimum.
+    fit : Fit
+        The scene, and the number of points.
+    """
+    n = len(found.problem.parameters)
+    rows: list[np.ndarray] = []
+    names: list[str] = []
+    for number, series in enumerate(found.problem.series):
+        places = _places_between(series, found, fit.curve)
+        if not places.size:
+            continue
+        (key,) = series.measured.data.vary
+        shape = (places.size, len(series.columns))
+        measured = Measured(
+            series.measured.data, tuple({key: float(x)} for x in places),
+            np.full(places.size, np.nan), np.ones(shape), np.ones(shape), np.empty(0),
+        )  # fmt: skip
+        try:
+            curve = Series.of(
+                series.key, measured, fit.scene, found.problem.parameters, found.problem.evaluations
+            )
+            problem = replace(found.problem, series=(curve,))
+            predicted, slopes = problem.predict(found.u[:n]), problem.jacobian(found.u[:n])
+        except FitError:  # a value between the measured ones that cannot be computed
+            continue
+        wide = np.pad(slopes, ((0, 0), (0, found.u.size - n)))
+        x = np.repeat(places, len(series.columns))
+        rows.append(np.column_stack([np.full(x.size, number), x, predicted, found.spread(wide)]))
+        names += [*series.columns] * places.size
+    if not rows:
+        return {}
+    meaning = "data set, abscissa, prediction, its standard deviation"
+    return {
+        "curve": (("curve_point", "of_curve"), np.concatenate(rows), "1", meaning),
+        "curve_column": (("curve_point",), names, "1", "predicted column"),
+    }
+
+
+def _places_between(series: Series, found: Estimate, points: int) -> np.ndarray:
+    """Return abscissas between the measured ones, close together where these are."""
+    x = np.unique(series.measured.abscissa[1])
+    one_key = list(series.measured.data.vary) == list(series.measured.settings[0])
+    if series.measured.data.profile or not one_key or len(series.measured.data.vary) != 1:
+        return np.empty(0)
+    values = found.problem.parameters.named(found.u)
+    scene = series.scene_at(values, series.measured.settings[0])
+    if not is_one_contact(scene) or not 1 < x.size < points:
+        return np.empty(0)
+    shares = np.linspace(0.0, x.size - 1.0, points)
+    return np.setdiff1d(np.interp(shares, np.arange(x.size), x), x)
