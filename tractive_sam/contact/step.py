@@ -96,7 +96,7 @@ class Stepper:
         meter = ConvolutionMeter(self.operators.lattice.padded)
         advection = Advection.from_distance(inputs.distance / self.model.grid.dx)
         motion, law = self._motion(before, inputs, advection), self._law(before, inputs, advection)
-        worn = advection.carried(before.worn)
+        worn = before.worn if self.wear is None else advection.carried(before.worn)
         expected = worn
         if earlier is not None:
             expected = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)

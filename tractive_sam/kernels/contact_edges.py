@@ -74,25 +74,19 @@ def find_extent(pressure):
     return first, last
 
 
-@compiled
+@compiled(inner=True)
 def _side(pressure, i, j, di, dj):
     """Return how far a contact reaches into the side from (i, j) to (i + di, j + dj).
 
     In lengths of the side, from its corner in contact; 0 if both corners are in contact or none.
+    The elements before and behind the side exist.
     """
-    first, second = _value(pressure, i, j), _value(pressure, i + di, j + dj)
+    first, second = pressure[i, j], pressure[i + di, j + dj]
     if (first > 0.0) == (second > 0.0):
         return 0.0
     if first > 0.0:
-        return edge_place(first, _value(pressure, i - di, j - dj))
-    return edge_place(second, _value(pressure, i + 2 * di, j + 2 * dj))
-
-
-@compiled
-def _value(pressure, i, j):
-    """Return the pressure of an element, zero beyond the mesh."""
-    n, m = pressure.shape
-    return pressure[i, j] if 0 <= i < n and 0 <= j < m else 0.0
+        return edge_place(first, pressure[i - di, j - dj])
+    return edge_place(second, pressure[i + 2 * di, j + 2 * dj])
 
 
 @compiled
@@ -107,21 +101,21 @@ def count_covered(pressure):
         Zero outside the contact.
     """
     n, m = pressure.shape
-    # Most cells are inside or outside: their corners are counted without a look at the pressures.
-    touching = np.zeros((n + 2, m + 2), np.uint8)
+    wide = np.zeros((n + 4, m + 4))  # two elements more on every side
     for i in range(n):
         for j in range(m):
-            touching[i + 1, j + 1] = pressure[i, j] > 0.0
+            wide[i + 2, j + 2] = pressure[i, j]
     inside, total = 0, 0.0
-    for i in range(-1, n):
-        for j in range(-1, m):
-            first, opposite = touching[i + 1, j + 1], touching[i + 2, j + 2]
-            corners = first + touching[i + 1, j + 2] + touching[i + 2, j + 1] + opposite
+    for i in range(1, n + 2):
+        for j in range(1, m + 2):
+            first, opposite = wide[i, j] > 0.0, wide[i + 1, j + 1] > 0.0
+            second, third = wide[i, j + 1] > 0.0, wide[i + 1, j] > 0.0
+            corners = int(first) + int(second) + int(third) + int(opposite)
             if corners == 0 or corners == 4:  # noqa: PLR1714 - compiles to what is fast
                 inside += corners == 4
                 continue
-            left, right = _side(pressure, i, j, 1, 0), _side(pressure, i, j + 1, 1, 0)
-            lower, upper = _side(pressure, i, j, 0, 1), _side(pressure, i + 1, j, 0, 1)
+            left, right = _side(wide, i, j, 1, 0), _side(wide, i, j + 1, 1, 0)
+            lower, upper = _side(wide, i, j, 0, 1), _side(wide, i + 1, j, 0, 1)
             if corners == 1:  # a triangle; the sides without the edge are 0
                 total += 0.5 * (left + right) * (lower + upper)
             elif corners == 3:

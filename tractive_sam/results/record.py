@@ -121,6 +121,8 @@ def _read(column: Quantity, contact: State) -> Any:
     """Read the value of a column from a contact, and check its shape."""
     if column.of is not None:
         value = column.of(contact)
+        if not column.dims and isinstance(value, float):
+            return value
         along = {"axis": 2, "y": contact.grid.elements[1]}
         if "body" not in column.dims and np.shape(value) != (
             shape := tuple(along[k] for k in column.dims)

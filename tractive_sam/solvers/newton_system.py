@@ -5,6 +5,7 @@ Everything tangential is written once, for fields[-2:], whether or not there is 
 """
 
 from functools import cached_property
+from math import prod
 
 import numpy as np
 
@@ -142,7 +143,7 @@ class System:
         self.operators, self.vectors = problem.operators, problem.forces.vectors
         self.free, self.under_load = not problem.is_pressure_fixed, problem.load is not None
         self.shape = problem.shape
-        self.size = int(np.prod(self.shape))
+        self.size = prod(self.shape)
         self.length = self.size + self.under_load + len(self.vectors)
         self.weight = 1.0 / np.sqrt(max(np.count_nonzero(at.active), 1))
         self._inverse = problem.kinematics.approximate_inverse(

@@ -322,6 +322,10 @@ class Problem:
         return self.friction.bound(self.normal.pressure)
 
     @cached_property
+    def _fixed_weight(self) -> float:
+        return self.kinematics.slip_weight(self.operators, self._fixed_bound.radius)
+
+    @cached_property
     def _fixed_slip(self) -> FrictionSlip:
         """Slip in the friction law under the fixed pressure."""
         normal = self.normal
@@ -346,7 +350,10 @@ class Problem:
     ) -> Linearisation:
         """Return the friction law linearised at tractions and the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
-        weight = self.kinematics.slip_weight(self.operators, bound.radius)
+        if self.is_pressure_fixed:
+            weight = self._fixed_weight
+        else:
+            weight = self.kinematics.slip_weight(self.operators, bound.radius)
         return self.friction.law.linearise(
             traction, sticking, bound, seen.bound, seen.staggered, active, weight
         )
