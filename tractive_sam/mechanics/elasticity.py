@@ -189,7 +189,7 @@ class HalfSpaces(Elasticity):
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
         """See `Elasticity.coefficients`; integrals over an element."""
-        r1, xx, yy, xy, x2, y2 = _integrals(*offsets, dx, dy)
+        r1, xx, yy, xy, x2, y2 = _integrals_of(dx, dy).at(*offsets)
         nu, K = self.material.poisson, self.material.coupling
         match component:
             case "xx":
@@ -312,7 +312,25 @@ class Strips(HalfSpaces):
         return replace(self, datum=max(self.datum, 2.0 * length))
 
 
-@lru_cache(maxsize=8)
-def _integrals(nx: int, ny: int, dx: float, dy: float) -> np.ndarray:
-    """Return the integrals over an element for all components and any material."""
-    return quadrant(nx, ny, dx, dy)
+class _ElementIntegrals:
+    """Integrals over an element for all components and any material.
+
+    The table has as many offsets as were needed so far: the elements of a rectangle around the
+    contact are those of its mesh.
+    """
+
+    def __init__(self, dx: float, dy: float) -> None:
+        self._sides, self._table = (dx, dy), np.empty((6, 0, 0))
+
+    def at(self, nx: int, ny: int) -> np.ndarray:
+        """Return the integrals at offsets up to (nx - 1, ny - 1) elements, mm, (6, nx, ny)."""
+        table = self._table
+        known_x, known_y = table.shape[1:]
+        if nx > known_x or ny > known_y:
+            table = quadrant(max(nx, known_x), max(ny, known_y), *self._sides)
+            self._table = table
+        return table[:, :nx, :ny]
+
+
+_integrals_of = lru_cache(maxsize=8)(_ElementIntegrals)
+"""The integrals of elements by their sides."""
