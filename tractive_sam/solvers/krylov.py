@@ -151,12 +151,12 @@ def conjugate_residuals(
     triangle, along = np.zeros((rows, rows)), np.zeros(rows)
     k = 0
     while k < most and norm > goal:
-        if k == len(basis):
+        if k == rows:
             vectors, responses, basis, along = (
                 np.concatenate((one, np.empty_like(one)))
                 for one in (vectors, responses, basis, along)
             )
-            triangle = np.pad(triangle, (0, k))
+            triangle, rows = np.pad(triangle, (0, k)), 2 * k
         vectors[k] = system.preconditioner(left)
         responses[k] = system.response(vectors[k])
         made = system.product(vectors[k], responses[k])
@@ -170,5 +170,5 @@ def conjugate_residuals(
         norm = sqrt(left @ left)
         k += 1
     shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
-    response = shares @ responses[:k].reshape(k, -1)
+    response = shares @ responses.reshape(rows, -1)[:k]
     return shares @ vectors[:k], response.reshape(system.shape)
