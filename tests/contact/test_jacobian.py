@@ -12,7 +12,7 @@ import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.reference import Carter, creep_coefficients
 
-pytest.importorskip("xarray", reason="xarray is of the extra study")
+xarray = pytest.importorskip("xarray", reason="xarray is of the extra study")
 
 BALL = {"shear": 1.0, "poisson": 0.28, "radius_x": 337.5, "radius_y": 337.5}
 STIFF = {"body.B.shear": 4.0}
@@ -276,12 +276,17 @@ def test_the_slope_of_carters_curve():
     assert errors[1] < 0.5 * errors[0] < 0.01  # of first order, or nearly
 
 
-def test_nothing_else_has_it():
+def test_nothing_else_has_it(tmp_path):
     scene = ball(tolerance=1e-6)
     assert ts.solve(scene).jacobian is None
     contact = ts.solve(scene, jacobian=True)
     assert contact.jacobian.attrs["operator_applications"] > 0
     assert contact.jacobian.attrs["units"]["Mz"] == "N mm"
+    assert contact.jacobian.attrs["units"].startswith("Qx: N; ")
+    contact.jacobian.to_netcdf(tmp_path / "jacobian.nc")
+    again = xarray.load_dataarray(tmp_path / "jacobian.nc")
+    xarray.testing.assert_equal(again, contact.jacobian)
+    assert again.attrs["units"] == str(contact.jacobian.attrs["units"])
     assert pickle.loads(pickle.dumps(contact)).jacobian is None
 
 

@@ -33,6 +33,25 @@ def test_is_what_solve_finds_one_by_one(scene):
             assert here[name].item() == pytest.approx(getattr(single, name), abs=1e-7, rel=1e-6)
 
 
+def test_keys_may_vary_together(scene):
+    rows = [(0.3, -1e-3), (0.45, -2e-3), (0.4, -2e-3)]
+    over = {("load.normal", XI): rows, "friction.mu": [0.2, 0.4]}
+    found = ts.solve_many(scene, over)
+    assert dict(found.sizes) == {"case": 3, "friction.mu": 2}
+    np.testing.assert_array_equal(found[XI], [xi for _, xi in rows])
+    single = ts.solve(scene.replace(**{"load.normal": 0.4, XI: -2e-3, "friction.mu": 0.4}))
+    assert found["Qx"][2, 1].item() == pytest.approx(single.Qx, rel=1e-6)  # solver.tolerance
+    creepages = {(XI, "creepage.spin"): [(-1e-3, 0.0), (-2e-3, 1e-3)]}
+    assert ts.solve_many(scene, creepages)["converged"].all()
+    with pytest.raises(ts.SceneError, match="rows of 2 values"):
+        ts.solve_many(scene, {("load.normal", XI): [(0.3,)]})
+
+
+def test_blocks_are_left_out(scene):
+    cycle = scene.replace(fatigue={"shear_yield": 1.0}, duty=[{"revolutions": 1}] * 2)
+    assert ts.solve_many(cycle, {XI: [-1e-3]})["converged"].all()
+
+
 def test_where_there_may_be_several_solutions_each_begins_from_none(scene):
     law = {"law": "exponential", "static": 0.4, "kinetic": 0.2, "half_speed": 5.0}
     falling = scene.replace(friction=law, **{"creepage.speed": 1000.0})

@@ -29,8 +29,9 @@ Friction that depends on temperature has a bound that depends on the heat of all
 heat due to every change above, and within the matrix on that of every step (`_WarmSystem`).
 """
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Mapping
 from functools import partial
+from typing import Any, Self
 
 import numpy as np
 
@@ -116,8 +117,23 @@ def jacobian_of(
     return xarray.DataArray(
         np.stack(list(columns.values()), axis=1),
         [("result", rows), ("parameter", list(columns))],
-        attrs={"units": units, "operator_applications": cost},
+        attrs={"units": UnitsByName.from_mapping(units), "operator_applications": cost},
     )
+
+
+class UnitsByName(str):
+    """Units of rows and columns as a text, which netCDF can store; ``units["Qx"]`` is a unit."""
+
+    @classmethod
+    def from_mapping(cls, units: Mapping[str, str]) -> Self:
+        """Return the text of units by name."""
+        return cls("; ".join(f"{name}: {unit}" for name, unit in units.items()))
+
+    def __getitem__(self, key: Any) -> str:
+        """Return the unit of a row or column, or a part of the text."""
+        if not isinstance(key, str):
+            return super().__getitem__(key)
+        return dict(part.split(": ", 1) for part in self.split("; "))[key]
 
 
 class _WarmSystem(System):

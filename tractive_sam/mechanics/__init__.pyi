@@ -27,12 +27,12 @@ from .fatigue import residual_shear as residual_shear
 from .frame import Frame as Frame
 from .friction import Bound as Bound
 from .friction import Coulomb as Coulomb
-from .friction import Friction as Friction
 from .friction import FrictionLaw as FrictionLaw
 from .friction import Linearisation as Linearisation
 from .friction import PreviousShare as PreviousShare
 from .friction import SlipDependence as SlipDependence
 from .friction import Slope as Slope
+from .friction_on_mesh import Friction as Friction
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry
 from .invariants import max_shear as max_shear

@@ -15,7 +15,7 @@ which is integrated along the contact from the leading edge, where the share is 
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 import numpy as np
@@ -216,7 +216,7 @@ class FallingCoulomb(Coulomb):
     memory: float = 0.0
     strength: float = np.inf
     warmth: TemperatureFactor | None = None
-    lateral: LateralFactor | None = None
+    lateral: LateralFactor | None = field(default=None, metadata={"added": True})
     background: ClassVar[float] = 1.0
     """Speed s0 at which a memory fades without sliding, mm/s."""
 

@@ -60,9 +60,15 @@ def _hash(law: object) -> str:
 
 
 def _parameters(law: object) -> dict[str, Any]:
-    """Return the parameters of an object by name, without cached values."""
+    """Return the parameters of an object by name, without cached values.
+
+    A field with the metadata "added" counts only if it is given: laws of earlier versions, which do
+    not have it, keep their fingerprint.
+    """
     if is_dataclass(law):
-        return {field.name: getattr(law, field.name) for field in fields(law)}
+        values = {field.name: getattr(law, field.name) for field in fields(law)}
+        added = {field.name for field in fields(law) if field.metadata.get("added")}
+        return {name: x for name, x in values.items() if x is not None or name not in added}
     kind = type(law)
     return {
         name: value

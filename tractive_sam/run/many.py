@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import Any
 
@@ -36,7 +36,10 @@ CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
 @one_blas_thread()
 def solve_many(
-    scene: Scene, over: Mapping[str, Sequence[Any]], *, jacobian: bool = False
+    scene: Scene,
+    over: Mapping[str | tuple[str, ...], Sequence[Any]] | Mapping[str, Sequence[Any]],
+    *,
+    jacobian: bool = False,
 ) -> "xarray.Dataset":
     """Solve one steady state for every combination of some entries of a scene.
 
@@ -50,15 +53,18 @@ def solve_many(
         Scene whose other entries do not vary; its [wear] and [[duty]] are not rolled.
     over : mapping of str to sequence
         Values by dotted key, ``{"creepage.longitudinal": [-1e-3, -2e-3], "friction.mu": [0.2]}``.
+        Several keys as a tuple vary together, with a row of values for each case:
+        ``{("load.normal", "creepage.spin"): [(100.0, 0.0), (200.0, 1e-3)]}``.
     jacobian : bool
         Whether to compute the derivatives too, as ``jacobian``; see `State.jacobian`.
 
     Returns
     -------
     xarray.Dataset
-        Dimensions: the keys of `over`. Variables: forces, creepages and all other recorded numbers
-        of a contact, nan for cases that were not solved; ``converged``, ``status`` and ``message``
-        of each case. Units and descriptions are attributes.
+        Dimensions: the keys of `over`; "case" for keys that vary together. Variables: forces,
+        creepages and all other recorded numbers of a contact, nan for cases that were not solved;
+        ``converged``, ``status`` and ``message`` of each case. Units and descriptions are
+        attributes.
 
     Raises
     ------
@@ -89,14 +95,14 @@ def solve_many(
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
     scene = scene.without_blocks
-    columns_over = _check_values(scene, over)
-    shape = tuple(map(len, columns_over.values()))
+    axes = _check_values(scene, over)
+    shape = tuple(len(axis.rows) for axis in axes)
     numbers: dict[str, np.ndarray] = {}
     described: dict[str, Quantity] = {}
     texts = {name: np.full(shape, "", dtype=object) for name in ("status", "message")}
     derivatives: dict[tuple[int, ...], Any] = {}
     noted = set[tuple[int, int]]()
-    for place, model, contact in _solve_cases(scene, columns_over, jacobian):
+    for place, model, contact in _solve_cases(scene, axes, jacobian):
         if model.grid.elements not in noted:  # once for all loads and creepages on a mesh
             noted.add(model.grid.elements)
             warn_of_gap(model)
@@ -112,7 +118,7 @@ def solve_many(
         if jacobian:
             derivatives[place] = jacobian_of(model, contact)
 
-    dims = [*columns_over]
+    dims = [axis.name for axis in axes]
     variables: dict[str, Any] = {
         name: (dims, values, _attributes(described[name])) for name, values in numbers.items()
     }
@@ -120,8 +126,9 @@ def solve_many(
     variables["converged"] = (dims, solved.astype(bool))
     variables |= {name: (dims, values.astype(str)) for name, values in texts.items()}
     coordinates: dict[str, Any] = {
-        key: (key, _as_array(values), {"long_name": Scene.find_field(key).title or key})
-        for key, values in columns_over.items()
+        key: (axis.name, _as_array(values), {"long_name": Scene.find_field(key).title or key})
+        for axis in axes
+        for key, values in zip(axis.keys, zip(*axis.rows, strict=True), strict=True)
     }
     if derivatives:
         first = next(iter(derivatives.values()))
@@ -144,33 +151,57 @@ def _as_array(values: tuple[Any, ...]) -> np.ndarray:
     return np.array(values if numbers else [str(value) for value in values])
 
 
-def _check_values(scene: Scene, over: Mapping[str, Sequence[Any]]) -> dict[str, tuple[Any, ...]]:
-    """Check each value with the first values of the other keys, and return all values by key."""
+@dataclass(frozen=True)
+class _Axis:
+    """Keys that vary together, and their values, row by row; `name` is the dimension."""
+
+    name: str
+    keys: tuple[str, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+    def changes(self, k: int) -> dict[str, Any]:
+        """Return the values of a row by key."""
+        return dict(zip(self.keys, self.rows[k], strict=True))
+
+
+def _check_values(scene: Scene, over: Mapping[str | tuple[str, ...], Sequence[Any]]) -> list[_Axis]:
+    """Check each row of values with the first ones of the other axes, and return the axes."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
         raise SceneError([Fault("over", shorten(over), allowed)])
-    faults, values_by_key = [], {}
-    for key, values in over.items():
+    axes, faults = list[_Axis](), list[Fault]()
+    for given, values in over.items():
+        keys = given if isinstance(given, tuple) else (given,)
+        label = ", ".join(map(str, keys))
         if isinstance(values, str | Mapping) or not np.iterable(values) or not list(values):
-            faults.append(Fault(f"over.{key}", shorten(values), "a list of at least one value"))
+            faults.append(Fault(f"over.{label}", shorten(values), "a list of at least one value"))
+            continue
+        rows = [tuple(row) if isinstance(given, tuple) else (row,) for row in values]
+        if any(len(row) != len(keys) for row in rows):
+            cure = f"rows of {len(keys)} values, one for each key"
+            faults.append(Fault(f"over.{label}", shorten(values), cure))
             continue
         try:
-            Scene.find_field(key)
+            for key in keys:
+                Scene.find_field(key)
         except SceneError as error:
             faults += error.faults
             continue
-        values_by_key[key] = tuple(v.item() if isinstance(v, np.generic) else v for v in values)
+        paired = sum(len(axis.keys) > 1 for axis in axes)
+        name = keys[0] if len(keys) == 1 else "case" + (f"_{paired + 1}" if paired else "")
+        items = (tuple(v.item() if isinstance(v, np.generic) else v for v in row) for row in rows)
+        axes.append(_Axis(name, keys, tuple(items)))
     if faults:
         raise SceneError(faults)
     with warnings.catch_warnings():  # they are issued again when the case is made
         warnings.simplefilter("ignore")
-        cases = [{key: value} for key, values in values_by_key.items() for value in values]
-        _scenes_of_cases(scene, values_by_key, cases)
-    return values_by_key
+        cases = [axis.changes(k) for axis in axes for k in range(len(axis.rows))]
+        _scenes_of_cases(scene, axes, cases)
+    return axes
 
 
 def _scenes_of_cases(
-    scene: Scene, over: Mapping[str, tuple[Any, ...]], cases: Sequence[Mapping[str, Any]]
+    scene: Scene, axes: Sequence[_Axis], cases: Sequence[Mapping[str, Any]]
 ) -> list[Scene]:
     """Return the scene of each case; keys that a case does not set have their first value.
 
@@ -179,7 +210,7 @@ def _scenes_of_cases(
     SceneError
         With the faults of all cases, each with the values that led to it.
     """
-    first = {key: values[0] for key, values in over.items()}
+    first = {key: value for axis in axes for key, value in axis.changes(0).items()}
     scenes, faults = [], list[Fault]()
     for case in cases:
         try:
@@ -201,29 +232,32 @@ def _add_values(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault)
 
 
 def _solve_cases(
-    scene: Scene, over: dict[str, tuple[Any, ...]], jacobian: bool
+    scene: Scene, axes: Sequence[_Axis], jacobian: bool
 ) -> Iterator[tuple[tuple[int, ...], Model, State]]:
     """Yield every case: its place, model and contact; neighbours follow one another."""
-    keys = [*over]
-    moving = [key for key in keys if key in CREEPAGES]
-    others = [key for key in keys if key not in CREEPAGES]
-    places = list(neighbouring_places(tuple(len(over[key]) for key in others)))
-    cases = [{key: over[key][k] for key, k in zip(others, place, strict=True)} for place in places]
+    moving = [axis for axis in axes if set(axis.keys) <= set(CREEPAGES)]
+    others = [axis for axis in axes if axis not in moving]
+    places = list(neighbouring_places(tuple(len(axis.rows) for axis in others)))
     start = None
-    for outer, changed in zip(places, _scenes_of_cases(scene, over, cases), strict=True):
+    scenes = _scenes_of_cases(scene, axes, [_changes(others, place) for place in places])
+    for outer, changed in zip(places, scenes, strict=True):
         chosen = Model(changed, read_measured_gap(changed))
         memory.check_solve(chosen)
         if jacobian:
             check_jacobian(chosen)
-        for inner in neighbouring_places(tuple(len(over[key]) for key in moving)):
+        for inner in neighbouring_places(tuple(len(axis.rows) for axis in moving)):
             interrupt.raise_if_interrupted()
-            creepages = {key: over[key][k] for key, k in zip(moving, inner, strict=True)}
-            model, contact = solve_from_nearby(
-                with_creepages(chosen, creepages), start
-            )  # the mesh may be wider
+            under = with_creepages(chosen, _changes(moving, inner))
+            model, contact = solve_from_nearby(under, start)  # the mesh may be wider
             start = contact if contact.converged else None
-            at = dict(zip(others, outer, strict=True)) | dict(zip(moving, inner, strict=True))
-            yield tuple(at[key] for key in keys), model, contact
+            at = dict(zip((axis.name for axis in (*others, *moving)), outer + inner, strict=True))
+            yield tuple(at[axis.name] for axis in axes), model, contact
+
+
+def _changes(axes: Sequence[_Axis], place: Sequence[int]) -> dict[str, Any]:
+    """Return the values of several axes at a place by key."""
+    each = zip(axes, place, strict=True)
+    return {key: value for axis, k in each for key, value in axis.changes(k).items()}
 
 
 def with_creepages(model: Model, creepages: Mapping[str, float]) -> Model:

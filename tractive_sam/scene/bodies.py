@@ -19,6 +19,7 @@ from tractive_sam.mechanics import (
 from tractive_sam.schema import (
     Check,
     Fault,
+    InnerTable,
     Positive,
     Radius,
     Real,
@@ -61,7 +62,7 @@ class Body(Table):
     density: Positive = entry(
         "density, kg/m3, for the worn mass; by default steel's", default=7850.0
     )
-    thermal: Thermal | None = entry("thermal properties", default=None)
+    thermal: InnerTable[Thermal | None] = entry("thermal properties", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property
@@ -95,8 +96,8 @@ class Bodies(Table):
     58462
     """
 
-    A: Body = entry("the upper body")
-    B: Body = entry("the lower body")
+    A: InnerTable[Body] = entry("the upper body")
+    B: InnerTable[Body] = entry("the lower body")
     checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both,)
 
     def describe(self, scene: Any) -> Iterator[Row]:

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 from tractive_sam.schema import (
     Check,
     Fault,
+    InnerTable,
     OptionalOrthotropicPositive,
     Positive,
     Real,
@@ -86,9 +87,9 @@ class Block(Table):
 
     name: str = entry("name of the block", default="")
     revolutions: int = entry("revolutions of the block in a cycle of the spectrum", ge=1, le=10**12)
-    load: BlockLoad = entry("load of the block", default=BlockLoad())
-    creepage: BlockCreepage = entry("creepage of the block", default=BlockCreepage())
-    friction: BlockFriction = entry("friction of the block", default=BlockFriction())
+    load: InnerTable[BlockLoad] = entry("load of the block", default=BlockLoad())
+    creepage: InnerTable[BlockCreepage] = entry("creepage of the block", default=BlockCreepage())
+    friction: InnerTable[BlockFriction] = entry("friction of the block", default=BlockFriction())
     shift_y: Real = entry(
         "lateral position of the running band on both bodies, mm; the radii are centred there",
         default=0.0,

@@ -11,6 +11,7 @@ from pydantic import AfterValidator
 from tractive_sam.schema import (
     Check,
     Fault,
+    InnerTable,
     LawTable,
     NamedLaw,
     NotNegative,
@@ -164,7 +165,7 @@ class Fatigue(LawTable):
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
         "bodies whose fatigue is computed", default=("A", "B"), min_length=1
     )
-    volume: FatigueVolume | None = entry("life of the stressed volume", default=None)
+    volume: InnerTable[FatigueVolume | None] = entry("life of the stressed volume", default=None)
     tolerance: float = entry(
         "error of the damage over the largest damage; the stepping shortens a jump with an error "
         "above 0.3 of this tolerance; the column damage_error gives the error of all jumps, of the "

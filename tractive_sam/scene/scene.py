@@ -16,11 +16,11 @@ from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Ma
 from tractive_sam.schema import (
     Check,
     Document,
+    InnerTable,
     PlausibilityWarning,
     SceneError,
     Table,
     entry,
-    keywords_only,
     warn,
 )
 
@@ -82,31 +82,37 @@ class Scene(Document):
     """
 
     title: str = entry("title", default="")
-    body: Bodies = entry("the two bodies")
-    load: Load = entry("the load")
-    creepage: Creepage = entry("the creepages", default=Creepage())
-    elasticity: ElasticBodies | None = entry("the elastic law of the bodies", default=None)
-    friction: Friction | None = entry("the friction law", default=None)
-    wear: Wear | None = entry("the wear law", default=None)
-    grid: Mesh | None = entry("the grid", default=None)
-    accuracy: Accuracy | None = entry("the requested accuracy", default=None)
-    gap: Gap | None = entry("the separation added to the radii", default=None)
-    wheel: WheelTable | None = entry("body A as a wheel", default=None)
-    rail: RailTable | None = entry("body B as a rail", default=None)
-    wheelset: WheelsetTable | None = entry("the position of the wheelset", default=None)
-    heat: Heat | None = entry("the flash temperature", default=None)
-    subsurface: Subsurface | None = entry("the subsurface stress", default=None)
-    fatigue: Fatigue | None = entry("the fatigue of the material", default=None)
-    transient: Transient | None = entry("changes over the rolling distance", default=None)
-    process: ProcessTable | None = entry("a process of another package", default=None)
+    body: InnerTable[Bodies] = entry("the two bodies")
+    load: InnerTable[Load] = entry("the load")
+    creepage: InnerTable[Creepage] = entry("the creepages", default=Creepage())
+    elasticity: InnerTable[ElasticBodies | None] = entry(
+        "the elastic law of the bodies", default=None
+    )
+    friction: InnerTable[Friction | None] = entry("the friction law", default=None)
+    wear: InnerTable[Wear | None] = entry("the wear law", default=None)
+    grid: InnerTable[Mesh | None] = entry("the grid", default=None)
+    accuracy: InnerTable[Accuracy | None] = entry("the requested accuracy", default=None)
+    gap: InnerTable[Gap | None] = entry("the separation added to the radii", default=None)
+    wheel: InnerTable[WheelTable | None] = entry("body A as a wheel", default=None)
+    rail: InnerTable[RailTable | None] = entry("body B as a rail", default=None)
+    wheelset: InnerTable[WheelsetTable | None] = entry("the position of the wheelset", default=None)
+    heat: InnerTable[Heat | None] = entry("the flash temperature", default=None)
+    subsurface: InnerTable[Subsurface | None] = entry("the subsurface stress", default=None)
+    fatigue: InnerTable[Fatigue | None] = entry("the fatigue of the material", default=None)
+    transient: InnerTable[Transient | None] = entry(
+        "changes over the rolling distance", default=None
+    )
+    process: InnerTable[ProcessTable | None] = entry("a process of another package", default=None)
     observer: tuple[ObserverTable, ...] = entry(
         "observers of other packages", "at least one observer, [[observer]]", (), min_length=1
     )
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
     )
-    load_history: LoadHistory | None = entry("the load history of the blocks", default=None)
-    solver: Solver = entry("the solver", default=Solver())
+    load_history: InnerTable[LoadHistory | None] = entry(
+        "the load history of the blocks", default=None
+    )
+    solver: InnerTable[Solver] = entry("the solver", default=Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(
         (
@@ -116,9 +122,8 @@ class Scene(Document):
         )
     )
 
-    @keywords_only
-    def __init__(self, /, **tables: Any) -> None:
-        super().__init__(**tables)
+    def check_complete(self) -> None:
+        """See `Table.check_complete`."""
         if self.duty:
             self._check_blocks()
         for note in scene_notes(self):

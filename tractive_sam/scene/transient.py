@@ -13,7 +13,17 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, Field
 
-from tractive_sam.schema import Check, Fault, Positive, Real, Row, Table, ValidEntries, entry
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    InnerTable,
+    Positive,
+    Real,
+    Row,
+    Table,
+    ValidEntries,
+    entry,
+)
 
 from .gap import Gap
 from .schedule import Distance, Schedule, Shifts
@@ -122,8 +132,8 @@ class Profiles(Table):
     True
     """
 
-    A: Gap | None = entry("profile of the upper body", default=None)
-    B: Gap | None = entry("profile of the lower body", default=None)
+    A: InnerTable[Gap | None] = entry("profile of the upper body", default=None)
+    B: InnerTable[Gap | None] = entry("profile of the lower body", default=None)
 
     @property
     def given(self) -> dict[str, Gap]:
@@ -183,10 +193,16 @@ class Transient(Table):
         "ascending numbers; two equal numbers are a jump",
         min_length=2,
     )
-    load: LoadCourse = entry("courses of the load", default=LoadCourse())
-    creepage: CreepageCourse = entry("courses of the creepages", default=CreepageCourse())
-    friction: FrictionCourse = entry("courses of the friction", default=FrictionCourse())
-    profile: Profiles = entry("profiles that move through the contact", default=Profiles())
+    load: InnerTable[LoadCourse] = entry("courses of the load", default=LoadCourse())
+    creepage: InnerTable[CreepageCourse] = entry(
+        "courses of the creepages", default=CreepageCourse()
+    )
+    friction: InnerTable[FrictionCourse] = entry(
+        "courses of the friction", default=FrictionCourse()
+    )
+    profile: InnerTable[Profiles] = entry(
+        "profiles that move through the contact", default=Profiles()
+    )
     start: Literal["rest", "steady", "shift"] = entry(
         "state before the first knot: pressed together without rolling (rest), or steady rolling; "
         "with shift the bodies do not roll but shift",

@@ -7,7 +7,6 @@ from .alternatives import not_both as not_both
 from .description import Row as Row
 from .description import describe_tables as describe_tables
 from .document import Document as Document
-from .document import keywords_only as keywords_only
 from .faults import Fault as Fault
 from .faults import PlausibilityWarning as PlausibilityWarning
 from .faults import SceneError as SceneError
@@ -20,6 +19,7 @@ from .field_types import LARGEST as LARGEST
 from .field_types import SMALLEST as SMALLEST
 from .field_types import Accepting as Accepting
 from .field_types import FilePath as FilePath
+from .field_types import InnerTable as InnerTable
 from .field_types import NotNegative as NotNegative
 from .field_types import OptionalOrthotropicNotNegative as OptionalOrthotropicNotNegative
 from .field_types import OptionalOrthotropicPositive as OptionalOrthotropicPositive

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import wraps
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -13,35 +11,10 @@ from .faults import SceneError
 from .table import Table
 
 
-def keywords_only(init: Callable[..., None]) -> Callable[..., None]:
-    """Return an `__init__` that refuses arguments without a keyword, such as a path.
-
-    The error message names the method that reads a file.
-    """
-
-    @wraps(init)  # with its signature
-    def check_arguments(self: Any, /, *unnamed: Any, **given: Any) -> None:
-        if unnamed:
-            name = type(self).__name__
-            raise TypeError(f"{name}(...) takes keywords only; {name}.from_toml(path) reads a file")
-        init(self, **given)
-
-    return check_arguments
-
-
 class Document(Table):
     """A table that is read from a TOML file, and written to one."""
 
-    error_class: ClassVar[type[SceneError]] = SceneError
-    """Class of the errors that report its faults."""
-    internal: ClassVar[frozenset[str]] = frozenset(("error_class", "read_tables", "resolve_files"))
-
-    @keywords_only
-    def __init__(self, /, **given: Any) -> None:
-        try:
-            super().__init__(**given)
-        except SceneError as error:
-            raise self.error_class(error.faults) from None
+    internal: ClassVar[frozenset[str]] = frozenset(("read_tables", "resolve_files"))
 
     @classmethod
     def from_toml(cls, path: str | PathLike[str]) -> Self:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
@@ -10,6 +11,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 Given = TypeVar("Given")
 Stored = TypeVar("Stored")
+Inner = TypeVar("Inner")
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """Magnitudes within which no product or quotient of a few entries can overflow."""
@@ -83,11 +85,19 @@ if TYPE_CHECKING:
         def __get__(self, table: object, kind: type, /) -> Stored: ...
         def __set__(self, table: object, value: Given, /) -> None: ...
 
+    InnerTable = Accepting[Inner | Mapping[str, Any], Inner]
     OrthotropicPositive = Accepting[float | Pair, Pair]
     OptionalOrthotropicPositive = Accepting[float | Pair | None, Pair | None]
     OptionalOrthotropicNotNegative = OptionalOrthotropicPositive
     OptionalPositiveOneOrTwo = Accepting[float | tuple[float, ...] | None, tuple[float, ...] | None]
 else:
+
+    class InnerTable:
+        """A table within another one: an object or a dictionary."""
+
+        def __class_getitem__(cls, kind: Any) -> Any:
+            return kind
+
     OrthotropicPositive = Annotated[PositivePair, BeforeValidator(number_to_pair)]
     OptionalOrthotropicPositive = OrthotropicPositive | None
     OptionalOrthotropicNotNegative = (

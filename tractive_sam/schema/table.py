@@ -29,11 +29,32 @@ def _ignore_signature(cls: Any, of_library: Any) -> None:
     """Keep the signature: the one that pydantic would set lists validators as types."""
 
 
+def _construct(cls: Any, /, *unnamed: Any, **given: Any) -> Any:
+    """Construct a table from keywords only, and complete it.
+
+    The class has no `__init__` for this purpose: type checkers take the keys from the fields.
+    """
+    if unnamed:
+        name = cls.__name__
+        cure = f"; {name}.from_toml(path) reads a file" if hasattr(cls, "from_toml") else ""
+        raise TypeError(f"{name}(...) takes keywords only{cure}")
+    try:
+        table = type(BaseModel).__call__(cls, **given)
+    except SceneError as error:
+        raise cls.error_class(error.faults) from None
+    table.check_complete()
+    return table
+
+
 # Pydantic has no public name for the metaclass of its models.
 _TableType: Any = type(
     "_TableType",
     (type(BaseModel),),
-    {"__dir__": _listed_names, "__signature__": property(key_signature, _ignore_signature)},
+    {
+        "__call__": _construct,
+        "__dir__": _listed_names,
+        "__signature__": property(key_signature, _ignore_signature),
+    },
 )
 
 
@@ -50,13 +71,15 @@ class Table(TableBase, metaclass=_TableType):
 
     internal: ClassVar[frozenset[str]] = frozenset(
         (
-            *("checks", "describe_array", "effect", "find_field", "find_parameter", "internal"),
-            *("renamed_keys", "table_class", "unfold"),
+            *("check_complete", "checks", "describe_array", "effect", "error_class", "find_field"),
+            *("find_parameter", "internal", "renamed_keys", "table_class", "unfold"),
         )
     )
     """Names that the package uses and completion leaves out."""
     effect: ClassVar[str] = ""
     """What a document without the table leaves out, for descriptions; may be empty."""
+    error_class: ClassVar[type[SceneError]] = SceneError
+    """Class of the errors that report its faults."""
 
     def __init__(self, /, **given: Any) -> None:
         reading = read_entries(type(self), given)
@@ -70,6 +93,15 @@ class Table(TableBase, metaclass=_TableType):
                 "__pydantic_private__": None,
             }
         )
+
+    def check_complete(self) -> None:
+        """Check the finished table, and issue its warnings; by default there are none.
+
+        Raises
+        ------
+        SceneError
+            With the faults that only the finished table shows.
+        """
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:

@@ -1,0 +1,64 @@
+"""A friction law on the elements of a mesh, in the units of the solvers."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from tractive_sam.mechanics.friction import Bound, Coulomb, FrictionLaw
+
+
+@dataclass(frozen=True, eq=False)
+class Friction:
+    """A friction law on the elements of a mesh, dimensionless, for the solvers.
+
+    Parameters
+    ----------
+    law : FrictionLaw
+        The law.
+    x, y : ndarray, shapes (n_x, 1) and (1, n_y)
+        Centres of the elements, mm.
+    unit : float
+        Unit of the pressure, MPa.
+    slip : float
+        Unit of the slip s/V.
+    """
+
+    law: FrictionLaw = field(default_factory=Coulomb)
+    x: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
+    y: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
+    unit: float = 1.0
+    slip: float = 1.0
+
+    def bound(self, pressure: np.ndarray) -> Bound:
+        """Return the radius of the disc and its derivative by the pressure, dimensionless."""
+        bound = self.law.bound(self.unit * pressure, self.x, self.y)
+        radius = np.broadcast_to(bound.radius, pressure.shape) / self.unit
+        return replace(bound, radius=radius)
+
+    def bound_sliding(
+        self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: float
+    ) -> Bound:
+        """Return the bound of a law that falls, under the scaled slip of the leading faces."""
+        frame = self.law.frame
+        centred = self.law.centred(slip, contact, staggered)
+        bound = self.law.bound_sliding(
+            self.unit * pressure,
+            self.slip * frame.slip_to_physical(centred),
+            self.x,
+            self.y,
+            bool(staggered),
+        )
+        slope = bound.slope
+        if slope is not None:
+            # ds = F^-1 ds~: derivatives by the slip transform as tractions.
+            by_slip = self.slip * frame.to_scaled(slope.by_slip)
+            slope = replace(slope, by_share=slope.by_share / self.unit, by_slip=by_slip)
+        return replace(bound, radius=bound.radius / self.unit, slope=slope)
+
+    def at_speed_ratio(self, speed: float) -> "Friction":
+        """Return the law at a fraction of the rolling speed."""
+        return replace(self, law=self.law.at_speed_ratio(speed))
+
+    def on(self, x: np.ndarray, y: np.ndarray) -> "Friction":
+        """Return the law on other elements."""
+        return replace(self, x=x, y=y)
