@@ -26,7 +26,7 @@ import numpy as np
 from timing import RESULTS, show, write
 
 import tractive_sam as ts
-from tractive_sam.lookup import c_header
+from tractive_sam.lookup import c_sources
 from tractive_sam.plot import table_errors
 from tractive_sam.reference import fastsim, linear_creep_forces, vermeulen_johnson
 from tractive_sam.tables.contacts import MU, Contacts, unit_scene
@@ -138,9 +138,10 @@ int main(void) {
 }
 """
     with tempfile.TemporaryDirectory() as folder:
-        Path(folder, "steel.h").write_text(c_header(table, "steel"))
-        Path(folder, "main.c").write_text(program)
-        subprocess.run(["cc", "-O2", "main.c", "-o", "main", "-lm"], cwd=folder, check=True)
+        for name, text in (c_sources(table, "steel") | {"main.c": program}).items():
+            Path(folder, name).write_text(text)
+        command = ["cc", "-O2", "main.c", "steel.c", "-o", "main", "-lm"]
+        subprocess.run(command, cwd=folder, check=True)
         completed = subprocess.run(
             ["./main"], cwd=folder, capture_output=True, text=True, check=True
         )
@@ -156,7 +157,7 @@ def main() -> None:
     exact = []
     for ratio, w in found:
         if ratio not in contacts:
-            contacts = {ratio: Contacts.of_hertz(ratio, NU)}
+            contacts = {ratio: Contacts(unit_scene(ratio, NU))}
         exact.append(contacts[ratio].forces(w, FINE))
     exact = np.array(exact)
 

@@ -21,7 +21,7 @@ from timing import show, write
 
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.results import State
-from tractive_sam.rolling import passage, process
+from tractive_sam.rolling import passage, stress
 from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store.writer import HistoryWriter
@@ -30,7 +30,7 @@ from tractive_sam.subsurface import stress_at
 ROLLS = 5
 PARTS = {
     "contacts": [(passage, "equilibrium")],
-    "largest stress of every record": [(process, "stress_maxima")],
+    "largest stress of every record": [(stress, "stress_maxima")],
     "storing": [(HistoryWriter, "append"), (HistoryWriter, "finish")],
 }
 
@@ -84,13 +84,13 @@ def shares(scene: Scene) -> list[dict]:
 def errors(scene: Scene) -> list[dict]:
     """Of the largest stress inside, over all records, against the exact one at its place."""
     found: list[tuple[State, dict]] = []
-    search = process.stress_maxima
+    search = stress.stress_maxima
 
     def kept(contact: State, laws):
         found.append((contact, search(contact, laws)))
         return found[-1][1]
 
-    with mock.patch.object(process, "stress_maxima", kept):
+    with mock.patch.object(stress, "stress_maxima", kept):
         roll(scene)
     rows = []
     for body in scene.subsurface.bodies:

@@ -2,7 +2,9 @@
 
 import ast
 import re
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -21,3 +23,23 @@ def test_a_benchmark_is_listed_and_names_the_page_that_uses_it(name):
     assert f"`python benchmarks/{name}.py" in listed
     (page,) = re.findall(r"^Page: (.*)$", ast.get_docstring(ast.parse(source)), re.MULTILINE)
     assert page == "none" or (ROOT / page).is_file()
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_what_a_benchmark_imports_exists(name):
+    """Benchmarks use functions within the package, which may be renamed."""
+    tree = ast.parse((ROOT / "benchmarks" / f"{name}.py").read_text("utf-8"))
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    modules = {}
+    for node in imports:
+        if (node.module or "").startswith("tractive_sam"):
+            module = import_module(node.module)
+            for alias in node.names:
+                found = getattr(module, alias.name, None)
+                modules[alias.asname or alias.name] = (
+                    found if found is not None else import_module(f"{node.module}.{alias.name}")
+                )
+    for node in ast.walk(tree):  # attributes of modules
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            owner = modules.get(node.value.id)
+            assert not isinstance(owner, ModuleType) or hasattr(owner, node.attr)
