@@ -55,9 +55,9 @@ def test_time_of_a_large_mesh_is_that_of_a_part(monkeypatch):
     scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[101, 101]"])
     model = Model(scene)
     monkeypatch.setattr(explain, "TIMED", 2**10)
-    assert explain._timed_shape(model.grid.elements) == (32, 32)
-    assert explain._timed_shape((3, 10**6)) == (3, 2**10 // 3)
-    assert explain._timed_shape((9, 9)) == (9, 9)
+    assert explain.timed_shape(model.grid.elements) == (32, 32)
+    assert explain.timed_shape((3, 10**6)) == (3, 2**10 // 3)
+    assert explain.timed_shape((9, 9)) == (9, 9)
     assert explain.seconds_per_application(model) > 0.0
     assert "slip" not in vars(model.operators)  # nothing of the whole mesh was made
 

@@ -116,7 +116,7 @@ def room(points):
 
 def plane(cycle, normal, sum_k, product_k, within=None):
     within = room(cycle.shape[1]) if within is None else within
-    return fatigue._evaluate_plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
+    return fatigue.evaluate_plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
 
 
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
@@ -128,7 +128,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
         normal /= np.linalg.norm(normal)
 
         def value(a, b, normal=normal, within=within, near=near, cycle=cycle):
-            fatigue._turn_normal(near, normal, a * difference, b * difference)
+            fatigue.turn_normal(near, normal, a * difference, b * difference)
             found, held, at = plane(cycle[..., None], near, sum_k, product_k, within)
             return found, (frozenset(within[2][:held]), at)
 
@@ -137,7 +137,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
             continue
         here, held, at = plane(cycle[..., None], normal, sum_k, product_k, within)
         path = to_paths(cycle[..., None])[0]
-        step = fatigue._newton_step(path, here, held, at, sum_k, product_k, within)
+        step = fatigue.newton_step(path, here, held, at, sum_k, product_k, within)
         v = {k: one / difference for k, (one, _) in around.items()}
         ga, gb = 0.5 * (v[1, 0] - v[-1, 0]), 0.5 * (v[0, 1] - v[0, -1])
         haa, hbb = v[1, 0] + v[-1, 0] - 2.0 * v[0, 0], v[0, 1] + v[0, -1] - 2.0 * v[0, 0]
@@ -145,7 +145,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
         second = (one / difference for one in (haa, hab, hbb))
         # The square of the difference, and rounding over it.
         np.testing.assert_allclose(
-            step, fatigue._solve_newton_step(here, ga, gb, *second), atol=1e-5
+            step, fatigue.solve_newton_step(here, ga, gb, *second), atol=1e-5
         )
         number[held] += 1
     assert min(number.values()) > 5

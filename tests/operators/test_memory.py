@@ -18,7 +18,7 @@ def groups(tmp_path):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text)
         (tmp_path / "reported").write_text(reported)
-        return memory._memory_of_groups(tmp_path / "root", tmp_path / "reported")
+        return memory.memory_of_groups(tmp_path / "root", tmp_path / "reported")
 
     return left
 

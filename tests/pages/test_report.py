@@ -84,7 +84,7 @@ def test_a_force_that_is_zero_is_not_plotted():
     assert np.abs(history["Mz"]).max() > 0.0  # what the solver leaves
     titles = {chart["title"]: len(chart["lines"]) for chart in charts.charts(history)}
     assert titles["Tangential forces"] == 1
-    assert charts._title(history.columns["Mz"]) not in titles
+    assert charts.chart_title(history.columns["Mz"]) not in titles
 
 
 def test_the_fields_are_those_of_the_records(history):

@@ -77,7 +77,7 @@ def test_klingel_conicity_is_that_of_the_integrated_motion():
     def crest(_x, state):
         return state[1]
 
-    start, tolerance = skew._extremes(3.0)[0], {"rtol": 1e-10, "atol": 1e-14}
+    start, tolerance = skew.extremes(3.0)[0], {"rtol": 1e-10, "atol": 1e-14}
     found = scipy.integrate.solve_ivp(
         motion, (0.0, 3e4), (start, 0.0), events=crest, max_step=20.0, **tolerance
     )

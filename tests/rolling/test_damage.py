@@ -21,7 +21,7 @@ def material(rate, utilisation=None):
     if utilisation is None:
         utilisation = 1.2 * np.exp(-((DEPTH - 0.1) ** 2) / 0.02)
     rows = np.tile(utilisation, (len(rate), 1))
-    zeta = damage._material_depths(DEPTH, 0.05)
+    zeta = damage.material_depths(DEPTH, 0.05)
     now = BodyFatigue("A", np.arange(len(rate)) * 1.0, DEPTH, rows, rows, rows, None, math.nan)
     now = now.with_damage(zeta, np.zeros((len(rate), zeta.size)), np.zeros(len(rate)))
     used = rows[None]
@@ -35,7 +35,7 @@ def rolled(one, jumps, life=LIFE):
         worn = one.fatigue.worn + jump * one.rate
         now = replace(one.fatigue, worn=worn)
         reached = now, one.utilisation, worn, one.rate, (1.0,)
-        one = damage._after_jump(one, *reached, (jump, before), life, revolution)
+        one = damage.after_jump(one, *reached, (jump, before), life, revolution)
         revolution, before = revolution + jump, jump
     return one
 
@@ -87,7 +87,7 @@ def test_long_jumps_are_the_sum_of_passes():
             shape = np.exp(-((DEPTH - 0.1) ** 2) / 0.02) * (1.2 - 0.3 * (n / 400) ** 0.5)
             now = replace(one.fatigue, utilisation=np.tile(shape, (2, 1)), worn=worn)
             reached = now, now.utilisation[None], worn, rate, (1.0,)
-            one = damage._after_jump(one, *reached, (jump, last), LIFE, n - jump)
+            one = damage.after_jump(one, *reached, (jump, last), LIFE, n - jump)
             last = jump
         return one
 
@@ -123,7 +123,7 @@ def test_jumps_are_judged_where_the_top_lies_above_all_places():
     suddenly = replace(one, utilisation_before=0.9 * one.utilisation)
     worn = one.fatigue.worn + 31 * one.rate
     reached = replace(one.fatigue, worn=worn), one.utilisation, worn, one.rate, (1.0,)
-    after = damage._after_jump(suddenly, *reached, (31, 9), steep, 10)
+    after = damage.after_jump(suddenly, *reached, (31, 9), steep, 10)
     left = after.fatigue.damage[after.fatigue.zeta[None] >= after.fatigue.worn[:, None]]
     assert after.fatigue.damage_max[0] > left.max() / damage.NEAR
     assert after.missed > 0.0
@@ -257,7 +257,7 @@ def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkey
         far = replace(last, contacts=(contact,), revolution=last.revolution + jump, observed={})
         return far, math.inf
 
-    monkeypatch.setattr("tractive_sam.rolling.adaptive._jump", away)
+    monkeypatch.setattr("tractive_sam.rolling.adaptive.jump_on", away)
     monkeypatch.setattr("tractive_sam.rolling.process.GROWTHS", 0)
     scene = discs("wear.revolutions=9", "wear.save=[0, 9]").replace(grid=None)
     for path in (None, tmp_path / "a.h5"):

@@ -8,7 +8,7 @@ from tests.scenes import interrupted
 from tractive_sam.contact import Model
 from tractive_sam.results import Grid
 from tractive_sam.rolling import steps
-from tractive_sam.rolling.heat import _memories
+from tractive_sam.rolling.heat import heat_memories
 from tractive_sam.run import memory
 
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
@@ -94,7 +94,7 @@ def test_heat_is_the_work_of_friction():
     model = Model(SPHERES.replace(transient=course, **{"creepage.speed": 50.0}))
     found = list(steps(model))
     assert any(one.result.shifted for one in found)
-    memories, last = _memories(model), found[-1]
+    memories, last = heat_memories(model), found[-1]
     past = last.observed["heat"].past
     taken = sum(memories[body].taken_up(past[body]) for body in "AB")
     assert taken == pytest.approx(last.friction, rel=1e-3)  # N mm = mJ; of what has faded out

@@ -13,7 +13,7 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import PlausibilityWarning
 from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
-from tractive_sam.studies.figures import _short, _texts, _variable
+from tractive_sam.studies.figures import axis_variable, distinct_texts, short_key
 from tractive_sam.studies.folder import Folder
 from tractive_sam.studies.task import CaseOutcome
 
@@ -176,8 +176,8 @@ def test_figures_over_one_axis(done, tmp_path):
 def test_axes_that_are_fixed_are_distinguished():
     bodies = ({"key": f"body.{body}.radius_x", "values": [300.0, 400.0]} for body in "AB")
     study = small(*bodies, MU)
-    assert _short("body.A.radius_x", study) != _short("body.B.radius_x", study)
-    assert _short("friction.mu", study) == "mu"
+    assert short_key("body.A.radius_x", study) != short_key("body.B.radius_x", study)
+    assert short_key("friction.mu", study) == "mu"
 
 
 @pytest.mark.usefixtures("empty_pictures")
@@ -248,9 +248,9 @@ def test_three_axes_are_too_many_for_a_figure(tmp_path):
 def test_axes_of_courses_and_blocks_are_named_in_a_line():
     rolled, shifted = map(Scene.builtin, ("traction-control", "fretting"))
     courses = {"transient.creepage.longitudinal": ((0.0, 1e-3), (0.0, 2e-3))}
-    assert "shift" not in _variable(courses, rolled).label
-    assert _variable(courses, shifted).label.endswith("mm")
-    assert _variable({"duty[0].load.normal": (1.0, 2.0)}, rolled).label == "$P$ of duty[0] (N)"
+    assert "shift" not in axis_variable(courses, rolled).label
+    assert axis_variable(courses, shifted).label.endswith("mm")
+    assert axis_variable({"duty[0].load.normal": (1.0, 2.0)}, rolled).label == "$P$ of duty[0] (N)"
 
 
 def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_reported_by_name_and_revolutions():
@@ -258,9 +258,9 @@ def test_blocks_of_a_duty_cycle_as_values_of_an_axis_are_reported_by_name_and_re
     assert format_setting(tuple(duty)) == "(curve 7, duty[1] 3)"
     assert format_setting(1.0 / 3.0) == "0.333333"
     assert len(format_setting(tuple(range(100)))) <= 50
-    assert _texts(((1, 2), (3, 4))) == ["(1, 2)", "(3, 4)"]
+    assert distinct_texts(((1, 2), (3, 4))) == ["(1, 2)", "(3, 4)"]
     many = [(*range(100), end) for end in (1, 2)]  # cut short, they differ by their places
-    assert len(set(_texts(many))) == 2
+    assert len(set(distinct_texts(many))) == 2
 
 
 def test_warnings_of_scenes_are_not_reported_again_where_results_are_opened(tmp_path):

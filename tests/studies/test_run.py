@@ -304,7 +304,7 @@ def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch)
 def test_long_cases_first(tmp_path):
     revolutions = {"key": "wear.revolutions", "values": [1, 100, 10]}
     requested = Study(scene="twin-discs", set=["grid.elements=[15, 41]"], axis=[revolutions])
-    tasks, done = run._remaining_tasks(Folder(tmp_path), cases(requested), requested)
+    tasks, done = run.remaining_tasks(Folder(tmp_path), cases(requested), requested)
     assert [task.case.changes["wear.revolutions"] for task in tasks] == [100, 10, 1]
     assert done == 0
 

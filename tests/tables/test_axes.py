@@ -11,9 +11,9 @@ from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, creepages_at
 from tractive_sam.mechanics.full_slip import full_slip_force
 from tractive_sam.tables import TableAxis, building, grid
-from tractive_sam.tables.building import REFINEMENT, Refinement
 from tractive_sam.tables.coefficients import coefficients
 from tractive_sam.tables.grid import CreepageGrid
+from tractive_sam.tables.refinement import Refinement
 
 STEEL = {"young": 208e3, "poisson": 0.3}
 FLAT = {"radius_x": math.inf, "radius_y": math.inf}
@@ -148,7 +148,7 @@ def test_full_slip_is_that_of_friction():
     requested = scene(friction={"mu": [0.3, 0.15], "angle": 30.0})
     design = ts.TableDesign(scene=requested, elements=15, tolerance=0.2)
     w = np.array([math.cos(0.4), math.sin(0.4), 0.0])
-    found = design.contacts(()).forces(REFINEMENT.full * w, 15)
+    found = design.contacts(()).forces(Refinement().full * w, 15)
     expected = full_slip_force(1.0, (1.0, 0.5), math.radians(30.0), (w[0], w[1]))
     # Nothing sticks: what is left is the tolerance of the solver.
     np.testing.assert_allclose(found, [*expected, 0.0], atol=1e-5)
@@ -225,9 +225,8 @@ def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
     """On few nodes: the errors reported are those of points anywhere, of all values of the axis."""
     monkeypatch.setattr(grid, "HEADINGS", 3)
     monkeypatch.setattr(grid, "TILTS", 2)
-    monkeypatch.setattr(building, "FIRST_U", (0.0, 0.4, 0.7, 1.0))
-    few = Refinement(samples=2, anywhere=40, checks=40)
-    monkeypatch.setattr(building, "REFINEMENT", few)
+    few = Refinement(samples=2, anywhere=40, checks=40, first_u=(0.0, 0.4, 0.7, 1.0))
+    monkeypatch.setattr(building, "Refinement", lambda: few)
     y = np.linspace(-20.0, 20.0, 81)
     for file, depth in (("new", 0.0), ("worn", 0.02)):
         columns = np.column_stack([y, depth * np.exp(-((y / 4.0) ** 2))])

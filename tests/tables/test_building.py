@@ -7,9 +7,13 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.lookup import creepages_at
-from tractive_sam.tables.building import REFINEMENT, _Builder
+from tractive_sam.tables.builder import TableBuilder
 from tractive_sam.tables.contacts import Solved
+from tractive_sam.tables.refinement import Refinement
 from tractive_sam.tables.solving import Batch
+from tractive_sam.tables.table_contacts import TableContacts
+
+REFINEMENT = Refinement()
 
 RATIO = {"key": "friction.mu", "name": "mu2_over_mu1",
          "values": [[0.3, 0.15], [0.3, 0.3]], "at": [0.5, 1.0]}  # fmt: skip
@@ -35,7 +39,8 @@ def solve(weights, jobs):
 
 def builder(weights, tolerance, seed):
     design = ts.TableDesign(axis=[RATIO], tolerance=tolerance, seed=seed)
-    return _Builder(design, partial(solve, weights), lambda _: None)
+    contacts = TableContacts(design, partial(solve, weights), lambda _: None, REFINEMENT)
+    return TableBuilder(contacts)
 
 
 def built(weights, tolerance, seed):
@@ -67,7 +72,7 @@ def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
     table = one.build()
     assert len(one.check_points) >= 2 * REFINEMENT.anywhere  # the first led to nodes
     unseen = one.check_points[-REFINEMENT.anywhere :]
-    assert np.abs(one._errors(table, unseen)).max() <= REFINEMENT.miss * 5e-3
+    assert np.abs(one.errors_at(table, unseen)).max() <= REFINEMENT.miss * 5e-3
     assert len(set(one.check_points)) == len(one.check_points)
     assert table.about["held_out_worst"] <= 5e-3
 
@@ -75,7 +80,7 @@ def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
 def test_held_out_points_leave_no_gap():
     """A cell of three axes, of 125, holds eight of a thousand of them."""
     one = builder(orthotropic, 5e-3, 0)
-    points = np.array(one._points_at_shares(one.anywhere.random(REFINEMENT.anywhere)))[:, 3:]
+    points = np.array(one.points_at_shares(one.anywhere.random(REFINEMENT.anywhere)))[:, 3:]
     low, high = (np.array([axis[k] for axis in one.axes[3:]]) for k in (0, -1))
     cells = np.floor(5 * (points - low) / (high - low)).astype(int)
     counts = np.unique(cells @ [25, 5, 1], return_counts=True)[1]
@@ -96,8 +101,8 @@ def test_nodes_are_added_along_the_axis_that_is_to_blame():
 def test_intervals_that_stay_are_judged_by_the_same_points():
     """New ones in each round would find ever worse ones, and never end."""
     one = builder(orthotropic, 5e-3, 0)
-    table = one._table([np.zeros((max(len(axis) - 1, 0), 3)) for axis in one.axes])
-    for first, again in zip(one._interval_errors(table), one._interval_errors(table), strict=True):
+    table = one.make_table([np.zeros((max(len(axis) - 1, 0), 3)) for axis in one.axes])
+    for first, again in zip(one.interval_errors(table), one.interval_errors(table), strict=True):
         np.testing.assert_array_equal(first, again)
 
 
@@ -111,7 +116,7 @@ def test_tables_are_updated_without_solving_their_nodes_again():
         return solve(lambda place: 1.1 * orthotropic(place), jobs)
 
     one = builder(orthotropic, 0.05, 0)
-    one.solve = count
+    one.contacts.solver = count
     updated = one.update(table)
     assert all(job.finer or not any(job.w) for job in requested)
     new, old = (each.law.coefficients for each in (updated, table))

@@ -482,7 +482,7 @@ def _centre_of_three(support, weights, points):
 
 
 @compiled
-def _evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
+def evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
     """Evaluate the criterion on a plane: shear amplitude and largest normal stress.
 
     Return tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), depending on the factors;
@@ -593,7 +593,7 @@ def critical_plane(out, paths, sum_k, product_k):
             face, u, v, side = stack[left]
             far = _cell_normal(normal, stack[left])
             enough = best * (1.0 + ENOUGH) - bend * far
-            value = _evaluate_plane(path, normal, sum_k, product_k, room, enough)[0]
+            value = evaluate_plane(path, normal, sum_k, product_k, room, enough)[0]
             if value <= enough or side <= smallest:
                 continue
             if value > best:
@@ -713,13 +713,13 @@ def _stress_ranges(box, path, looks):
 def _local_maximum(normal, path, sum_k, product_k, room):
     """Return the local maximum that Newton steps reach from a normal."""
     trial = np.empty(3)
-    here, count, at = _evaluate_plane(path, normal, sum_k, product_k, room)
+    here, count, at = evaluate_plane(path, normal, sum_k, product_k, room)
     for _ in range(STEPS):
-        a, b = _newton_step(path, here, count, at, sum_k, product_k, room)
+        a, b = newton_step(path, here, count, at, sum_k, product_k, room)
         gain = 0.0
         for _ in range(SHORTENED):
-            _turn_normal(trial, normal, a, b)
-            there, count, at = _evaluate_plane(path, trial, sum_k, product_k, room)
+            turn_normal(trial, normal, a, b)
+            there, count, at = evaluate_plane(path, trial, sum_k, product_k, room)
             gain = there - here
             if gain > 0.0:
                 here = there
@@ -732,7 +732,7 @@ def _local_maximum(normal, path, sum_k, product_k, room):
 
 
 @compiled
-def _newton_step(path, here, count, at, sum_k, product_k, room):
+def newton_step(path, here, count, at, sum_k, product_k, room):
     """Return the Newton step (a, b) along the axes of the plane evaluated last.
 
     The squared radius is the largest, over weights w of the points that hold the circle, of the
@@ -786,7 +786,7 @@ def _newton_step(path, here, count, at, sum_k, product_k, room):
     haa = factor * haa + 4.0 * product_k * ga * en + twice * (ee - n)
     hbb = factor * hbb + 4.0 * product_k * gb * fn + twice * (ff - n)
     hab = factor * hab + 2.0 * product_k * (ga * fn + gb * en) + twice * ef
-    return _solve_newton_step(
+    return solve_newton_step(
         here, factor * ga + twice * en, factor * gb + twice * fn, haa, hab, hbb
     )
 
@@ -799,7 +799,7 @@ def _column_differences(seen, k):
 
 
 @compiled
-def _solve_newton_step(here, ga, gb, haa, hab, hbb):
+def solve_newton_step(here, ga, gb, haa, hab, hbb):
     """Return the step from gradient and second derivatives, uphill if the curvature is positive."""
     largest = 0.5 * (haa + hbb) + math.hypot(0.5 * (haa - hbb), hab)
     shift = max(0.0, largest + 0.1 * here)
@@ -826,7 +826,7 @@ def _perpendicular_axes(normal):
 
 
 @compiled
-def _turn_normal(out, normal, a, b):
+def turn_normal(out, normal, a, b):
     """Set the normal turned by (a, b) towards its two perpendicular axes."""
     e, f = _perpendicular_axes((normal[0], normal[1], normal[2]))
     total = 0.0

@@ -18,7 +18,7 @@ GROUPS = Path("/sys/fs/cgroup")
 
 def available_memory() -> float:
     """Return the memory that the process may still take, bytes; infinite if it is unknown."""
-    return max(0.0, min(_free_memory(), _memory_of_groups(), _memory_of_limit()))
+    return max(0.0, min(_free_memory(), memory_of_groups(), _memory_of_limit()))
 
 
 def _free_memory() -> float:
@@ -32,7 +32,7 @@ def _free_memory() -> float:
     return math.inf
 
 
-def _memory_of_groups(root: Path = GROUPS, members: Path = Path("/proc/self/cgroup")) -> float:
+def memory_of_groups(root: Path = GROUPS, members: Path = Path("/proc/self/cgroup")) -> float:
     """Return the memory left to the control groups of the process, bytes."""
     left = [math.inf]
     with suppress(OSError, ValueError):

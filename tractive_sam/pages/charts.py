@@ -51,11 +51,11 @@ def charts(history: History) -> list[dict[str, Any]]:
     groups: list[tuple[str, dict[str, Quantity]]] = []
     for name in [name for name in free if PREFIX + name in free]:
         pair = {key: free.pop(key) for key in (name, PREFIX + name)}
-        groups.append((_title(pair[name]), pair))
+        groups.append((chart_title(pair[name]), pair))
     for title, keys in TOGETHER:
         names = [name for name, one in free.items() if name in keys or one.role in keys]
         groups.append((title, {name: free.pop(name) for name in names}))
-    groups += [(_title(one), {name: one}) for name, one in free.items()]
+    groups += [(chart_title(one), {name: one}) for name, one in free.items()]
     found = [_chart(history, title, list(group.values())) for title, group in groups]
     return sorted((chart for chart in found if chart["lines"]), key=lambda chart: chart["aside"])
 
@@ -87,7 +87,7 @@ def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
     return bool(np.abs(np.diff(position)).sum() > travel * np.ptp(position))
 
 
-def _title(quantity: Quantity) -> str:
+def chart_title(quantity: Quantity) -> str:
     """Return the description of a quantity with a capital letter."""
     return quantity.long_name[:1].upper() + quantity.long_name[1:]
 

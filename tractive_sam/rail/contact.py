@@ -216,7 +216,7 @@ class Patch:
     @cached_property
     def wheel_s(self) -> float:
         """Arc length of the wheel profile at the origin, mm."""
-        return float(self._wheel_at(np.zeros((1, 1)), np.zeros((1, 1)))[1][0, 0])
+        return float(self.wheel_at(np.zeros((1, 1)), np.zeros((1, 1)))[1][0, 0])
 
     @property
     def rolling_radius(self) -> float:
@@ -235,7 +235,7 @@ class Patch:
 
     def wheel_profile(self, y: Array) -> tuple[Array, Array]:
         """Return height of the wheel over the plane at x = 0, and its arc length, shape (n,)."""
-        height, s = self._wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
+        height, s = self.wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
         return height[0], s[0]
 
     def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
@@ -252,11 +252,11 @@ class Patch:
         -------
         ndarray, shape (n, m)
         """
-        height, _ = self._wheel_at(np.asarray(x)[:, None], np.asarray(y)[None, :])
+        height, _ = self.wheel_at(np.asarray(x)[:, None], np.asarray(y)[None, :])
         outside = (y < self.limits[0]) | (y > self.limits[1])
         return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
 
-    def _wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
+    def wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
         """Return height of the wheel over points of the plane, and arc length of its profile.
 
         By Newton's method for the point of the wheel on the normal, exact for any yaw and roll.

@@ -103,7 +103,7 @@ class ContactLocus:
         """
         self._check_amplitude(amplitude)
         potential = self._potential
-        extremes = self._extremes(amplitude)
+        extremes = self.extremes(amplitude)
         middle, half = 0.5 * sum(extremes), 0.5 * (extremes[1] - extremes[0])
         angles = np.pi * (np.arange(2000) + 0.5) / 2000 - 0.5 * np.pi  # no end point: 0/0 there
         energy = potential(extremes[0]) - potential(middle + half * np.sin(angles))
@@ -118,7 +118,7 @@ class ContactLocus:
         values = self.radius_difference / (self.tape_distance * self.nominal_radius)
         return scipy.interpolate.make_interp_spline(self.y, values, k=1).antiderivative()
 
-    def _extremes(self, amplitude: float) -> tuple[float, float]:
+    def extremes(self, amplitude: float) -> tuple[float, float]:
         """Return the extreme positions of a motion with the same potential energy."""
         potential = self._potential
 

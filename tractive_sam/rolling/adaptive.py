@@ -105,7 +105,7 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
     step = control.first(last.revolution, last.jump, settled)
     solves = 0
     while True:
-        jump = _roll if step.length == 1 else _jump
+        jump = _roll if step.length == 1 else jump_on
         now, error = jump(model, last, step.length, response)
         solves += now.solves
         now = attribute_wear(last, now)
@@ -239,7 +239,7 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
     return replace(now, course=course), error
 
 
-def _jump(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
+def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
     """Return the passage after one step of the formula, and its error over the tolerance."""
     revolution, here = last.revolution + jump, last.course[-1]
     formula, open_ = _Formula.from_course(last.course, jump), _rate_lost_to_gap(last, response)

@@ -199,7 +199,7 @@ class Damage(Observer):
         turns, bodies = passage.turns[0], {}
         for body, (cycle, used) in _cycle_fatigue(passage, model, cycle_depths(longest)).items():
             worn, rate = passage.worn_depths(body)
-            zeta = _material_depths(cycle.depth, WORN * semi_axes(longest)[0])
+            zeta = material_depths(cycle.depth, WORN * semi_axes(longest)[0])
             none = np.zeros((cycle.y.size, zeta.size))
             now = cycle.with_damage(zeta, none, worn)
             bodies[body] = BodyDamage(now, used, used, rate, turns.per_count[body], none)
@@ -215,7 +215,7 @@ class Damage(Observer):
             worn, rate = passage.worn_depths(body)
             rolled = cycle, used, worn, rate, passage.weights
             order = orders.get(body)
-            bodies[body] = _after_jump(before[body], *rolled, jump, life, self.revolution, order)
+            bodies[body] = after_jump(before[body], *rolled, jump, life, self.revolution, order)
         return Damage(passage.revolution, self.revolution, bodies)
 
     def missed(self, model: Model) -> float:
@@ -374,7 +374,7 @@ def _widen_rows(values: np.ndarray, elements: int) -> np.ndarray:
     return widen_field(values, (elements, values.shape[-1]))
 
 
-def _material_depths(depth: np.ndarray, fine: float) -> np.ndarray:
+def material_depths(depth: np.ndarray, fine: float) -> np.ndarray:
     """Return material depths, mm: all depths, and others between them; squares down to `fine`."""
     places = list(fine * np.linspace(0.0, 1.0, FINE) ** 2)
     step = places[-1] - places[-2]
@@ -398,7 +398,7 @@ def _widen_body(damage: BodyDamage, y: np.ndarray) -> BodyDamage:
     return replace(damage, fatigue=now, rate=widen_field(damage.rate, y.shape), **wider)
 
 
-def _after_jump(
+def after_jump(
     last: BodyDamage,
     now: BodyFatigue,
     used: np.ndarray,

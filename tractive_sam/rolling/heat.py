@@ -26,7 +26,7 @@ def _memory(grid: Grid, speed: float, diffusivity: float, conductivity: float) -
     return HeatMemory(grid, speed, diffusivity, conductivity)
 
 
-def _memories(model: Model) -> dict[str, HeatMemory]:
+def heat_memories(model: Model) -> dict[str, HeatMemory]:
     """Return the operators of both bodies; bodies of equal material share one object."""
     speed, grid = model.scene.creepage.speed, model.grid
     return {
@@ -56,7 +56,7 @@ class TransientHeat(Observer):
 
     def bytes_needed(self, model: Model) -> float:
         """See `Observer.bytes_needed`: fields of both bodies before, after and during a step."""
-        return 8.0 * 3 * sum(math.prod(memory.shape) for memory in _memories(model).values())
+        return 8.0 * 3 * sum(math.prod(memory.shape) for memory in heat_memories(model).values())
 
     def begin(self, step: Any, model: Model) -> "TransientHeat":
         """See `Observer.begin`.
@@ -65,12 +65,12 @@ class TransientHeat(Observer):
         temperature, and in contact that of two half-spaces put together.
         """
         heat = step.result.contact.heat or _first_temperatures(step.result.contact, model)
-        first = TransientHeat(heat, _per_body(_memories(model), HeatMemory.settled, heat.flux))
+        first = TransientHeat(heat, _per_body(heat_memories(model), HeatMemory.settled, heat.flux))
         return first._after_shift(step.result, model) if step.result.shifted else first
 
     def after(self, step: Any, model: Model) -> "TransientHeat":
         """See `Observer.after`."""
-        memories = _memories(model)
+        memories = heat_memories(model)
         adopted = replace(self, past=_per_body(memories, HeatMemory.adopt, self.past))
         if step.result.shifted:
             return adopted._after_shift(step.result, model)
@@ -94,7 +94,7 @@ class TransientHeat(Observer):
         }
         heat = FlashTemperature(contact.grid, contact.touching, warmth, dict.fromkeys(BODIES, none))
         past = {
-            body: _memories(model)[body].after_shock(self.past[body], share * total)
+            body: heat_memories(model)[body].after_shock(self.past[body], share * total)
             for body, share in _shares_of_instant_heat(model).items()
         }
         return replace(self, heat=heat, past=past)

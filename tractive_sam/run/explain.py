@@ -190,7 +190,7 @@ def seconds_per_application(model: Model) -> float:
     A smaller mesh stands for a large one; its time is scaled by the work of the transforms.
     """
     fields, operators = memory.fields_per_operator(model), model.operators
-    shape = _timed_shape(model.grid.elements)
+    shape = timed_shape(model.grid.elements)
     operators = operators.on(operators.lattice.of(shape))
     operator = {1: operators.normal, 2: operators.slip}.get(fields) or operators.coupled
     values = np.ones(operator.shape)
@@ -212,7 +212,7 @@ def transform_work(shape: tuple[int, int]) -> float:
     return elements * np.log2(4.0 * elements)
 
 
-def _timed_shape(shape: tuple[int, int]) -> tuple[int, int]:
+def timed_shape(shape: tuple[int, int]) -> tuple[int, int]:
     """Return the shape of the part of a mesh that is timed: similar sides, few elements."""
     share = np.sqrt(min(1.0, TIMED / np.prod(shape, dtype=float)))
     nx, ny = (min(n, max(3, round(share * n))) for n in shape)

@@ -167,7 +167,7 @@ class Projection(ABC):
     def _states(self, mapping: ProjectedMap, state: Array) -> States:
         """Yield the states to evaluate; stop if the iteration diverges."""
 
-    def _iterated(
+    def iterate(
         self, mapping: ProjectedMap, tolerance: float, state: Array
     ) -> tuple[Outcome, ProjectedMap]:
         """Solve for a given approach; also return the map, whose steps may be shorter."""
@@ -219,7 +219,7 @@ class Projection(ABC):
             traction = np.zeros_like(problem.rigid)
         if problem.is_pressure_fixed:
             mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, self.step_factor)
-            outcome, _ = self._iterated(mapping, tolerance, traction)
+            outcome, _ = self.iterate(mapping, tolerance, traction)
         else:
             pressure, approach = start.pressure, start.approach
             if pressure is None:
@@ -228,7 +228,7 @@ class Projection(ABC):
             mapping = ProjectedMap.of(problem, pressure > 0.0, self.step_factor)
             state = np.concatenate((pressure[None], traction))
             if problem.load is None:
-                outcome, _ = self._iterated(mapping, tolerance, state)
+                outcome, _ = self.iterate(mapping, tolerance, state)
             else:
                 outcome = self._under_load(mapping, tolerance, state, approach)
         trace = (Note(self.name, outcome.status),)
@@ -246,7 +246,7 @@ class Projection(ABC):
             missed = np.inf if last is None else abs(last[1])
             # The load can be no better than the contact from which it is summed.
             inner = max(0.1 * tolerance, min(1e-3, 0.1 * missed))
-            now, mapping = self._iterated(mapping, inner, state)
+            now, mapping = self.iterate(mapping, inner, state)
             outcome = now if outcome is None else now.costing(outcome)
             if not now.converged:
                 return outcome

@@ -100,7 +100,7 @@ def save_figures(
     left = _fix_axes(results, at or {})
     names = quantities or [name for name in DEFAULTS if _varies(results, name)]
     make_folder(directory)
-    fixed = {_short(key, results.study): value for key, value in (at or {}).items()}
+    fixed = {short_key(key, results.study): value for key, value in (at or {}).items()}
     named = ", ".join(f"{key} = {value}" for key, value in fixed.items())
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
     paths = []
@@ -124,7 +124,7 @@ def first_figure(results: Tabulated) -> Figure | None:
         return None
 
 
-def _short(key: str, study: Study) -> str:
+def short_key(key: str, study: Study) -> str:
     """Return the last part of a key, or all of it if another axis has the same."""
     last = [one.name.rpartition(".")[2] for one in study.dimensions]
     short = key.rpartition(".")[2]
@@ -191,24 +191,24 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
     quantity = Variable(name, values, about.long_name, about.unit)
     scene = results.rows[0].case.scene
     if free[0].name == SAMPLE:
-        variables = {key: _variable(free[0].columns, scene, key) for key in free[0].columns}
+        variables = {key: axis_variable(free[0].columns, scene, key) for key in free[0].columns}
         yield "samples", study_samples(variables, quantity, title=title)
         return
     if len(free) == 1:
-        yield "curve", study_curves(_variable(free[0].columns, scene), quantity, title=title)
+        yield "curve", study_curves(axis_variable(free[0].columns, scene), quantity, title=title)
         return
     if len(free[0]) < len(free[1]):
         free, quantity = free[::-1], replace(quantity, values=values.T)
-    x, over = (_variable(one.columns, scene) for one in free)
+    x, over = (axis_variable(one.columns, scene) for one in free)
     yield "curves", study_curves(x, quantity, over, title=title)
     yield "map", study_map(x, over, quantity, title=title)
 
 
-def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
+def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
     """Return the values of a key; by default of the first one, that of the axis."""
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
-    values = np.array(columns[key] if numbers else _texts(columns[key]))
+    values = np.array(columns[key] if numbers else distinct_texts(columns[key]))
     table, _, name = key.rpartition(".")
     meaning = title_of(key)
     if table == "transient.creepage":
@@ -217,7 +217,7 @@ def _variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None
     return Variable(key, values, meaning, _unit(key, scene))
 
 
-def _texts(column: tuple) -> list[str]:
+def distinct_texts(column: tuple) -> list[str]:
     """Return values as texts, with their indices if some texts are equal."""
     texts = [format_setting(one) for one in column]
     return [f"{k}: {one}" if texts.count(one) > 1 else one for k, one in enumerate(texts)]

@@ -142,7 +142,7 @@ def study(
         if note := folder.log.read().damage_note:
             say(note)
             folder.log.drop_damaged()
-        tasks, done = _remaining_tasks(folder, found, requested)
+        tasks, done = remaining_tasks(folder, found, requested)
         # The progress refers to the remaining work, without cases that are complete already.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
@@ -161,7 +161,7 @@ def study(
     return open_study(directory)
 
 
-def _remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tuple[list[Task], int]:
+def remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tuple[list[Task], int]:
     """Return the remaining tasks and the number of complete cases.
 
     Long cases are first; if scalars are kept, neighbours follow each other.

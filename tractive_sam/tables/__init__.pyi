@@ -1,7 +1,6 @@
 """The public names of tables, for `__init__.py` and for type checkers."""
 
 from .axis import TableAxis as TableAxis
-from .building import Progress as Progress
 from .building import build_table as build_table
 from .describe import explain_design as explain_design
 from .describe import explain_table as explain_table
@@ -13,3 +12,4 @@ from .fmu import write_fmu as write_fmu
 from .opening import builtin_tables as builtin_tables
 from .opening import is_table as is_table
 from .opening import open_table as open_table
+from .refinement import Progress as Progress

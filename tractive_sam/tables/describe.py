@@ -15,9 +15,9 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
 from tractive_sam.studies import Axis, Study
 from tractive_sam.tables.axis import TableAxis
-from tractive_sam.tables.building import FIRST_U
 from tractive_sam.tables.design import TableDesign
 from tractive_sam.tables.grid import CreepageGrid
+from tractive_sam.tables.refinement import Refinement
 from tractive_sam.tables.solving import NODE_SHARE
 
 
@@ -86,7 +86,7 @@ def _describe_work(design: TableDesign) -> list[tuple[str, str]]:
         seconds = process_time() - began
     quarter = CreepageGrid(*design.symmetries)
     lengths = [len(nodes) for nodes in (*design.first_nodes, *quarter.first)]
-    first = math.prod(lengths) * len(FIRST_U)
+    first = math.prod(lengths) * len(Refinement().first_u)
     return [
         ("a node", f"about {seconds:.2g} s of one core"),
         (f"{first} nodes to begin with", f"about {first * seconds / 3600.0:.2g} core-hours"),

@@ -1,0 +1,295 @@
+"""Refine a table: add nodes where errors at check points are too large."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from time import process_time
+from typing import Any
+
+import numpy as np
+from scipy.stats import qmc
+
+from tractive_sam.lookup import CreepTable, Hermite, cell_of
+from tractive_sam.schema import Fault
+from tractive_sam.tables.coefficients import coefficients
+from tractive_sam.tables.contacts import Solved
+from tractive_sam.tables.design import TableError
+from tractive_sam.tables.gradient_errors import GradientBars, GradientChecks
+from tractive_sam.tables.solving import NODE_SHARE
+from tractive_sam.tables.table_contacts import Point, TableContacts
+
+
+@dataclass(eq=False)
+class TableBuilder:
+    """The grid of a table while it is refined, with the contacts that are solved."""
+
+    contacts: TableContacts
+    middles: dict[tuple[int, float, float], list[Point]] = field(default_factory=dict)
+    check_points: list[Point] = field(default_factory=list)
+    previous_seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.design, self.refinement = self.contacts.design, self.contacts.refinement
+        design, self.began = self.design, process_time()
+        self.grid, self.lead = self.contacts.grid, self.contacts.lead
+        self.axes = [*design.first_nodes, *self.grid.first, np.array(self.refinement.first_u)]
+        self.discrete = [design.names.index(name) for name in design.apart]
+        self.random = np.random.default_rng(design.seed)
+        self.anywhere = qmc.Halton(len(self.axes), rng=np.random.default_rng(design.seed))
+
+    def build(self) -> CreepTable:
+        """Build the table of the design."""
+        while True:
+            table = self.make_table([np.zeros((max(len(a) - 1, 0), 3)) for a in self.axes])
+            between = self.interval_errors(table)
+            wanted = NODE_SHARE * self.design.tolerance
+            split = [np.flatnonzero(one.max(axis=1, initial=0.0) > wanted) for one in between]
+            if not any(map(len, split)):
+                split = self._choose_splits(table)
+            if not any(map(len, split)):
+                checked = self._measure_errors(between)
+                if checked.about["held_out_worst"] <= self.design.tolerance:
+                    return self._with_gradient_bars(checked)
+                self.check_points += map(tuple, checked.about["check_points"])
+                continue
+            self.contacts.round += 1
+            self.axes = [self._refine(k, some) for k, some in enumerate(split)]
+            count = math.prod(map(len, self.axes))
+            if count > self.design.most or self.contacts.round > self.refinement.rounds:
+                needs = (
+                    f"{count} nodes in {self.contacts.round} rounds, more than {self.design.most}"
+                )
+                fault = Fault(
+                    "tolerance",
+                    f"{self.design.tolerance:g}, which needs {needs}",
+                    "a larger tolerance, more nodes (most), or fewer values of the axes",
+                )
+                raise TableError([fault])
+
+    def update(self, previous: CreepTable) -> CreepTable:
+        """Return a table with the nodes of a previous one: solve rest again, check gradients."""
+        self.axes, coefficients = list(previous.law.axes), previous.law.coefficients
+        self.contacts.number = int(previous.about.get("contacts", 0))
+        self.previous_seconds = float(previous.about.get("cpu_seconds", 0.0))
+        by_heading_tilt_u = np.moveaxis(coefficients[..., [4, 2, 1], :], -2, -1)
+        for place in np.ndindex(previous.bars.shape[:-1]):
+            point = tuple(float(axis[k]) for axis, k in zip(self.axes, place, strict=True))
+            if point[-1] > 0.0:
+                force = coefficients[place][0]
+                self.contacts.nodes[point] = Solved(
+                    force, previous.bars[place], by_heading_tilt_u[place]
+                )
+        return self._with_gradient_bars(self.make_table(previous.between, previous.about))
+
+    def _refine(self, axis: int, split: np.ndarray) -> np.ndarray:
+        """Return the nodes of an axis with divided intervals; those of creepages stay symmetric."""
+        nodes = self.axes[axis]
+        split = self.grid.alike(axis - self.lead, split, len(nodes) - 1)
+        middles = 0.5 * (nodes[split] + nodes[split + 1]) if len(split) else np.empty(0)
+        return np.sort(np.concatenate([nodes, middles]))
+
+    def _measure_errors(self, between: list[np.ndarray]) -> CreepTable:
+        """Return the table with its errors at new check points anywhere."""
+        table = self.make_table(between)
+        count = min(self.refinement.checks, table.nodes)
+        points = self.points_at_shares(self.random.random((count, len(self.axes))))
+        errors_by_force = np.abs(self.errors_at(table, points))
+        reported = table.error_at(list(np.array(points).T)).T
+        shares, errors = (
+            (errors_by_force / (reported + 1e-12)).max(axis=1),
+            errors_by_force.max(axis=1),
+        )
+        # The error bars of 95 of 100 points, with those of the contact, are sufficient.
+        widening = max(1.0, float(np.quantile(shares, 0.97)))
+        design = self.design
+        about = {
+            "title": design.title,
+            "design": design.to_toml(),
+            "tolerance": design.tolerance,
+            "rounds": self.contacts.round,
+            "held_out": len(errors),
+            "held_out_median": float(np.median(errors)),
+            "held_out_worst": float(np.max(errors)),
+            "held_out_inside": float(np.mean(shares <= widening)),
+            "widened": widening,
+        }
+        checks = {"check_points": np.array(points), "check_errors": errors_by_force}
+        checks["check_told"] = widening * reported
+        return self.make_table([widening * errors for errors in between], about | checks, widening)
+
+    def _with_gradient_bars(self, table: CreepTable) -> CreepTable:
+        """Return the table with error bars of its gradients, and its cost."""
+        axis, lead = self.axes[-1], self.lead
+        # A place needs about as many contacts as twenty nodes: at most a tenth of the work.
+        number, random = np.clip(table.nodes // 200, 4, 24), np.random.default_rng(self.design.seed)
+        shares = random.random((number, len(axis) - 1, len(self.axes)))
+        shares[..., :lead] = shares[:, :1, :lead]  # a point in each interval of u, at each place
+        steps = np.arange(len(axis) - 1) + shares[..., -1]
+        shares[..., -1] = np.interp(steps, np.arange(len(axis)), axis)
+        points = self.points_at_shares(shares.reshape(-1, len(self.axes)))
+        places = {one[:lead] for one in (*points, *itertools.product(*self.axes[:lead]))}
+        moving = self._solve_gradients(points, table, finer=True)
+        at_rest = self._solve_gradients(
+            [(*place, 0.0, 0.0, 0.0) for place in sorted(places)], table
+        )
+        bars = GradientBars.from_errors(
+            axis, moving.points[:, -1], moving.errors(table), at_rest.errors(table)
+        )
+        made = {
+            "contacts": self.contacts.number,
+            "cpu_seconds": self.previous_seconds
+            + max(self.contacts.seconds, process_time() - self.began),
+        }
+        about = {**table.about, **bars.about, **made}
+        return replace(table, about=about, gradient_bars=bars.values)
+
+    def _solve_gradients(
+        self, points: list[Point], table: CreepTable, finer: bool = False
+    ) -> GradientChecks:
+        """Return gradients that are solved at points, if `finer` on finer meshes than nodes."""
+        lead = self.lead
+        contacts = self.contacts
+        jobs = [replace(contacts.job(point[:lead], point[lead:]), finer=finer) for point in points]
+        contacts.solve(jobs, table.nodes)
+        return GradientChecks(
+            np.array(points),
+            np.array([job.w for job in jobs]),
+            np.array([self.design.ratio(job.place) for job in jobs]),
+            np.array([contacts.solved[job].gradient for job in jobs]),
+            np.array([contacts.solved[job].gradient_bar for job in jobs]),
+        )
+
+    def make_table(
+        self,
+        between: Sequence[np.ndarray],
+        about: Mapping[str, Any] | None = None,
+        widening: float = 1.0,
+    ) -> CreepTable:
+        """Return the table of the present nodes."""
+        shape = tuple(map(len, self.axes))
+        places = list(itertools.product(*map(range, shape)))
+        points = [
+            tuple(float(axis[k]) for axis, k in zip(self.axes, place, strict=True))
+            for place in places
+        ]
+        found = self.contacts.solve_nodes(points)
+        values = np.array([one.force for one in found]).reshape(*shape, 3)
+        bars = np.array([one.bar for one in found]).reshape(*shape, 3)
+        slopes = np.array([one.gradient for one in found]).reshape(*shape, 3, 3)
+        self._end_slopes(values, slopes)
+        derivatives = coefficients(self.axes, values, slopes, self.grid.whole, self.discrete)
+        design = self.design
+        return CreepTable(
+            Hermite(tuple(self.axes), derivatives),
+            design.names,
+            widening * bars,
+            tuple(between),
+            about or {},
+            design.apart,
+            self.grid.whole,
+            design.contact,
+        )
+
+    def _end_slopes(self, values: np.ndarray, slopes: np.ndarray) -> None:
+        """Slopes by u in full slip: of the parabola through the last two nodes and its slope."""
+        u = self.axes[-1]
+        rise = (values[..., -1, :] - values[..., -2, :]) / (u[-1] - u[-2])
+        slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]
+
+    def points_at_shares(self, shares: np.ndarray) -> list[Point]:
+        """Return points at shares of each axis; of a discrete axis at one of its nodes."""
+        return [
+            tuple(
+                float(axis[int(share * len(axis))] if k in self.discrete
+                      else axis[0] + share * (axis[-1] - axis[0]))
+                for k, (axis, share) in enumerate(zip(self.axes, point, strict=True))
+            )
+            for point in shares
+        ]  # fmt: skip
+
+    def errors_at(self, table: CreepTable, points: list[Point]) -> np.ndarray:
+        """Return the errors of a table at points, shape (P, 3)."""
+        exact = self.contacts.forces(points, table.nodes)
+        return table.law(list(np.array(points).T)).T - exact
+
+    def interval_errors(self, table: CreepTable) -> list[np.ndarray]:
+        """Return the largest errors of interpolation in the middle of every interval, by axis.
+
+        An interval has the same points in every round: among new ones some would be worse.
+        """
+        found, points, where = [], [], []
+        for k, nodes in enumerate(self.axes):
+            found.append(np.zeros((max(len(nodes) - 1, 0), 3)))
+            if k in self.discrete:
+                continue
+            for cell, (low, high) in enumerate(itertools.pairwise(map(float, nodes))):
+                if (k, low, high) not in self.middles:
+                    middle = 0.5 * (low + high)
+                    self.middles[k, low, high] = [
+                        self._random_point(k, middle) for _ in range(self.refinement.samples)
+                    ]
+                points += self.middles[k, low, high]
+                where += self.refinement.samples * [(k, cell)]
+        for (k, cell), error in zip(where, np.abs(self.errors_at(table, points)), strict=True):
+            found[k][cell] = np.maximum(found[k][cell], error)
+        for k, errors in enumerate(found):
+            for one in range(len(errors)):
+                alike = self.grid.alike(k - self.lead, np.array([one]), len(errors))
+                errors[alike] = errors[alike].max(axis=0)
+        return found
+
+    def _random_point(self, axis: int, x: float) -> Point:
+        """Return a random node, moved along one axis to x."""
+        at = [float(self.random.choice(nodes)) for nodes in self.axes]
+        if axis != len(self.axes) - 1:  # neither at rest nor in full slip
+            at[-1] = float(self.random.choice(self.axes[-1][1:-1]))
+        return (*at[:axis], x, *at[axis + 1 :])
+
+    def _choose_splits(self, table: CreepTable) -> list[np.ndarray]:
+        """Return the intervals to divide because errors at points anywhere are too large.
+
+        These are the check points so far. If their errors are small, as many new ones follow, from
+        the sequence of Halton, which leaves no gap in several dimensions. At such a point the axis
+        with the largest error is divided, over the share of nodes that are added; the other
+        coordinates are those of the nearest node.
+        """
+        split: list[set[int]] = [set() for _ in self.axes]
+        missed = self._find_missed(table)
+        if not missed:
+            number = min(self.refinement.anywhere, table.nodes)
+            self.check_points += self.points_at_shares(self.anywhere.random(number))
+            missed = self._find_missed(table)
+        if not missed:
+            return [np.empty(0, int) for _ in split]
+        free = [k for k, axis in enumerate(self.axes) if len(axis) > 1 and k not in self.discrete]
+        probes: list[Point] = []
+        for point in missed:
+            node = [float(axis[np.abs(axis - x).argmin()])
+                    for axis, x in zip(self.axes, point, strict=True)]  # fmt: skip
+            node[-1] = min(max(node[-1], self.axes[-1][1]), self.axes[-1][-2])
+            probes += [(*node[:k], point[k], *node[k + 1 :]) for k in free]
+        along = np.abs(self.errors_at(table, probes)).max(axis=1).reshape(len(missed), len(free))
+        for point, seen in zip(missed, along, strict=True):
+            cells = [self._symmetric_cells(k, point[k]) for k in free]
+            planes = [len(some) / len(self.axes[k]) for k, some in zip(free, cells, strict=True)]
+            worst = int((seen / planes).argmax())
+            split[free[worst]].update(cells[worst].tolist())
+        return [np.array(sorted(some), int) for some in split]
+
+    def _find_missed(self, table: CreepTable) -> list[Point]:
+        """Return the check points whose errors are too large."""
+        if not self.check_points:
+            return []
+        errors = np.abs(self.errors_at(table, self.check_points)).max(axis=1)
+        least = max(
+            self.refinement.miss * self.design.tolerance, self.refinement.worst * errors.max()
+        )
+        return [one for one, error in zip(self.check_points, errors, strict=True) if error > least]
+
+    def _symmetric_cells(self, axis: int, x: float) -> np.ndarray:
+        """Return the interval of an axis that contains x, with its images by symmetry."""
+        nodes = self.axes[axis]
+        return self.grid.alike(axis - self.lead, cell_of(nodes, np.array([x])), len(nodes) - 1)

@@ -1,0 +1,149 @@
+"""The contacts of a table: the jobs of its points, their solutions, and its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+
+from tractive_sam.lookup import by_coordinates, creepages_at
+from tractive_sam.reference import full_slip_with_spin
+from tractive_sam.schema import Fault
+from tractive_sam.tables.contacts import Solved
+from tractive_sam.tables.design import TableDesign, TableError
+from tractive_sam.tables.grid import CreepageGrid
+from tractive_sam.tables.refinement import Progress, Refinement
+from tractive_sam.tables.solving import Job, Solve
+
+Point: TypeAlias = tuple[float, ...]
+"""Coordinates on all axes: the axes of the design, then heading, tilt and u."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Node:
+    """The contact of a node and the signs of its creepages: w = signs * w of the contact."""
+
+    job: Job
+    signs: np.ndarray
+
+
+@dataclass(eq=False)
+class TableContacts:
+    """The contacts of a table that are solved, and its nodes.
+
+    Attributes
+    ----------
+    design : TableDesign
+        The design of the table.
+    solver : callable
+        Solver of jobs.
+    report : callable
+        Called with the progress whenever contacts have been solved.
+    refinement : Refinement
+        Settings.
+    solved : dict
+        Solution of each job.
+    nodes : dict
+        Solution of each node, with its gradient by heading, tilt and u.
+    number : int
+        Number of contacts solved.
+    seconds : float
+        CPU time that they took.
+    round : int
+        Number of refinements, for the progress.
+    """
+
+    design: TableDesign
+    solver: Solve
+    report: Callable[[Progress], None]
+    refinement: Refinement
+    solved: dict[Job, Solved] = field(default_factory=dict)
+    nodes: dict[Point, Solved] = field(default_factory=dict)
+    number: int = 0
+    seconds: float = 0.0
+    round: int = 0
+
+    def __post_init__(self) -> None:
+        self.grid = CreepageGrid(*self.design.symmetries)
+        self.lead = len(self.design.names)
+
+    def solve_nodes(self, points: Sequence[Point]) -> list[Solved]:
+        """Return the nodes at points; those that are not known yet are solved."""
+        new = {point: self._canonical_node(point) for point in points if point not in self.nodes}
+        self.solve([node.job for node in new.values() if node is not None], len(points))
+        for point, node in new.items():
+            self.nodes[point] = self._node(point, node)
+        return [self.nodes[point] for point in points]
+
+    def forces(self, points: Sequence[Point], nodes: int) -> np.ndarray:
+        """Return the forces at points that need not be nodes, shape (P, 3)."""
+        jobs = [self.job(point[: self.lead], point[self.lead :], False) for point in points]
+        self.solve(jobs, nodes)
+        return np.array([self.solved[job].force for job in jobs])
+
+    def _canonical_node(self, point: Point) -> _Node | None:
+        """Return the node of a contact; None if full slip has a closed form."""
+        if point[-1] == 1.0 and self.design.closed_form:
+            return None
+        place = point[: self.lead]
+        creepages, signs = self.grid.canonical(point[self.lead :])
+        return _Node(self.job(place, creepages), signs)
+
+    def job(self, place: Point, creepages: Point, gradient: bool = True) -> Job:
+        """Return the job to solve the contact at a place."""
+        heading, tilt, u = creepages
+        w = creepages_at(self.design.ratio(place), heading, tilt, min(u, self.refinement.last_u))
+        return Job(place, (float(w[0]), float(w[1]), float(w[2])), gradient)
+
+    def _node(self, point: Point, node: _Node | None) -> Solved:
+        """Return a node with its gradient by heading, tilt and u."""
+        ratio = self.design.ratio(point[: self.lead])
+        heading, tilt, u = point[self.lead :]
+        if node is None:
+            return _full_slip_node(ratio, heading, tilt, self.refinement.step)
+        found = self.solved[node.job]
+        by_w = node.signs[:, None] * found.gradient * node.signs
+        by = by_w @ by_coordinates(ratio, heading, tilt, min(u, self.refinement.last_u))
+        return Solved(node.signs * found.force, found.bar, by)
+
+    def solve(self, jobs: Iterable[Job], nodes: int) -> None:
+        """Solve the contacts that are not solved yet, neighbours one after another."""
+        new = dict.fromkeys(job for job in jobs if job not in self.solved)
+        left = sorted(new, key=lambda job: job.place)
+        done = 0
+        for first, batch in self.solver(left):
+            self.solved.update(zip(left[first:], batch.found, strict=False))
+            self.number += batch.contacts
+            self.seconds += batch.seconds
+            done += len(batch.found)
+            self.report(Progress(nodes, nodes - len(left) + done, self.round))
+            for found in batch.found:
+                self._check_bar(found)
+
+    def _check_bar(self, found: Solved) -> None:
+        """Raise an error if the error bar of a contact exceeds the tolerance."""
+        design = self.design
+        if found.bar.max() > design.tolerance:
+            fault = Fault(
+                "tolerance",
+                f"{design.tolerance:g}, but an error bar of "
+                f"{found.bar.max():.2g} on {design.finest} elements",
+                "a larger tolerance, or a larger finest",
+            )
+            raise TableError([fault])
+
+
+def _full_slip_node(ratio: float, heading: float, tilt: float, step: float) -> Solved:
+    """Return the closed form of full slip, with its derivatives by differences."""
+
+    def force(heading: float, tilt: float) -> np.ndarray:
+        w = creepages_at(ratio, heading, tilt, 1.0)
+        w[np.abs(w) < 1e-15] = 0.0
+        return np.array(full_slip_with_spin(ratio, (w[0], w[1]), w[2]))
+
+    by_heading = (force(heading + step, tilt) - force(heading - step, tilt)) / (2.0 * step)
+    by_tilt = (force(heading, tilt + step) - force(heading, tilt - step)) / (2.0 * step)
+    slopes = np.stack([by_heading, by_tilt, np.zeros(3)], axis=1)
+    return Solved(force(heading, tilt), np.zeros(3), slopes)
