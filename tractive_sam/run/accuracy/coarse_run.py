@@ -55,7 +55,7 @@ class CoarseRun:
         )
 
     @cached_property
-    def _interpolator(self) -> scipy.interpolate.PchipInterpolator:
+    def _interpolator(self) -> "scipy.interpolate.PchipInterpolator":
         """Values, scales and residual over the logarithm of the revolution."""
         rows = [[*s.values.values(), *s.scales.values(), s.residual] for s in self.samples]
         return scipy.interpolate.PchipInterpolator(np.log1p(self.revolutions), rows)
