@@ -22,7 +22,7 @@ LIMITS = {
     "modules over 250 code lines": 14,
     "module constants": 460,
     "code lines": 39000,
-    "public names": 119,
+    "public names": 122,
 }
 
 PACKAGE = Path(tractive_sam.__file__).parent

@@ -27,7 +27,8 @@ Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Heat, Bulk, Thermal; 
 **Changing scenes** Transient, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
 
-**Wheel and rail** WheelTable, RailTable, WheelsetTable, contact_locus
+**Wheel and rail** WheelTable, RailTable, WheelsetTable, BlockWheelset; contact_locus,
+wear_profiles, WornProfiles
 
 **Processes** Process, Step, StepRecord, ProcessTable, Observer, ObserverTable
 

@@ -50,6 +50,8 @@ from .rolling import Observer as Observer
 from .rolling import Process as Process
 from .rolling import Step as Step
 from .rolling import StepRecord as StepRecord
+from .rolling import WornProfiles as WornProfiles
+from .rolling import wear_profiles as wear_profiles
 from .run.explain import explain as explain
 from .run.export import export_surface as export_surface
 from .run.export import export_volume as export_volume
@@ -62,6 +64,7 @@ from .scene import Block as Block
 from .scene import BlockCreepage as BlockCreepage
 from .scene import BlockFriction as BlockFriction
 from .scene import BlockLoad as BlockLoad
+from .scene import BlockWheelset as BlockWheelset
 from .scene import Bodies as Bodies
 from .scene import Body as Body
 from .scene import Bulk as Bulk

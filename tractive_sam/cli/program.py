@@ -13,6 +13,7 @@ from tractive_sam.cli.explain import explain
 from tractive_sam.cli.export import export
 from tractive_sam.cli.fit import fit
 from tractive_sam.cli.keys import keys
+from tractive_sam.cli.locus import locus, wear
 from tractive_sam.cli.output import (
     ExitStatus,
     discard_output,
@@ -76,7 +77,7 @@ app = typer.Typer(
 # fmt: off
 for command in (
     run, show, plot, report, export, explain, keys, scenes, reproduce, study, study_show, table,
-    fit,
+    fit, locus, wear,
 ):
     app.command()(command)
 # fmt: on

@@ -21,6 +21,7 @@ from .roughness import rough_maps as rough_maps
 from .steady import equilibrium as equilibrium
 from .steady import solve_blocks_on_fitted_mesh as solve_blocks_on_fitted_mesh
 from .steady import solve_on_fitted_mesh as solve_on_fitted_mesh
+from .steady import solve_patches as solve_patches
 from .steady import solve_patches_on_fitted_mesh as solve_patches_on_fitted_mesh
 from .step import Stepper as Stepper
 from .step_result import StepInput as StepInput

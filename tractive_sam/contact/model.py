@@ -14,7 +14,7 @@ from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLa
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid, State
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, WheelRail
 from tractive_sam.solvers import (
     METHODS,
     Method,
@@ -71,6 +71,8 @@ class Model:
     datum : str
         Origin of the approach: "vertex", or "node", the nearest element, which results files of
         earlier versions need to resume.
+    wheel_rail : WheelRail, optional
+        Geometry of worn profiles in place of those of the scene.
     """
 
     def __init__(
@@ -83,13 +85,15 @@ class Model:
         began: Worn | None = None,
         profiles: tuple[Gap, ...] = (),
         datum: str = "vertex",
+        wheel_rail: WheelRail | None = None,
     ):
         self.scene, self.began, self.datum = scene, began, datum
         self.laws = laws or Laws.of(scene)
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
         self.measured, self.profiles = measured, profiles
-        self.patch = None if scene.wheelset is None else scene.wheel_rail.patches[0]
+        self.wheel_rail = wheel_rail or (scene.wheelset and scene.wheel_rail)
+        self.patch = self.wheel_rail.patches[0] if self.wheel_rail else None
         self.approach: float | None = None
         self.grid = grid or choose_grid(scene, measured, profiles)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
@@ -105,6 +109,7 @@ class Model:
             self.began,
             self.profiles,
             self.datum,
+            self.wheel_rail,
         )
         other.patch, other.approach = self.patch, self.approach
         return other
@@ -308,18 +313,19 @@ class Model:
         """Slip of the undeformed bodies by the prescribed creepages, s/V, shape (2, n_x, n_y)."""
         if self._rolls_with_wheelset:
             x = self.grid.x + self.stencil.rigid_ahead * self.grid.dx
-            return self.patch.rigid_slip(x, self.grid.y, self.scene.wheel_rail.pitch)
+            return self.patch.rigid_slip(x, self.grid.y, self.wheel_rail.pitch)
         return self.rigid_slip_by(*self._motion)
 
     @property
     def _rolls_with_wheelset(self) -> bool:
-        return self.patch is not None and self.scene.wheel_rail.is_motion(self.scene.creepage)
+        scene = self.scene
+        return self.patch is not None and scene.wheel_rail.is_motion(scene.creepage)
 
     @property
     def _motion(self) -> tuple[float, float, float]:
         """Longitudinal and lateral creepage and spin: of the wheelset, or of the scene."""
         if self._rolls_with_wheelset:
-            return self.patch.creepages(self.scene.wheel_rail.pitch)
+            return self.patch.creepages(self.wheel_rail.pitch)
         creepage = self.scene.creepage
         return creepage.longitudinal, creepage.lateral, creepage.spin
 

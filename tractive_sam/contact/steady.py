@@ -53,7 +53,7 @@ def equilibrium(
         Converged or not: see its status and message.
     """
     if model.shares_load:
-        return max(_share_load(model, depth, start, tolerance), key=lambda contact: contact.P)
+        return max(solve_patches(model, depth, start, tolerance), key=lambda contact: contact.P)
     tolerance = tolerance or model.scene.solver.tolerance
     meter = ConvolutionMeter(model.operators.lattice.padded)
     if model.scene.heat is None:
@@ -69,36 +69,48 @@ def equilibrium(
     return contact
 
 
-def _share_load(
+def solve_patches(
     model: Model,
     depth: np.ndarray | DepthInPass | None = None,
     start: State | None = None,
     tolerance: float | None = None,
+    load_tolerance: float = 1e-6,
 ) -> tuple[State, ...]:
     """Return all patches of a wheel; see `share_load`."""
 
     def solve(patch: Model, start: State | None) -> State:
-        resolved = patch.approach is not None and patch.approach > 0.0
-        return equilibrium(patch, depth, start, tolerance, check_resolution=resolved)
+        # Other patches begin to touch with a few elements.
+        return equilibrium(patch, depth, start, tolerance, patch.patch is model.patch)
 
-    return share_load(model, solve, start)
+    return share_load(model, solve, start, load_tolerance)
 
 
-def solve_patches_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
+def solve_patches_on_fitted_mesh(
+    model: Model, start: State | None = None, load_tolerance: float = 1e-6
+) -> tuple[Model, tuple[State, ...]]:
     """Solve all patches of a wheel, enlarging a mesh that is chosen until it contains them.
+
+    Parameters
+    ----------
+    model : Model
+        Model of a scene with a wheel.
+    start : State, optional
+        A similar contact in the first patch, used if its mesh is that of the model.
+    load_tolerance : float
+        Relative error of the load that the patches carry together.
 
     Returns
     -------
     Model, tuple of State
         The model on the mesh of the patches, and these in the order of `WheelRail.patches`.
     """
-    contacts = _share_load(model)
-    for _ in range(GROWTHS):
+    for _ in range(1 + GROWTHS):
+        near = start if start is not None and start.grid == model.grid else None
+        contacts = solve_patches(model, start=near, load_tolerance=load_tolerance)
         edges = [one.at_edge for one in contacts if one.status is Status.OFF_GRID]
         if not edges or model.scene.has_fixed_domain:
             break
         model = model.on(enlarge(model.grid, tuple(map(any, zip(*edges, strict=True)))))
-        contacts = _share_load(model)
     return model, contacts
 
 

@@ -43,7 +43,7 @@ def share_load(
     tuple of State
         The patches in the order of `WheelRail.patches`; one that is open has no pressure.
     """
-    wheelset, patches = model.scene.wheelset, model.scene.wheel_rail.patches
+    wheelset, patches = model.scene.wheelset, model.wheel_rail.patches
     load, by_normal = float(wheelset.load or wheelset.normal_load), wheelset.load is None
     models, cost = [model.of_patch(patch) for patch in patches], Cost()
     approach = model.scene.hertz.approach if start is None else start.approach

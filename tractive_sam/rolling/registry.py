@@ -25,6 +25,9 @@ def process_type(scene: Scene) -> type[Process[Any]]:
     """
     if scene.process is not None:
         return load_law_class("process.name", scene.process.name, Process)
+    if scene.wheelset is not None and scene.wear is not None:
+        cure = "no [wear]; ts.wear_profiles and `tractive-sam wear` wear profiles of wheel and rail"
+        raise SceneError([Fault("wear", "with [wheel]", cure)])
     if scene.wheelset is not None:
         return WheelRailPatches
     if not scene.schedule.revolves:

@@ -9,6 +9,7 @@ from .duty import Block as Block
 from .duty import BlockCreepage as BlockCreepage
 from .duty import BlockFriction as BlockFriction
 from .duty import BlockLoad as BlockLoad
+from .duty import BlockWheelset as BlockWheelset
 from .duty import Spectrum as Spectrum
 from .duty import block_label as block_label
 from .fatigue import Fatigue as Fatigue

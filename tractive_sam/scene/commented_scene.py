@@ -26,6 +26,9 @@ def commented_scene(name: str) -> str:
     lines = [_HEAD]
     for block in f"\n{builtin_text(name).strip()}\n".split("\n["):
         head, *rest = block.strip("\n").split("\n")
+        if head.startswith("["):  # a table of an array
+            lines += [f"[{head}", *rest, ""]
+            continue
         table, entries = (head.rstrip("]"), rest) if head.endswith("]") else ("", [head, *rest])
         lines += _comment_table(groups.pop(table, None), table, [line for line in entries if line])
     for table, group in groups.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 from tractive_sam.schema import (
     Check,
@@ -20,10 +20,14 @@ from tractive_sam.schema import (
     ValidEntries,
     entry,
     not_both,
+    shorten,
 )
 
 from .describe import format_pair
 from .override import override
+
+_CHANGED = ("load", "creepage", "friction", "wheelset")
+"""Tables of a block that change those of the scene."""
 
 
 class BlockLoad(Table):
@@ -73,6 +77,21 @@ class BlockFriction(Table):
     angle: Real | None = entry("angle from x to e1, degrees", default=None, ge=-360, le=360)
 
 
+class BlockWheelset(Table):
+    """Position of a wheelset in a block, in place of [wheelset].
+
+    Examples
+    --------
+    >>> ts.BlockWheelset(y=4.0, load=9e4).y
+    4.0
+    """
+
+    y: Real | None = entry("lateral position, to the right, mm", default=None)
+    yaw: Real | None = entry("yaw angle, mrad", default=None, ge=-100, le=100)
+    load: Positive | None = entry("vertical force on this wheel, N", default=None)
+    side: Literal["right", "left"] | None = entry("wheel that is computed", default=None)
+
+
 class Block(Table):
     """A block of a load spectrum, [[duty]]: its revolutions, and what it changes of the scene.
 
@@ -90,6 +109,7 @@ class Block(Table):
     load: InnerTable[BlockLoad] = entry("load of the block", default=BlockLoad())
     creepage: InnerTable[BlockCreepage] = entry("creepage of the block", default=BlockCreepage())
     friction: InnerTable[BlockFriction] = entry("friction of the block", default=BlockFriction())
+    wheelset: InnerTable[BlockWheelset] = entry("position of the wheelset", default=BlockWheelset())
     shift_y: Real = entry(
         "lateral position of the running band on both bodies, mm; the radii are centred there",
         default=0.0,
@@ -107,7 +127,7 @@ class Block(Table):
     def describe_changes(self) -> str:
         """Describe the changes of the scene."""
         changes = [
-            f"{key} = {format_pair(*value) if isinstance(value, tuple) else format(value, 'g')}"
+            f"{key} = {format_pair(*value) if isinstance(value, tuple) else shorten(value)}"
             for key, value in self.changes.items()
         ]
         changes += [f"shift_y = {self.shift_y:g} mm"] if self.shift_y else []
@@ -119,7 +139,7 @@ class Block(Table):
         given = self.entries()
         return {
             f"{table}.{key}": value
-            for table in ("load", "creepage", "friction")
+            for table in _CHANGED
             for key, value in given.get(table, {}).items()
         }
 
@@ -211,7 +231,7 @@ def block_label(scene: Any, k: int) -> str:
 def _block_fault(fault: Fault, k: int) -> Fault:
     """Return a fault of the scene of a block with the key of the block."""
     table = fault.key.split(".")[0]
-    if table in ("load", "creepage", "friction"):
+    if table in _CHANGED:
         return Fault(f"duty[{k}].{fault.key}", fault.given, fault.allowed)
     return Fault(f"duty[{k}]", f"{fault.key}: {fault.given}", fault.allowed)
 

@@ -166,7 +166,8 @@ class Scene(Document):
     @property
     def _unequal_turns(self) -> str:
         """Note on bodies that do not turn equally often; empty if there is none."""
-        return unequal_turns(self.body, self.wear) if self.wear and self.schedule.revolves else ""
+        revolves = self.wear and self.schedule.revolves and self.wheel is None
+        return unequal_turns(self.body, self.wear) if revolves and self.wear else ""
 
     def _check_blocks(self) -> None:
         """Raise the faults of the blocks, and issue the warnings that concern only them."""

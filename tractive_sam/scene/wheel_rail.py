@@ -9,6 +9,8 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tractive_sam.mechanics import Material, combine
 from tractive_sam.rail import (
     BUILTIN,
@@ -17,6 +19,7 @@ from tractive_sam.rail import (
     Patch,
     Profile,
     Wheel,
+    contact_points,
     find_locus,
     find_patches,
     free_roll,
@@ -74,6 +77,19 @@ class WheelRail:
             raise ValueError("the scene has no [wheel], [rail] and [wheelset]")
         return cls.from_tables(scene.wheel, scene.rail, scene.wheelset, scene.material.E_star)
 
+    @classmethod
+    def of_profiles(cls, scene: Any, wheel: Profile, rail: Profile) -> WheelRail:
+        """Find the patches of other profiles at the position of a scene.
+
+        Parameters
+        ----------
+        scene : Scene
+            Scene with [wheel], [rail] and [wheelset].
+        wheel, rail : Profile
+            Wheel, and rail in the track frame.
+        """
+        return _find(wheel, scene.wheel.radius, rail, scene.wheelset, scene.material.E_star)
+
     @property
     def equivalent_radii(self) -> tuple[float, float]:
         """R_x and R_y of the ellipsoid on a plane that overlaps like the first patch, mm."""
@@ -100,11 +116,13 @@ def _find(
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
     placed = replace(placed, roll=roll)
     load = wheelset.load or wheelset.normal_load or 0.0
-    right, left = (find_patches(one, rail, load, e_star) for one in (placed, placed.mirrored()))
-    mean = 0.5 * (right[0].rolling_radius + left[0].rolling_radius)
-    pitch = radius / mean - 1.0 if wheelset.pitch == "free" else float(wheelset.pitch)
-    patches = right if wheelset.side == "right" else left
-    return WheelRail(patches[0].wheel, rail, roll, pitch, tuple(patches))
+    sides = placed, placed.mirrored()
+    patches = find_patches(sides[wheelset.side == "left"], rail, load, e_star)
+    if wheelset.pitch != "free":
+        return WheelRail(patches[0].wheel, rail, roll, float(wheelset.pitch), tuple(patches))
+    s = np.array([contact_points(side, rail).s[0] for side in sides])
+    mean = radius + float(profile.at(s)[:, 1].mean())
+    return WheelRail(patches[0].wheel, rail, roll, radius / mean - 1.0, tuple(patches))
 
 
 def contact_locus(scene: Any, positions: Any) -> ContactLocus:

@@ -119,7 +119,12 @@ class RailTable(_ProfileTable):
     @property
     def curve(self) -> Profile:
         """The right rail in the track frame."""
-        return _placed(self._read(self.profile, "rail"), self.inclination, self.gauge)
+        return _placed(self.own_curve, self.inclination, self.gauge)
+
+    @property
+    def own_curve(self) -> Profile:
+        """The profile in its own frame."""
+        return self._read(self.profile, "rail")
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""

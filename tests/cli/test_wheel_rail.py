@@ -1,0 +1,60 @@
+import json
+
+import numpy as np
+import pytest
+
+SMALL = ("--set", "grid.elements=[15, 15]")
+
+
+def test_locus_writes_a_table_and_figures(call, folder):
+    result = call("locus", "wheel-rail", "-o", "l.csv", "--reach", 4, "--positions", 9)
+    assert result.exit_code == 0
+    assert "equivalent conicity at 3 mm" in result.output
+    table = np.genfromtxt(folder / "l.csv", delimiter=",", names=True)
+    assert table["y"].tolist() == np.linspace(-4.0, 4.0, 9).tolist()
+    assert table["radius_difference"] == pytest.approx(-table["radius_difference"][::-1], abs=1e-8)
+    assert {file.name for file in folder.glob("*.png")} == {
+        "l-points.png",
+        "l-radii.png",
+        "l-conicity.png",
+    }
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("spheres",), "wheelset"),
+        (("wheel-rail", "--amplitude", 7), "amplitude"),
+        (("wheel-rail", "--reach", 90), "contact"),
+        (("wheel-rail", "--set", "wheel.profile=S1003"), "S1002"),
+    ],
+)
+def test_faults_of_a_locus(call, arguments, text):
+    result = call("locus", *arguments, "-o", "l.csv")
+    assert result.exit_code == 2
+    assert text in result.output
+
+
+def test_wear_writes_profiles(call, folder):
+    settings = ("--set", "wear.revolutions=1000", *SMALL)
+    result = call("wear", "wheel-wear", *settings, "-o", "worn")
+    assert result.exit_code == 0
+    names = {file.name for file in (folder / "worn").iterdir()}
+    assert names == {"wheel-1000.prw", "rail-1000.prr", "wear.csv", "profiles.png"}
+    worn = ("--set", "wheel.profile=worn/wheel-1000.prw", *SMALL)
+    assert call("run", "wheel-rail", *worn, "-o", "a.h5").exit_code == 0
+
+
+def test_wear_needs_its_tables(call):
+    result = call("wear", "wheel-rail", "-o", "worn")
+    assert result.exit_code == 2
+    assert "wear" in result.output
+
+
+def test_results_of_a_wheel_have_its_columns(call):
+    assert call("run", "wheel-rail", *SMALL, "-o", "a.h5").exit_code == 0
+    shown = json.loads(call("show", "a.h5", "--json").stdout)
+    assert shown["patches"] == [1]
+    assert shown["contact_angle"][0] < 0.0
+    assert call("plot", "a.h5", "-o", "figures").exit_code == 0
+    assert call("explain", "wheel-flange").exit_code == 0

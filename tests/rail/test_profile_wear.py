@@ -1,0 +1,105 @@
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.rail import read_profile
+from tractive_sam.rolling.profile_wear import ProfileWear
+
+SETTINGS = ["wear.revolutions=100000", "grid.elements=[15, 21]"]
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return ts.Scene.builtin("wheel-wear").with_set(SETTINGS)
+
+
+@pytest.fixture(scope="module")
+def worn(scene):
+    return ts.wear_profiles(scene, deepest=0.01)
+
+
+def test_worn_area_is_that_of_the_passes(scene):
+    """In a first short step each profile loses what the passes of all positions wear off."""
+    wear = ProfileWear(scene, rail_passes=0.5)
+    nodes = scene.wheel.curve.s, scene.rail.own_curve.s
+    patches, _ = wear._wear_of_positions([np.zeros(s.size) for s in nodes], {})
+    expected = np.zeros(2)
+    for share, patch in patches:
+        for body, places in enumerate(patch.places):
+            expected[body] += share * np.trapezoid(patch.rates[body], places)
+    worn = ts.wear_profiles(scene.with_set(["wear.revolutions=100"]), rail_passes=0.5)
+    found = [worn.worn_areas[name][-1] for name in ("wheel", "rail")]
+    # Rows 0.5 mm wide onto nodes 0.1 mm apart; the step is implicit in the pressure.
+    assert found == pytest.approx(100.0 * expected, rel=0.02)
+
+
+def test_wear_follows_the_frictional_work(scene):
+    """Archard's law with isotropic friction: volume = k / mu times the work."""
+    one = scene.replace(duty=None, **{"wheelset.y": 3.0, "wheelset.yaw": 15.0})
+    contact = ts.solve(one.replace(wear=None))
+    coefficient = one.wear.laws  # A and B wear alike
+    assert set(coefficient.values()) == {"archard"}
+    worn = ts.wear_profiles(one.with_set(["wear.revolutions=1"]))
+    area = sum(worn.worn_areas[name][-1] for name in ("wheel", "rail"))
+    # k in mm3/(N m): 1e-3 in 1/MPa; full slip, where p s = work / mu.
+    assert contact.stick_fraction == 0.0
+    assert area == pytest.approx(2.0e-5 * 1e-3 * contact.dissipation / 0.3, rel=0.03)
+
+
+def test_no_node_gains_material(worn):
+    assert (np.diff(worn.wheel_depth, axis=0) >= 0.0).all()
+    assert (np.diff(worn.rail_depth, axis=0) >= 0.0).all()
+
+
+def test_wear_is_where_the_contacts_are(worn, scene):
+    y = scene.rail.curve.points[:, 0]
+    inside = y[worn.rail_depth[-1] > 0.1 * worn.rail_depth[-1].max()]
+    places = np.concatenate(worn.contact_y)
+    assert places.min() - 15.0 < inside.min()
+    assert inside.max() < places.max() + 15.0
+
+
+def test_steps_converge(scene):
+    """Linearly implicit Euler: of first order in the length of a step."""
+    deep = [
+        ts.wear_profiles(scene, deepest=step).worn_areas["wheel"][-1]
+        for step in (0.012, 0.006, 0.003)
+    ]
+    assert abs(deep[2] - deep[1]) < 0.75 * abs(deep[1] - deep[0])
+    assert deep[2] == pytest.approx(deep[1], rel=0.03)
+
+
+def test_profiles_stay_smooth(worn):
+    """The implicit step damps waves of a few elements: no patch of the tread becomes concave."""
+    wheel = worn.wheel()
+    tread = (wheel.points[:, 0] > -10.0) & (wheel.points[:, 0] < 30.0)
+    assert np.abs(wheel.curvature(wheel.s[tread])).max() < 0.1
+
+
+def test_wear_returns_the_files_that_a_scene_reads(worn, scene, tmp_path):
+    files = worn.write(tmp_path)
+    wheel, rail = read_profile(files[0], "wheel"), read_profile(files[1], "rail")
+    y = np.linspace(-30.0, 30.0, 101)
+    assert np.abs(wheel.height(y) - worn.wheel().height(y)).max() < 1e-5
+    assert np.abs(rail.height(y) - worn.rail().height(y)).max() < 3e-5
+    again = scene.with_set([f"wheel.profile='{files[0]}'", f"rail.profile='{files[1]}'"])
+    patch = again.blocks[0].wheel_rail.patches[0]
+    assert patch.origin[1] == pytest.approx(worn.contact_y[-1][0], abs=0.1)
+    assert len(np.loadtxt(files[2], delimiter=",", skiprows=1)) == worn.revolutions.size
+
+
+def test_saved_revolutions_are_met(scene):
+    worn = ts.wear_profiles(scene.with_set(["wear.save=[0, 30000, 100000]"]), deepest=0.05)
+    assert {0.0, 30000.0, 100000.0} <= set(worn.revolutions)
+
+
+def test_scenes_without_wear_or_wheel_are_refused(scene):
+    with pytest.raises(ts.SceneError, match="wear"):
+        ts.wear_profiles(ts.Scene.builtin("wheel-rail"))
+    with pytest.raises(ts.SceneError, match="wheelset"):
+        ts.wear_profiles(ts.Scene.builtin("twin-discs"))
+
+
+def test_rolling_a_wheel_with_wear_refers_to_wear_profiles(scene):
+    with pytest.raises(ts.SceneError, match="wear_profiles"):
+        ts.roll(scene)

@@ -1,0 +1,96 @@
+"""``tractive-sam locus`` and ``wear``: contact points and worn profiles of wheel and rail."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_message, report_errors
+from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
+
+
+def locus(
+    scene: SceneName,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE.csv",
+            help="Table to write; figures are written beside it.",
+        ),
+    ],
+    settings: Settings = None,
+    reach: Annotated[
+        float, typer.Option(help="Largest lateral position, to both sides, mm.")
+    ] = 6.0,
+    positions: Annotated[int, typer.Option(help="Number of positions.", min=3, max=2001)] = 21,
+    amplitude: Annotated[
+        float, typer.Option(help="Amplitude of the printed equivalent conicity, mm.")
+    ] = 3.0,
+) -> None:
+    """Write contact points, rolling radii and conicity of a wheelset over lateral positions."""
+    import numpy as np
+
+    with report_errors():
+        from tractive_sam import plot
+        from tractive_sam.scene import contact_locus
+
+        read = read_scene(scene, settings)
+        try:
+            found = contact_locus(read, np.linspace(-reach, reach, positions))
+            values = found.conicity(amplitude), found.klingel_conicity(amplitude)
+        except ValueError as error:
+            raise error_exit(ExitStatus.INVALID, str(error)) from None
+        columns = found.columns()
+        names = ",".join(columns)
+        table = np.column_stack(list(columns.values()))
+        np.savetxt(output, table, delimiter=",", header=names, comments="")
+        print_line(output)
+        for name, figure in {
+            "points": plot.contact_points(read, found),
+            "radii": plot.radius_difference(found),
+            "conicity": plot.conicity(found),
+        }.items():
+            path = output.with_name(f"{output.stem}-{name}.png")
+            figure.savefig(path)
+            print_line(path)
+    print_message(
+        f"equivalent conicity at {amplitude:g} mm: {values[0]:.4f} (harmonic), "
+        f"{values[1]:.4f} (Klingel's motion)"
+    )
+
+
+def wear(
+    scene: SceneName,
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the worn profiles."),
+    ],
+    settings: Settings = None,
+    deepest: Annotated[
+        float, typer.Option(help="Largest depth of wear of a step, mm.", min=1e-6)
+    ] = 0.01,
+    rail_passes: Annotated[
+        float,
+        typer.Option(help="Wheels over a cross section of the rail per revolution.", min=0.0),
+    ] = 1.0,
+) -> None:
+    """Wear the profiles of a wheel and a rail over the positions of a duty."""
+    with report_errors():
+        from tractive_sam import plot
+        from tractive_sam.results import NotConverged
+        from tractive_sam.rolling import wear_profiles
+
+        read = read_scene(scene, settings)
+        try:
+            worn = wear_profiles(read, deepest=deepest, rail_passes=rail_passes)
+        except NotConverged as error:
+            raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
+        for path in worn.write(output):
+            print_line(path)
+        path = output / "profiles.png"
+        plot.worn_wheel_and_rail(worn).savefig(path)
+        print_line(path)
+    depths = f"wheel {worn.wheel_depth[-1].max():.4g} mm, rail {worn.rail_depth[-1].max():.4g} mm"
+    print_message(f"worn after {worn.revolutions[-1]:g} revolutions: {depths}")

@@ -1,0 +1,165 @@
+"""Figures of wheel and rail: contact points, rolling radii, conicity, patches and worn profiles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from tractive_sam.plot.contact_view import ContactView
+from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.needs import Need
+from tractive_sam.plot.registry import contact_figure
+from tractive_sam.plot.style import LOOK, apply_style, new_axes
+from tractive_sam.rail import ContactLocus, Profile
+from tractive_sam.scene import Scene
+
+HAS_WHEEL = Need(lambda view: view.contact.scene.wheelset is not None, "a scene with [wheel]")
+
+
+def _draw_profile(axes: Any, profile: Profile, lift: float = 0.0, **style: Any) -> None:
+    """Draw a profile with z upwards."""
+    axes.plot(profile.points[:, 0], lift - profile.points[:, 1], **style)
+
+
+@contact_figure("wheel-rail", needs=[HAS_WHEEL])
+def wheel_on_rail(view: ContactView) -> Figure:
+    """Wheel and rail in the track, with the normals of all patches.
+
+    Examples
+    --------
+    >>> settings = ["grid.elements=[15, 15]"]
+    >>> plot.wheel_on_rail(ts.solve(ts.Scene.builtin("wheel-rail").with_set(settings)))
+    <Figure size ...>
+    """
+    found = view.contact.scene.wheel_rail
+    figure, axes = new_axes(1.0, 0.6)
+    points, _ = found.wheel.silhouette(found.wheel.profile.s)
+    axes.plot(points[:, 1], -points[:, 2], label="wheel")
+    _draw_profile(axes, found.rail, label="rail")
+    for patch in found.patches:
+        y, z = patch.origin[1:]
+        ends = 12.0 * patch.normal[1:]
+        label = f"{np.degrees(patch.angle):.1f}°"
+        axes.plot([y, y + ends[0]], [-z, -z - ends[1]], color=LOOK.grey)
+        axes.annotate(label, (y + ends[0], -z - ends[1]), ha="center")
+    axes.set(xlabel="y (mm)", ylabel="height (mm)", aspect="equal")
+    axes.legend(loc="lower center")
+    return figure
+
+
+@apply_style
+def contact_points(scene: Scene, locus: ContactLocus, apart: float = 12.0) -> Figure:
+    """Draw both profiles, and connect their contact points at each position.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene with [wheel], [rail] and [wheelset].
+    locus : ContactLocus
+        Its contact points, of the right side.
+    apart : float
+        Height by which the wheel is lifted, mm.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-rail")
+    >>> plot.contact_points(scene, ts.contact_locus(scene, [-2.0, 0.0, 2.0]))
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.6)
+    assert scene.wheel is not None
+    assert scene.rail is not None
+    wheel, rail, centre = scene.wheel.curve, scene.rail.curve, scene.wheel_rail.wheel.datum
+    _draw_profile(axes, wheel.moved(0.0, (centre, 0.0)), lift=apart)
+    _draw_profile(axes, rail)
+    for k, y in enumerate(locus.y):
+        (wheel_y, wheel_z), (rail_y, rail_z) = locus.wheel[0, k], locus.rail[0, k]
+        axes.plot([centre + wheel_y, rail_y], [apart - wheel_z, -rail_z], "-", color=LOOK.grey)
+        if k in (0, len(locus.y) // 2, len(locus.y) - 1):
+            axes.annotate(f"{y:g}", (rail_y, -rail_z - 1.0), ha="center", va="top", fontsize=7)
+    axes.set(xlabel="lateral position (mm)", ylabel="height (mm)", aspect="equal")
+    return figure
+
+
+@apply_style
+def radius_difference(locus: ContactLocus) -> Figure:
+    """Draw the rolling radius difference over the lateral position of the wheelset.
+
+    Parameters
+    ----------
+    locus : ContactLocus
+        Contact points; their jumps are marked.
+
+    Examples
+    --------
+    >>> plot.radius_difference(ts.contact_locus(ts.Scene.builtin("wheel-rail"), [-1.0, 0.0, 1.0]))
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.6)
+    axes.plot(locus.y, locus.radius_difference, "o-", ms=3)
+    axes.plot(locus.y[locus.jumps], locus.radius_difference[locus.jumps], "x", label="jump")
+    if locus.jumps.any():
+        axes.legend()
+    axes.set(xlabel="lateral position y (mm)", ylabel="rolling radius difference (mm)")
+    return figure
+
+
+@apply_style
+def conicity(locus: ContactLocus, points: int = 30) -> Figure:
+    """Draw the equivalent conicity over the amplitude of the lateral motion.
+
+    Parameters
+    ----------
+    locus : ContactLocus
+        Contact points on both sides of the middle.
+    points : int
+        Number of amplitudes.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-rail")
+    >>> plot.conicity(ts.contact_locus(scene, [-2.0, -1.0, 0.0, 1.0, 2.0]))
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.6)
+    most = min(-locus.y[0], locus.y[-1])
+    amplitudes = np.linspace(most / points, most, points)
+    axes.plot(amplitudes, [locus.conicity(a) for a in amplitudes], label="harmonic")
+    klingel = [locus.klingel_conicity(a) for a in amplitudes]
+    axes.plot(amplitudes, klingel, "--", label="Klingel's motion")
+    axes.set(xlabel="amplitude (mm)", ylabel=r"equivalent conicity $\tan\gamma_e$")
+    axes.set_ylim(bottom=0.0)
+    axes.legend()
+    return figure
+
+
+@apply_style
+def worn_wheel_and_rail(worn: Any, magnified: float = 100.0) -> Figure:
+    """Draw new and worn profiles, with the depths magnified.
+
+    Parameters
+    ----------
+    worn : WornProfiles
+        Result of `wear_profiles`.
+    magnified : float
+        Factor of the depths.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
+    >>> plot.worn_wheel_and_rail(ts.wear_profiles(scene))
+    <Figure size ...>
+    """
+    figure = Figure()
+    pairs = {
+        "wheel": (worn.scene.wheel.curve, worn.wheel_depth[-1], 1.0),
+        "rail": (worn.scene.rail.own_curve, worn.rail_depth[-1], -1.0),
+    }
+    for k, (name, (new, depth, outward)) in enumerate(pairs.items()):
+        axes = figure.add_subplot(2, 1, k + 1)
+        _draw_profile(axes, new, color=LOOK.grey, label=f"new {name}")
+        _draw_profile(axes, new.worn(magnified * depth, outward), label=f"wear x {magnified:g}")
+        axes.set(xlabel="y (mm)", ylabel="height (mm)", aspect="equal")
+        axes.legend()
+    return figure
