@@ -51,14 +51,13 @@ def test_explain_reports_the_stress_and_takes_little(little):
     assert "more than the 256 MiB that are free on this machine" in rows["memory"]
 
 
-def test_time_of_a_large_mesh_is_that_of_a_part(monkeypatch):
+def test_time_of_a_large_mesh_is_that_of_a_part():
     scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[101, 101]"])
     model = Model(scene)
-    monkeypatch.setattr(explain, "TIMED", 2**10)
-    assert explain.timed_shape(model.grid.elements) == (32, 32)
-    assert explain.timed_shape((3, 10**6)) == (3, 2**10 // 3)
-    assert explain.timed_shape((9, 9)) == (9, 9)
-    assert explain.seconds_per_application(model) > 0.0
+    assert explain.timed_shape(model.grid.elements, 2**10) == (32, 32)
+    assert explain.timed_shape((3, 10**6), 2**10) == (3, 2**10 // 3)
+    assert explain.timed_shape((9, 9), 2**10) == (9, 9)
+    assert explain.seconds_per_application(model, 2**10) > 0.0
     assert "slip" not in vars(model.operators)  # nothing of the whole mesh was made
 
 

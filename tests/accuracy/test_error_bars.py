@@ -32,7 +32,7 @@ NAMES = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "approach", "p_max", "wear_max")
     order=st.floats(1.0, 2.0),
 )
 def test_errors_of_first_to_second_order_are_within(limit, constant, order):
-    """SAFETY = 3 covers the factor 1/(2^(p/2) - 1) <= 2.42 that leads from difference to error."""
+    """A safety of 3 covers the factor 1/(2^(p/2) - 1) <= 2.42 from difference to error."""
     meshes = []
     for h in (2.0, math.sqrt(2.0), 1.0):
         value = limit + constant * h**order
@@ -47,7 +47,7 @@ def test_errors_of_first_to_second_order_are_within(limit, constant, order):
 
 @given(limit=st.floats(0.1, 10.0), constant=st.floats(-0.5, 0.5), order=st.floats(0.5, 2.0))
 def test_surface_stress_of_half_an_order_is_within(limit, constant, order):
-    """SURFACE_SAFETY = 6 covers 1/(2^(p/2) - 1) <= 5.29."""
+    """A safety of 6 at surfaces covers 1/(2^(p/2) - 1) <= 5.29."""
     values = [limit + constant * h**order for h in (2.0, math.sqrt(2.0), 1.0)]
     scales = dict.fromkeys(NAMES, 1.0) | {SURFACE: limit}
     meshes = [Sample(dict.fromkeys(NAMES, 1.0) | {SURFACE: v}, scales, 0.0) for v in values]

@@ -1,6 +1,7 @@
 """Describe what a scene models, what is left out and why, and estimate memory and time."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from time import perf_counter
 
 import numpy as np
@@ -23,23 +24,40 @@ from tractive_sam.run.model_rows import (
 from tractive_sam.scene import Scene
 from tractive_sam.schema import describe_tables
 
-# Typical numbers of applications at a tolerance of 1e-8: of a new contact on nested meshes, of a
-# revolution or a step, which starts from the previous one (benchmarks/transient.py), and of a jump,
-# which is solved more than once. Other work is counted by the applications that take as long.
-COLD_APPLICATIONS = 50
-WARM_APPLICATIONS = 40
-JUMP_APPLICATIONS = 50
-STRESS_APPLICATIONS = 75  # the largest stress of one body
-FATIGUE_APPLICATIONS = 4  # a depth of [fatigue] of one body
-PLANES = 15  # factor of time for a critical plane
-DEPTH_APPLICATIONS = 0.5  # a depth of a plane of both bodies
+
+@dataclass(frozen=True)
+class TypicalWork:
+    """Elastic responses that parts of a run take at a tolerance of 1e-8 (benchmarks/transient.py).
+
+    Attributes
+    ----------
+    first : int
+        A new contact on nested meshes.
+    next : int
+        A revolution or a step, which starts from the previous one.
+    jump : int
+        A jump, which is solved more than once.
+    stress : int
+        The largest stress of one body; as the rest, the responses that take as long.
+    plane : float
+        A depth of a plane of both bodies.
+    fatigue : int
+        A depth of [fatigue] of one body.
+    planes : int
+        Factor on it for a critical plane.
+    """
+
+    first: int = 50
+    next: int = 40
+    jump: int = 50
+    stress: int = 75
+    plane: float = 0.5
+    fatigue: int = 4
+    planes: int = 15
+
 
 PROGRAM_MEMORY = 250
 """Memory that a process takes before any scene, MiB."""
-
-
-TIMED = 2**18
-"""Largest number of elements of a mesh that is timed."""
 
 
 def explain(scene: Scene) -> Description:
@@ -160,37 +178,39 @@ def expected_applications(model: Model) -> int:
 
     Work on stress and fatigue counts as the number of responses that take as long.
     """
-    count, stress = expected_records(model), model.scene.subsurface
+    work, count, stress = TypicalWork(), expected_records(model), model.scene.subsurface
     bodies = depths = 0
     if stress is not None:
         saved = len(model.scene.schedule.save)
         bodies, depths = len(stress.bodies), saved * len(stress.planes) * stress.elements
-    each = JUMP_APPLICATIONS if model.scene.schedule.adaptive else WARM_APPLICATIONS
+    each = work.jump if model.scene.schedule.adaptive else work.next
     blocks = len(model.blocks)
-    contacts = blocks * (COLD_APPLICATIONS + (count - 1) * each)
+    contacts = blocks * (work.first + (count - 1) * each)
     # The coarser meshes for the error bars together take about as long as the finest.
     meshes = 1 if model.scene.accuracy is None else 2
-    total = meshes * (contacts + blocks * count * bodies * STRESS_APPLICATIONS)
-    return total + int(depths * DEPTH_APPLICATIONS) + count * _fatigue_applications(model)
+    total = meshes * (contacts + blocks * count * bodies * work.stress)
+    return total + int(depths * work.plane) + count * _fatigue_applications(model)
 
 
 def _fatigue_applications(model: Model) -> int:
     """Return the number of elastic responses that take as long as the fatigue of one record."""
-    fatigue = model.scene.fatigue
+    work, fatigue = TypicalWork(), model.scene.fatigue
     if fatigue is None:
         return 0
-    planes = PLANES if fatigue.limit and fatigue.criterion in ("findley", "fatemi-socie") else 1
+    is_critical_plane = fatigue.criterion in ("findley", "fatemi-socie")
+    planes = work.planes if fatigue.limit and is_critical_plane else 1
     depths = len(model.blocks) * len(fatigue.bodies) * fatigue.elements
-    return depths * FATIGUE_APPLICATIONS * planes
+    return depths * work.fatigue * planes
 
 
-def seconds_per_application(model: Model) -> float:
+def seconds_per_application(model: Model, most: int = 2**18) -> float:
     """Measure the time of one elastic response and of the work around it, in seconds.
 
-    A smaller mesh stands for a large one; its time is scaled by the work of the transforms.
+    A mesh of at most `most` elements stands for a larger one; its time is scaled by the work of the
+    transforms.
     """
     fields, operators = memory.fields_per_operator(model), model.operators
-    shape = timed_shape(model.grid.elements)
+    shape = timed_shape(model.grid.elements, most)
     operators = operators.on(operators.lattice.of(shape))
     operator = {1: operators.normal, 2: operators.slip}.get(fields) or operators.coupled
     values = np.ones(operator.shape)
@@ -212,8 +232,8 @@ def transform_work(shape: tuple[int, int]) -> float:
     return elements * np.log2(4.0 * elements)
 
 
-def timed_shape(shape: tuple[int, int]) -> tuple[int, int]:
+def timed_shape(shape: tuple[int, int], most: int) -> tuple[int, int]:
     """Return the shape of the part of a mesh that is timed: similar sides, few elements."""
-    share = np.sqrt(min(1.0, TIMED / np.prod(shape, dtype=float)))
+    share = np.sqrt(min(1.0, most / np.prod(shape, dtype=float)))
     nx, ny = (min(n, max(3, round(share * n))) for n in shape)
-    return min(nx, max(3, TIMED // ny)), min(ny, max(3, TIMED // nx))
+    return min(nx, max(3, most // ny)), min(ny, max(3, most // nx))

@@ -13,7 +13,7 @@ from tractive_sam.run.accuracy.error_bars import (
     error_bars,
     relative_error_bars,
 )
-from tractive_sam.run.accuracy.levels import NEEDED
+from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
 
 GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
@@ -48,9 +48,9 @@ def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Asse
     peak : bool
         Whether the peak contact pressure must be within the tolerance as well.
     """
-    solved = [sample for sample in samples[-NEEDED:] if sample is not None]
-    if len(solved) < NEEDED:
-        note = f"error bars need {NEEDED} meshes, and only {len(solved)} could be solved"
+    solved = [sample for sample in samples[-Levels.needed :] if sample is not None]
+    if len(solved) < Levels.needed:
+        note = f"error bars need {Levels.needed} meshes, and only {len(solved)} could be solved"
         return Assessment({}, _add_advice(contact.scene, note))
     relative = relative_error_bars(*solved)
     worst, name = worst_error_bar(relative, peak)

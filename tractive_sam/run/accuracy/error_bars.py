@@ -25,24 +25,6 @@ from tractive_sam.contact import Laws
 from tractive_sam.results import BodyFatigue, Maximum, State
 from tractive_sam.rolling import stressed_volume
 
-SAFETY = 3.0
-"""Error bar over the difference between the last two meshes (benchmarks/error_bars.py)."""
-
-PREVIOUS = 0.7
-"""Weight of the previous difference: 2^(-1/2), by which errors of first order fall."""
-
-SURFACE_SAFETY, SURFACE_PREVIOUS = 6.0, 0.84
-"""Both for the largest stress at a surface: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4)."""
-
-GROWING = 0.9
-"""Ratio of the last two growths of the peak pressure above which it approaches no limit."""
-
-GROWN = 0.02
-"""Smallest relative growth that is not chance."""
-
-SHARED = 0.4
-"""Smallest relative bar of a force or of pressure, over the largest of all forces."""
-
 FORCES = ("Qx", "Qy", "Mz")
 SHARING = (*FORCES, "p_max")
 
@@ -253,7 +235,8 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
     }
     if math.isinf(seen["p_max"]):
         seen |= {name: math.inf for name in seen if _at_surface(name)}
-    shared = SHARED * max(seen[name] for name in FORCES)
+    # Least bar of a force and of the pressure, over the largest bar of all forces.
+    shared = 0.4 * max(seen[name] for name in FORCES)
     for name, scale in fine.scales.items():
         if scale > 0.0:
             floor = max(shared, fine.residual) if name in SHARING else fine.residual
@@ -271,11 +254,13 @@ def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
     if isinstance(name, BodyStress) and not name.surface and 0.0 in (coarse, middle):
         return 0.0  # there was no maximum; once it appears, it is well resolved
     early, late = middle - coarse, fine - middle
-    if name == "p_max" and late > GROWN * fine and late > GROWING * early > 0.0:
+    # A peak that grows by more than chance, nearly as much as before, nears no limit.
+    if name == "p_max" and late > 0.02 * fine and late > 0.9 * early > 0.0:
         return math.inf
-    safety, previous = (
-        (SURFACE_SAFETY, SURFACE_PREVIOUS) if _at_surface(name) else (SAFETY, PREVIOUS)
-    )
+    # The safety on the last difference (benchmarks/error_bars.py), and the weight of the previous
+    # one: 2^(-1/2), by which errors of first order fall. At a surface they fall with the root of
+    # the element size: 1/(2^(1/4) - 1) = 5.3, and 2^(-1/4).
+    safety, previous = (6.0, 0.84) if _at_surface(name) else (3.0, 0.7)
     return safety * max(abs(late), previous * abs(early))
 
 

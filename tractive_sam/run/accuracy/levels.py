@@ -1,22 +1,11 @@
 """The meshes of a scene from coarse to fine, and the tolerances that follow from an accuracy."""
 
 import math
+from typing import ClassVar
 
 from tractive_sam.contact import Gap, choose_grid
 from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
-
-FIRST = -4
-"""Coarsest level: a quarter of the usual elements along each axis."""
-
-NEEDED = 3
-"""Number of meshes that an error bar needs."""
-
-WEAR_TOLERANCE = 2e-4
-"""Largest tolerance of the adaptive steps: meshes then differ by their resolution only."""
-
-SOLVER_SHARE = 0.01
-"""Residual of the contact conditions over the accuracy."""
 
 
 class Levels:
@@ -30,6 +19,12 @@ class Levels:
         Its measured separation.
     """
 
+    first: ClassVar[int] = -4
+    """Coarsest level: a quarter of the usual elements along each axis."""
+
+    needed: ClassVar[int] = 3
+    """Number of meshes that an error bar needs."""
+
     def __init__(self, scene: Scene, measured: Gap | None):
         self._scene, self._measured = scene, measured
 
@@ -39,7 +34,7 @@ class Levels:
 
     def allowed(self, level: int) -> bool:
         """Return whether the scene allows the elements of a level; the first levels always."""
-        few = level < FIRST + NEEDED
+        few = level < self.first + self.needed
         return few or math.prod(self.grid(level).elements) <= self._scene.accuracy.elements
 
     def of(self, grid: Grid) -> int:
@@ -50,7 +45,7 @@ class Levels:
         LookupError
             If the mesh is of no level of this scene.
         """
-        level = FIRST
+        level = self.first
         while self.grid(level).dx > 0.99 * grid.dx:
             equal = math.isclose(self.grid(level).dx, grid.dx, rel_tol=1e-9)
             if equal and math.isclose(self.grid(level).dy, grid.dy, rel_tol=1e-9):
@@ -65,7 +60,8 @@ def set_tolerances(scene: Scene) -> Scene:
     entries = scene.entries()
     changes = {}
     if "tolerance" not in entries.get("solver", {}):
-        changes["solver.tolerance"] = max(SOLVER_SHARE * tolerance, 1e-8)
+        changes["solver.tolerance"] = max(0.01 * tolerance, 1e-8)  # of the contact conditions
     if "wear" in entries and "tolerance" not in entries["wear"]:
-        changes["wear.tolerance"] = min(tolerance, WEAR_TOLERANCE)
+        # With adaptive steps this accurate, meshes differ by their resolution only.
+        changes["wear.tolerance"] = min(tolerance, 2e-4)
     return scene.replace(**changes)

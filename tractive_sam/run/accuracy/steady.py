@@ -8,7 +8,7 @@ from tractive_sam.contact import Gap, Laws, Model, solve_on_fitted_mesh
 from tractive_sam.results import Cost, State
 from tractive_sam.run.accuracy.assessment import assess
 from tractive_sam.run.accuracy.error_bars import Sample
-from tractive_sam.run.accuracy.levels import FIRST, Levels
+from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import fatigue, stress_maxima
 
@@ -51,7 +51,7 @@ def refine_unworn(
     """
     levels = Levels(scene, measured)
     samples: list[Sample | None] = []
-    cost, elements, level = Cost(), 1, FIRST
+    cost, elements, level = Cost(), 1, Levels.first
     while True:
         model, contact = solve_on_fitted_mesh(model_of(scene, measured, levels.grid(level)))
         before, elements = elements, math.prod(model.grid.elements)
