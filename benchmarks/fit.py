@@ -16,6 +16,7 @@ from time import process_time
 
 import numpy as np
 from experiment import HEAT, SCENE, SLIP, SPEED, TRACK
+from scipy.interpolate import RectBivariateSpline
 from timing import show, write
 
 import tractive_sam as ts
@@ -64,7 +65,7 @@ def power_of(scene: ts.Scene, mu: float, layer: float) -> np.ndarray:
 def powers() -> None:
     """Fit friction and layer to the measured powers, beside a grid of chi-square."""
     measured = HEAT * 1e3 / (SPEED * TRACK)
-    found = ts.fit(creep(SCENE, measured))
+    found = ts.fit(creep(SCENE, measured, curve=0))
     scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False, curve=0))
     before = power_of(SCENE, 0.463, 0.0) / measured
     after = found.dataset["predicted"].values / measured
@@ -76,17 +77,18 @@ def powers() -> None:
             for m in mu
         ]
     )
-    best = np.unravel_index(chi2.argmin(), chi2.shape)
-    # Near its minimum chi-square is a paraboloid of the logarithms.
-    x, y = np.meshgrid(np.log(mu / mu[best[0]]), np.log(layers / layers[best[1]]), indexing="ij")
-    near = chi2 < chi2.min() + 6.0
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)[near]
-    _, bx, by, cxx, cxy, cyy = np.linalg.lstsq(terms, chi2[near], rcond=None)[0]
-    hessian = np.array([[2.0 * cxx, cxy], [cxy, 2.0 * cyy]])
-    shift = np.linalg.solve(hessian, [-bx, -by])
-    covariance = 2.0 * np.linalg.inv(hessian)
-    deviation = np.sqrt(np.diag(covariance))
-    grid = np.array([mu[best[0]], layers[best[1]]]) * np.exp(shift)
+    # Between the points of the grid chi-square is a cubic spline; it is rough by the mesh.
+    axes = [np.linspace(one[0], one[-1], 401) for one in (mu, layers)]
+    dense = RectBivariateSpline(mu, layers, chi2)(*axes)
+    best = np.unravel_index(dense.argmin(), dense.shape)
+    grid = [axis[k] for axis, k in zip(axes, best, strict=True)]
+    # Profiles of chi-square rise by one at one standard deviation.
+    inside = dense - dense.min() < 1.0
+    deviation = [0.5 * np.ptp(axis[inside.any(axis=1 - k)]) for k, axis in enumerate(axes)]
+    weights = np.exp(-0.5 * (dense - dense.min()))
+    places = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(2, -1)
+    covariance = np.cov(places, aweights=weights.ravel())
+    correlation = covariance[0, 1] / np.sqrt(covariance.diagonal().prod())
     rows = []
     for k, key in enumerate(FRICTION):
         rows.append(
@@ -96,9 +98,9 @@ def powers() -> None:
                 "sd": found.sd[key],
                 "sd by scatter": scattered.sd[key],
                 "grid": grid[k],
-                "sd of grid": grid[k] * deviation[k],
+                "sd of grid": deviation[k],
                 "correlation": found.correlation[0, 1],
-                "of grid": covariance[0, 1] / deviation.prod(),
+                "of grid": correlation,
                 "contacts": found.solves,
                 "contacts of grid": chi2.size * SLIP.size,
             }
@@ -136,6 +138,21 @@ def exact() -> None:
     design = worn(masses, history["wear_profile_B"][-1], history.y)
     design["parameter"] = [{"key": key, "start": 0.7 * value} for key, value in WEAR.items()]
     rows += _errors(ts.fit(design), WEAR)
+    law = {"law": "exponential", "static": 0.5, "kinetic": 0.25, "half_speed": 20.0}
+    falling = LINE.replace(**{"creepage.speed": 1e3, "friction": law})
+    forces = [
+        ts.solve(falling.replace(**{"creepage.longitudinal": -slip})).Qx / falling.normal_load
+        for slip in SLIP
+    ]
+    columns = {"creepage.longitudinal": -SLIP, "Qx_over_P": forces}
+    data = {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
+    truth = {f"friction.{name}": law[name] for name in ("static", "kinetic", "half_speed")}
+    design = {"scene": falling, "free": list(truth), "data": [data | {"noise": 0.05}], "curve": 0}
+    design["parameter"] = [
+        {"key": key, "start": factor * value}
+        for (key, value), factor in zip(truth.items(), (0.9, 0.9, 1.25), strict=True)
+    ]
+    rows += _errors(ts.fit(design), truth)
     write("fit_exact", rows)
     show("Data without noise", rows)
 

@@ -679,6 +679,18 @@ def fit_powers() -> str:
     return format_columns(read_rows("fit_powers.csv"), columns)
 
 
+def fit_exact() -> str:
+    """Return the errors of estimates from data without noise."""
+    columns = {
+        "key": ("key", str),
+        "truth": ("truth", number("g")),
+        "relative error": ("error", number(".0e")),
+        "contacts of the fit": ("contacts", number(".0f")),
+        "rolls": ("rolls", number(".0f")),
+    }
+    return format_columns(read_rows("fit_exact.csv"), columns)
+
+
 def fit_ratios() -> str:
     """Return predicted over measured work with and without a layer."""
     columns = {
@@ -776,6 +788,7 @@ TABLES = {
         experiment,
         fit_powers,
         fit_ratios,
+        fit_exact,
         fit_repeats,
         fit_cost,
     )

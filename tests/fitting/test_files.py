@@ -16,6 +16,7 @@ FIT = """
 [fit]
 scene = "rig.toml"
 free = ["friction.mu"]
+curve = 0
 
 [[fit.data]]
 file = "creep.csv"

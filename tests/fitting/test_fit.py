@@ -60,10 +60,7 @@ def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
     start = starts(wear__coefficient__A=1e-4, wear__coefficient__B=1.5e-4)
     found = ts.fit({"scene": discs, "free": [*truth], "parameter": start, "data": sets})
     assert np.abs(errors(found, truth)).max() < EXACT
-    position = dict(
-        zip(found.dataset["position"].values, found.dataset["position_value"].values, strict=True)
-    )
-    assert position["fit.data[1] offset"] == pytest.approx(0.05, abs=1e-6)
+    assert found.positions["fit.data[1] offset"] == pytest.approx(0.05, abs=1e-6)
     assert found.rolls <= 40  # both sets share each roll
 
 
@@ -88,9 +85,9 @@ def test_exact_derivatives_are_those_of_differences(spheres):
     """Of mu and the load, on the mesh that is fixed while the load varies."""
     coarse = spheres.replace(grid=None).replace(**{"grid.elements": (17, 17)})
     data = creep_data(coarse, {"friction.mu": 0.35})
-    design = {"scene": coarse, "free": ["friction.mu", "load.normal"], "data": [data]}
+    design = {"scene": coarse, "free": ["friction.mu", "load.normal"], "data": [data], "curve": 0}
     prior = {"key": "load.normal", "prior": [coarse.normal_load, 0.1 * coarse.normal_load]}
-    found = ts.fit(design | {"parameter": [prior]})
+    found = ts.fit(design | {"parameter": [prior], "mesh_check": False, "curve": 0})
     slopes = found.dataset["jacobian"].values
     mu, load = found.values["friction.mu"], found.values["load.normal"]
     grid = found.design.fit.scene.grid
@@ -123,7 +120,7 @@ def test_friction_across_straight_rolling_is_not_determined(spheres):
     scene = spheres.replace(**{"friction.mu": (0.35, 0.3)})
     data = creep_data(scene, {})
     free = ["friction.mu[0]", "friction.mu[1]"]
-    found = ts.fit({"scene": scene, "free": free, "data": [data]})
+    found = ts.fit({"scene": scene, "free": free, "data": [data], "curve": 0})
     assert len(found.undetermined) == 1
     assert "friction.mu[1]" in found.undetermined[0]
     assert found.values["friction.mu[0]"] == pytest.approx(0.35, rel=EXACT)
@@ -135,7 +132,9 @@ def test_only_coefficient_times_force_is_determined_in_full_slip(spheres):
     force = 0.35 * spheres.normal_load
     columns = {"creepage.longitudinal": [-0.05, -0.1], "Qx": [force, force]}
     data = {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx", "noise": 0.05}
-    found = ts.fit({"scene": spheres, "free": ["friction.mu", "load.normal"], "data": [data]})
+    found = ts.fit(
+        {"scene": spheres, "free": ["friction.mu", "load.normal"], "data": [data], "curve": 0}
+    )
     assert found.undetermined == ["only friction.mu * load.normal is determined"]
     product = found.values["friction.mu"] * found.values["load.normal"]
     assert product == pytest.approx(force, rel=1e-4)  # the mesh carries the load to this
@@ -205,7 +204,14 @@ def test_an_outlier_counts_less_by_a_robust_loss(spheres):
 def test_random_starts_find_the_same_minimum(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     bounds = {"key": "friction.mu", "start": 0.1, "lower": 0.05, "upper": 0.9}
-    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [bounds]}
+    design = {
+        "scene": spheres,
+        "free": ["friction.mu"],
+        "data": [data],
+        "parameter": [bounds],
+        "mesh_check": False,
+        "curve": 0,
+    }
     found = ts.fit(design | {"starts": 2, "mesh_check": False, "curve": 0})
     assert found.values["friction.mu"] == pytest.approx(0.35, rel=EXACT)
 
@@ -242,7 +248,14 @@ def test_the_next_test_is_where_a_parameter_matters(spheres):
     test = {"vary": "creepage.longitudinal", "values": [-1e-4, -0.02], "observe": "Qx_over_P",
             "noise": 0.05}  # fmt: skip
     found = ts.fit(
-        {"scene": spheres, "free": ["friction.mu"], "data": [data], "test": [test]},
+        {
+            "scene": spheres,
+            "free": ["friction.mu"],
+            "data": [data],
+            "test": [test],
+            "mesh_check": False,
+            "curve": 0,
+        },
         next_test=True,
     )
     best, worst = found.next_tests()

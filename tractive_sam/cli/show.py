@@ -31,6 +31,9 @@ def show(
     """Print a results file, also while it is computed; or a table of creep forces."""
     if as_json and as_csv:
         raise error_exit(ExitStatus.INVALID, "--json and --csv: use one of them")
+    if file.suffix == ".nc" and not file.is_file():
+        cure = "tractive-sam fit and tractive-sam table write such files"
+        raise error_exit(ExitStatus.INVALID, f"{file} does not exist; {cure}")
     if show_fit(file, as_json, as_csv):
         return
     from tractive_sam.tables import is_table

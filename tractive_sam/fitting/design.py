@@ -63,18 +63,17 @@ def _check_free_keys(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_varied_keys(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of keys that a data set varies although they are free."""
+    """Yield faults of varied or set keys that are free or unknown."""
     bases = {base_of(key) for key in entries["free"]}
     for name in ("data", "test"):
         for k, one in enumerate(entries[name]):
             varied = (one.vary,) if isinstance(one.vary, str) else one.vary or ()
-            for key in (*varied, *one.set):
-                if key in COORDINATES and name == "data":
-                    continue
+            chosen = [key for key in varied if name == "test" or key not in COORDINATES]
+            for source, key in [*(("vary", key) for key in chosen), *(("set", k) for k in one.set)]:
                 if key in bases:
-                    yield Fault(f"{name}[{k}].vary", key, "an entry that is not free")
+                    yield Fault(f"{name}[{k}].{source}", key, "an entry that is not free")
                 elif (fault := _find_unknown_key(key)) is not None:
-                    yield Fault(f"{name}[{k}].vary", shorten(key), fault.allowed)
+                    yield Fault(f"{name}[{k}].{source}", shorten(key), fault.allowed)
 
 
 def _find_unknown_key(key: str) -> Fault | None:

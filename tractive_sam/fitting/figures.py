@@ -98,7 +98,7 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
     key = str(data["abscissa_name"].values[rows[0]])
     x = Variable(key, data["abscissa"].values[rows], _meaning(key))
     label = quantity.label or plain[0].replace("_", " ")
-    if quantity.symbol and not quantity.label:
+    if quantity.symbol and not quantity.label and not body:
         label = f"${quantity.symbol}$"
     number = data["series"].values[rows[0]]
     return FittedCurve(

@@ -88,7 +88,14 @@ def _measured_tests(test: CandidateTest):
         ones = np.ones((1, len(test.observe)))
         place = np.array([np.nan if test.at is None else test.at])
         measured = Measured(data, (varied,), place, ones, ones, np.empty(0))
-        yield ": ".join(filter(None, (", ".join(test.observe), label))), measured
+        yield ": ".join(filter(None, (_describe_observation(test), label))), measured
+
+
+def _describe_observation(test: CandidateTest) -> str:
+    """Return the observed columns in words, with the body and the record."""
+    text = ", ".join(test.observe)
+    text += f" of body {test.body}" if test.body else ""
+    return text + (f" at {test.at:g}" if test.at is not None else "")
 
 
 def _problem_of(problem: FitProblem, key: str, measured: Measured, fit: Fit) -> FitProblem:

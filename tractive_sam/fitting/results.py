@@ -149,6 +149,14 @@ class FitResult:
         return self.dataset["correlation"].values
 
     @property
+    def positions(self) -> dict[str, float]:
+        """Offset (mm), tilt and level (mm) of measured profiles, by data set and name."""
+        if "position" not in self.dataset:
+            return {}
+        names = map(str, self.dataset["position"].values)
+        return dict(zip(names, self.dataset["position_value"].values.tolist(), strict=True))
+
+    @property
     def undetermined(self) -> list[str]:
         """What the data do not determine, in words."""
         return self._texts("undetermined")
@@ -253,6 +261,9 @@ class FitResult:
             level = self.design.fit.level
             known = f", {level:.0%} from {low:.4g} to {high:.4g}" if low <= high else ""
             rows[key] = f"{self.values[key]:.4g}{known or ', not determined'}"
+        if self.positions:
+            numbers = (f"{name} {value:.3g}" for name, value in self.positions.items())
+            rows["position (mm, tilt: 1)"] = ", ".join(numbers)
         low, high = self.chi2_range
         expected = "" if math.isnan(low) else f", expected {low:.3g} to {high:.3g}"
         rows["chi-square"] = f"{self.chi2:.4g} of {self.points} points{expected}"
@@ -281,6 +292,7 @@ class FitResult:
             "notes": self.notes,
             "chi2": self.chi2,
             "chi2_expected": [_number(one) for one in self.chi2_range],
+            "positions": self.positions,
             "points": self.points,
             "solves": self.solves,
             "rolls": self.rolls,

@@ -189,7 +189,7 @@ def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
     design = ((), document.to_toml(), "1", "the fit file")
     attributes = {
         "status": "running",
-        "message": f"{len(done.known)} computations; run the fit again to resume it",
+        "message": f"computations stored: {len(done.known)}; run the fit again to resume it",
         "version": versions()["tractive-sam"],
     }
     return FitResult(make_dataset({"design": design, **answer_variables(done.known)}, attributes))

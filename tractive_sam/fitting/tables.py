@@ -24,6 +24,9 @@ from tractive_sam.schema import (
 COORDINATES = ("revolution", "distance")
 """Columns of a record that `vary` may name: the record instead of an entry of the scene."""
 
+OBSERVABLE = ((), ("y",), ("body",))
+"""Dimensions of columns that can be observed: numbers, profiles, and numbers of each body."""
+
 DEPTH = "depth"
 """Column of a data file that holds the measured profile."""
 
@@ -103,10 +106,11 @@ def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
     """Faults of a column that is to be observed, see `column_of`."""
     table = index_by_name(COLUMNS)
     if name not in table:
-        yield Fault("observe", shorten(name), suggest_name(name, [one.name for one in COLUMNS]))
+        names = dict.fromkeys(one.name for one in COLUMNS if one.dims in OBSERVABLE)
+        yield Fault("observe", shorten(name), suggest_name(name, [*names]))
     elif table[name].dims == ("body",) and body is None:
         yield Fault("body", f"nothing, and observe = {shorten(name)}", '"A" or "B"')
-    elif table[name].dims not in ((), ("y",), ("body",)):
+    elif table[name].dims not in OBSERVABLE:
         yield Fault("observe", shorten(name), "a number of a record, or a profile over y")
 
 
