@@ -2,6 +2,7 @@
 
 It imports its interfaces for dask and scipy, and with them, where they are installed, dask, xarray
 and pandas: that takes three times as long as FFTW itself. Here they are loaded when first used.
+Without pyfftw the transforms are those of SciPy.
 """
 
 import sys
@@ -28,6 +29,9 @@ def _interfaces_when_used() -> ModuleType:
 if "pyfftw" not in sys.modules:
     sys.modules[_INTERFACES] = _interfaces_when_used()
 
-import pyfftw  # noqa: E402
+try:
+    import pyfftw
+except ImportError:  # there is no build of it for every machine
+    from tractive_sam.operators import scipy_fft as pyfftw
 
 __all__ = ["pyfftw"]

@@ -1,0 +1,79 @@
+"""Transforms of SciPy behind the names of pyfftw that this package uses.
+
+They take the place of FFTW where pyfftw cannot be imported, for example because there is no build
+of it for a machine. Results agree to rounding; see benchmarks/transforms.py for the time.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+
+__version__ = f"scipy-{scipy.__version__}"
+
+
+def zeros_aligned(shape: Sequence[int], dtype: Any = np.float64) -> np.ndarray:
+    """Return an array of zeros; SciPy needs no alignment."""
+    return np.zeros(shape, dtype)
+
+
+def next_fast_len(n: int) -> int:
+    """Return a length of at least n that is transformed fast."""
+    return int(scipy.fft.next_fast_len(n))
+
+
+class FFTW:
+    """A transform between two arrays along one axis, without normalisation.
+
+    Parameters
+    ----------
+    source, target : ndarray
+        Arrays; the transform is of real numbers if one of them is.
+    axes : tuple of int
+        The axis.
+    direction : str
+        "FFTW_FORWARD" or "FFTW_BACKWARD".
+    flags : sequence of str
+        Not used.
+    threads : int
+        Number of threads.
+    planning_timelimit : float, optional
+        Not used.
+    """
+
+    def __init__(
+        self,
+        source: np.ndarray,
+        target: np.ndarray,
+        axes: tuple[int],
+        direction: str,
+        flags: Sequence[str] = (),
+        threads: int = 1,
+        planning_timelimit: float | None = None,
+    ) -> None:
+        self._source, self._target = source, target
+        (axis,) = axes
+        forward = direction == "FFTW_FORWARD"
+        self._options: dict[str, Any] = {"axis": axis, "workers": threads}
+        if not forward:
+            self._options["norm"] = "forward"
+        if np.iscomplexobj(source) and np.iscomplexobj(target):
+            self._transform = scipy.fft.fft if forward else scipy.fft.ifft
+        else:
+            self._transform = scipy.fft.rfft if forward else scipy.fft.irfft
+            if not forward:
+                self._options["n"] = target.shape[axis]
+
+    def execute(self) -> None:
+        """Set the target to the transform of the source."""
+        self._target[...] = self._transform(self._source, **self._options)
+
+
+def import_wisdom(wisdom: Sequence[bytes]) -> None:
+    """Ignore the wisdom of FFTW."""
+
+
+def export_wisdom() -> tuple[bytes, ...]:
+    """Return no wisdom."""
+    return ()
