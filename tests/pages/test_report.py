@@ -109,11 +109,8 @@ def test_heat_and_friction_that_varies_are_on_it(history):
     assert not {"temperature_A", "friction"} & set(data.page_data(history)["surface"]["fields"])
 
 
-def test_large_results_are_thinned_and_that_is_reported(history, monkeypatch):
-    monkeypatch.setattr(data, "MOST_NUMBERS", 400)
-    monkeypatch.setattr(data, "FEWEST", 5)
-    monkeypatch.setattr(data, "MOST_SAVED", 2)
-    found = data.page_data(history)
+def test_large_results_are_thinned_and_that_is_reported(history):
+    found = data.page_data(history, data.PageLimits(records=2, numbers=400, elements=5))
     whole = history.field("pressure").size
     assert unpacked(found["surface"]["fields"]["pressure"])[0].size < whole / 4
     assert found["places"] == ["0", "20"]

@@ -23,28 +23,39 @@ from tractive_sam.plot import (
 from tractive_sam.results import COMPONENTS, Grid, History, PlaneStress, format_values, widen_field
 from tractive_sam.safe_text import printable_text
 
-MOST_SAVED = 40
-"""Largest number of records whose fields are on the page; of more some are omitted."""
 
-MOST_NUMBERS = 9e5
-"""Largest count of numbers of all fields, and of all stresses: 4.6 MB of text each."""
+@dataclass(frozen=True)
+class PageLimits:
+    """How much of a history a page shows.
 
-FEWEST = 24
-"""Smallest number of elements on a side that are shown, for any number of records."""
+    Attributes
+    ----------
+    records : int
+        Largest number of records whose fields are on the page; of more some are omitted.
+    numbers : float
+        Largest count of numbers of all fields, and of all stresses: 4.6 MB of text each.
+    elements : int
+        Smallest number of elements on a side that are shown, for any number of records.
+    margin, stress_margin : float
+        Margins around the contact, in its half widths: of the surface, and below it.
+    """
 
-MARGIN, STRESS_MARGIN = 0.15, 1.0
-"""Margins around the contact, in its half widths: of the surface, and below it."""
+    records: int = 40
+    numbers: float = 9e5
+    elements: int = 24
+    margin: float = 0.15
+    stress_margin: float = 1.0
 
 
-def page_data(history: History) -> dict[str, Any]:
+def page_data(history: History, limits: PageLimits | None = None) -> dict[str, Any]:
     """Return all data of the page, and notes on omitted data."""
-    saved = select_evenly(history.saved, MOST_SAVED)
-    blocks = _blocks(history)
+    limits, blocks = limits or PageLimits(), _blocks(history)
+    saved = select_evenly(history.saved, limits.records)
     states = []
     for at in saved:
         interrupt.raise_if_interrupted()
         states += [ContactView.from_source(block, at) for _, block in blocks]
-    surface = _Window.around(states, MARGIN, MOST_NUMBERS / (10 * max(len(states), 1)))
+    surface = _Window.around(states, limits)
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
     each = [row for row in rows for _ in blocks]
@@ -61,8 +72,8 @@ def page_data(history: History) -> dict[str, Any]:
         "at": pack_array(np.repeat(saved, len(blocks))),
         "scale": _scale(history) if len(history) else None,
         "surface": None if surface is None else surface.fields(states),
-        "profiles": _profiles(history, each),
-        "stress": _stress([block for _, block in blocks], saved, states),
+        "profiles": _profiles(history, each, limits),
+        "stress": _stress([block for _, block in blocks], saved, states, limits),
         "numbers": [
             _numbers(block, row)
             for row in (rows or [-1] * bool(len(history)))
@@ -111,17 +122,18 @@ class _Window:
     every: int
 
     @classmethod
-    def around(cls, states: Sequence[ContactView], margin: float, most: float) -> "_Window | None":
-        """Return a window with at most that many elements; None if nothing touches."""
+    def around(cls, states: Sequence[ContactView], limits: PageLimits) -> "_Window | None":
+        """Return a window within limits, for ten fields; None if nothing touches."""
         if not states:
             return None
         touching = np.any([state.contact.touching for state in states], axis=0)
         if not touching.any():
             return None
-        sides = [_side(touching.any(axis=axis), margin) for axis in (1, 0)]
+        sides = [_side(touching.any(axis=axis), limits.margin) for axis in (1, 0)]
         elements = [side.stop - side.start for side in sides]
-        every = ceil(sqrt(max(1.0, elements[0] * elements[1] / most)))
-        every = max(1, min(every, max(elements) // FEWEST))
+        numbers = 10 * len(states) * elements[0] * elements[1]
+        every = ceil(sqrt(max(1.0, numbers / limits.numbers)))
+        every = max(1, min(every, max(elements) // limits.elements))
         return cls(sides[0], sides[1], every)
 
     def select(self, values: np.ndarray) -> np.ndarray:
@@ -197,7 +209,7 @@ def _normalize(values: np.ndarray) -> np.ndarray:
     return values / max(np.abs(values).max(), 1e-300)
 
 
-def _profiles(history: History, rows: Sequence[int]) -> dict[str, Any] | None:
+def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict[str, Any] | None:
     """Return the worn depth of each body across the track, micrometres, shape (records, n_y)."""
     if history.grid.directions == 1 or not rows:
         return None
@@ -207,13 +219,16 @@ def _profiles(history: History, rows: Sequence[int]) -> dict[str, Any] | None:
     worn = np.any([np.nan_to_num(depth).any(axis=0) for depth in known.values()], axis=0)
     if not worn.any():
         return None
-    track = _side(worn, MARGIN)
+    track = _side(worn, limits.margin)
     lines = {names[name]: pack_array(depth[:, track]) for name, depth in known.items()}
     return {"y": pack_array(history.y[track]), "lines": lines}
 
 
 def _stress(
-    blocks: Sequence[History], saved: np.ndarray, states: Sequence[ContactView]
+    blocks: Sequence[History],
+    saved: np.ndarray,
+    states: Sequence[ContactView],
+    limits: PageLimits,
 ) -> list[dict[str, Any]]:
     """Return the stress on every stored plane, shape (records, second axis, first axis).
 
@@ -232,11 +247,12 @@ def _stress(
         if min(along.size, across.size) < 2:
             continue  # a plane across a line contact is only a line
         sides = [
-            _plane_side(name, states, size)
+            _plane_side(name, states, size, limits.stress_margin)
             for name, size in ((first, along.size), (second, across.size))
         ]
         size = np.prod([side.stop - side.start for side in sides])
-        every = max(1, min(ceil(sqrt(size * count / MOST_NUMBERS)), along.size // FEWEST))
+        every = ceil(sqrt(size * count / limits.numbers))
+        every = max(1, min(every, along.size // limits.elements))
         part = tuple(slice(side.start, side.stop, every) for side in sides)
         named = {"von Mises": [row.von_mises[part].T for row in rows]}
         for name in COMPONENTS:
@@ -275,13 +291,13 @@ def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return places - 0.5 * (places[0] + places[-1]) if name == "y" else places
 
 
-def _plane_side(name: str, states: Sequence[ContactView], size: int) -> slice:
+def _plane_side(name: str, states: Sequence[ContactView], size: int, margin: float) -> slice:
     """Return the range of an axis of a plane that is shown."""
     if name == "depth":
         return slice(0, size)
     touching = np.any([state.contact.touching for state in states], axis=0)
     touched = touching.any(axis=1 if name == "x" else 0)
-    return _side(touched, STRESS_MARGIN) if touched.any() else slice(0, size)
+    return _side(touched, margin) if touched.any() else slice(0, size)
 
 
 def _numbers(history: History, row: int) -> list[Mapping[str, str]]:

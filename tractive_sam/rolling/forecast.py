@@ -2,28 +2,13 @@
 
 from bisect import bisect_right
 from math import ceil, inf, sqrt
+from typing import ClassVar
 
 import numpy as np
 
 from tractive_sam.rolling.adaptive import SETTLING
 from tractive_sam.rolling.control import LONGEST_GROWTH
 from tractive_sam.scene import Scene
-
-GROWTH = 0.4
-"""Exponent of the growth of jumps with the revolutions rolled, once wear shapes the contact."""
-
-UNHINDERED = 0.5
-"""Jump over the revolutions rolled above which only its own growth or a stop limits it."""
-
-SHAPED = 0.02
-"""Wear depth over the approach of the bodies above which wear shapes the contact: jumps of spheres
-and twin discs stop doubling at .0145 to .018 (runs of tests/rolling/test_forecast.py)."""
-
-RECENT = 20
-"""Number of records whose time per contact is used for the remaining ones."""
-
-LONGEST = 100_000
-"""Steps that are predicted one by one; further steps have the length of the last one."""
 
 
 class Forecast:
@@ -44,6 +29,23 @@ class Forecast:
     end : float
         Coordinate of the end.
     """
+
+    growth: ClassVar[float] = 0.4
+    """Exponent of the growth of jumps with the revolutions rolled, once wear shapes the contact."""
+
+    unhindered: ClassVar[float] = 0.5
+    """Jump over the revolutions rolled above which only its own growth or a stop limits it."""
+
+    shaped: ClassVar[float] = 0.02
+    """Wear depth over the approach of the bodies above which wear shapes the contact: jumps of
+    spheres and twin discs stop doubling at .0145 to .018 (runs of tests/rolling/test_forecast.py).
+    """
+
+    recent: ClassVar[int] = 20
+    """Number of records whose time per contact is used for the remaining ones."""
+
+    longest: ClassVar[int] = 100_000
+    """Steps that are predicted one by one; further steps have the length of the last one."""
 
     def __init__(self, scene: Scene) -> None:
         schedule = scene.schedule
@@ -68,7 +70,7 @@ class Forecast:
         step = place - self._here
         self._step = step if step > 0.0 else self._step
         before, self._here, self._wish = self._wish, place, jump
-        self._spent = [*self._spent[1 - RECENT :], (solves, seconds)]
+        self._spent = [*self._spent[1 - self.recent :], (solves, seconds)]
         self.done += solves
         steps = (self.end - place) / self._step
         if self._adaptive:
@@ -80,7 +82,7 @@ class Forecast:
         """Estimated remaining time, from that of the last records; the first one compiles."""
         if not self._spent:
             return 0.0
-        first = 1 if 1 < len(self._spent) < RECENT else 0
+        first = 1 if 1 < len(self._spent) < self.recent else 0
         solves, seconds = map(sum, zip(*self._spent[first:], strict=True))
         return self.left * seconds / solves if solves else 0.0
 
@@ -102,18 +104,18 @@ class Forecast:
         """Return the number of remaining steps, by the mean of the last two wishes."""
         here, shaped, count = self._here, self._here, 0
         wish = sqrt(jump * before)
-        if worn < SHAPED and jump >= UNHINDERED * here:
-            wish, shaped = jump, max(here, 1.0) * SHAPED / worn if worn > 0.0 else inf
+        if worn < self.shaped and jump >= self.unhindered * here:
+            wish, shaped = jump, max(here, 1.0) * self.shaped / worn if worn > 0.0 else inf
             self._unhindered = jump * shaped / max(here, 1.0)
         settled = self._settled or self._unhindered
         while here < self.end:
             distance = self._distance_to_stop(here)
             nearer = ceil(SETTLING * distance)
             step = max(1.0, min(wish, distance, max(settled, nearer)))
-            if count == LONGEST:
+            if count == self.longest:
                 return count + (self.end - here) / step
             grown = (here + step) / max(here, 1.0)
             here += step
-            wish *= LONGEST_GROWTH if here < shaped else grown**GROWTH
+            wish *= LONGEST_GROWTH if here < shaped else grown**self.growth
             count += 1
         return count
