@@ -19,8 +19,8 @@ LIMITS = {
     "modules with TYPE_CHECKING": 4,
     "functions over 40 code lines": 17,
     "functions over 60 code lines": 1,
-    "modules over 250 code lines": 14,
-    "module constants": 460,
+    "modules over 250 code lines": 11,
+    "module constants": 415,
     "code lines": 39000,
     "public names": 122,
 }
