@@ -67,6 +67,27 @@ def test_rate_is_that_of_the_revolution():
     np.testing.assert_allclose(history["worn_area"][1:], k * history["dissipation"][1:], rtol=1e-2)
 
 
+@dataclass(frozen=True)
+class Warm(RunningIn):
+    """Wear by work in proportion to the temperature, k0 in 1/(MPa K)."""
+
+    def under(self, conditions):
+        return replace(self, k=self.k0 * conditions.temperature)
+
+
+@pytest.mark.parametrize("method", ["auto", "uzawa"])
+def test_rate_is_that_of_the_temperature(method):
+    hot = ts.Scene.builtin("hot-discs").with_set(
+        ["grid.elements=[13, 15]", "wear.coefficient=1e-3", "wear.revolutions=1", "wear.save=[1]"]
+    )
+    hot = hot.replace(**{"friction.temperature": None, "solver.method": method})
+    law = Warm(k0=1e-8)
+    history = rolled(law, hot)
+    rate = history["worn_area"][-1] / history["dissipation"][-1]
+    # Material that slips is at least as warm as the bulk, and somewhere hotter by 100 K.
+    assert 1.1 * law.k0 * hot.heat.bulks["A"] < rate < law.k0 * history["temperature_max"][-1]
+
+
 @pytest.mark.parametrize("law", [RunningIn(), Decaying()])
 def test_resumed_run_is_the_whole_one(tmp_path, law):
     half = DISCS.with_set([f"wear.revolutions={LAST // 2}", f"wear.save=[{LAST // 2}]"])

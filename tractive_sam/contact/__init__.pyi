@@ -1,6 +1,7 @@
 """What `contact` lets out, for `__init__.py` and for type checkers."""
 
 from .heat import divide_heat as divide_heat
+from .heat import wear_conditions as wear_conditions
 from .heat import wear_law_in as wear_law_in
 from .heat import with_heat as with_heat
 from .jacobian import check_jacobian as check_jacobian

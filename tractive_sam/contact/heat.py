@@ -184,16 +184,23 @@ def with_heat(model: Model, contact: State) -> State:
     return replace(contact, heat=temperatures_of(model, contact))
 
 
+def wear_conditions(
+    model: Model, contact: State, depth: np.ndarray | None = None
+) -> WearConditions:
+    """Return the conditions of wear in a contact; by default its depth enters the contact."""
+    heat = with_heat(model, contact).heat
+    temperature = None if heat is None else heat.temperature["A"]  # in contact equal to that of B
+    entering = contact.wear[-1] if depth is None else depth
+    return WearConditions(entering, float(contact.revolution), temperature)
+
+
 def wear_law_in(model: Model, contact: State) -> WearLaw | None:
     """Return the wear law of a contact: at its revolution, depth and heat, with its friction."""
     law, scene = model.wear_law, model.scene
     if law is None:
         return law
-    temperature = None
-    if scene.heat is not None:
-        heat = with_heat(model, contact).heat
-        temperature = heat.temperature["A"]  # in contact equal to that of B
-    law = law.under(WearConditions(contact.wear[-1], float(contact.revolution), temperature))
+    conditions = wear_conditions(model, contact)
+    law, temperature = law.under(conditions), conditions.temperature
 
     def complete(part: WearLaw) -> WearLaw:
         if isinstance(part, ArchardByWork) and part.friction:

@@ -26,7 +26,7 @@ class WearConditions(ShortArrays):
     revolution : float
         Number of the revolution as in `wear.revolutions`; nan in a transient.
     temperature : ndarray, shape (n_x, n_y), or None
-        Temperature of the surfaces in contact, degrees C; None without [heat].
+        Temperature of the surfaces in contact, degrees C; None without [heat] and in a transient.
 
     Examples
     --------

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.contact import Model, Worn, equilibrium, wear_law_in
-from tractive_sam.mechanics import Turns, WearConditions
+from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions, wear_law_in
+from tractive_sam.mechanics import Turns
 from tractive_sam.results import PARTS, Cost, Grid, State, Status
 from tractive_sam.rolling.process import Step, StepRecord
 
@@ -310,8 +310,7 @@ def _lasting_part(model: Model, contact: State) -> Turns:
     law, turns = model.wear_law, contact.scene.turns
     if law is None:
         return turns
-    temperature = None if contact.heat is None else contact.heat.temperature["A"]
-    law = law.under(WearConditions(contact.wear[-1], float(contact.revolution), temperature))
+    law = law.under(wear_conditions(model, contact))
     shares = law.shares(contact.pressure, contact.traction, contact.slip)
     return turns if shares is None else replace(turns, share=dict(zip("AB", shares, strict=True)))
 
@@ -401,13 +400,14 @@ def _solve_pass(
     conditions hold with it; since a pass wears a thousandth of the approach, each correction gains
     three digits.
     """
-    conditions = WearConditions(entering, float(revolution))
-    law, dx = model.wear_law.under(conditions), model.grid.dx
+    law, dx = model.wear_law, model.grid.dx
 
     def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         return law.depth(entering, pressure, traction, slip, dx)
 
-    if model.method.wears_in_pass:
+    if model.method.wears_in_pass:  # at the temperature of the pass before
+        last = replace(start, revolution=revolution)
+        law = law.under(wear_conditions(model, last, entering))
         return replace(equilibrium(model, depth, start), revolution=revolution), 1
 
     wear = entering + (start.wear - start.wear[-1]) * grown
