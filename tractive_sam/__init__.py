@@ -88,9 +88,9 @@ def __getattr__(name: str):
         return version("tractive-sam")
     if name.startswith("__") and name != "__all__":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    import lazy_loader  # noqa: PLC0415
+    from .lazy_names import attach_names  # noqa: PLC0415
 
-    lookup, _, names = lazy_loader.attach_stub(__name__, __file__)
+    lookup, _, names = attach_names(__name__, __file__)
     if name in _RENAMED:
         from .deprecation import with_renamed  # noqa: PLC0415
 

@@ -1,6 +1,6 @@
 """Contact problems of steady rolling, steps and shifts: model, laws of a scene, and solution."""
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

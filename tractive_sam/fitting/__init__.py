@@ -14,7 +14,7 @@ Weighted nonlinear least squares, on meshes and steps that stay the same while p
 Derivatives of contacts are exact where `State.jacobian` has them, others are forward differences.
 """
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used: reading a result computes nothing.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

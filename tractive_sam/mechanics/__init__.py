@@ -4,8 +4,8 @@ The laws call the formulas of `tractive_sam.kernels`, which state their sources;
 use only the laws. This package imports neither scenes nor solvers.
 """
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used: a material or a criterion needs no
 # compiler.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

@@ -4,12 +4,11 @@ Every function returns a matplotlib `Figure` that belongs to no window and no gl
 `save_all` and `animate` write files.
 """
 
-import lazy_loader
-
 from tractive_sam.deprecation import with_renamed
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)
 __getattr__ = with_renamed(
     __name__,
     __getattr__,

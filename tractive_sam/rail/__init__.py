@@ -1,5 +1,5 @@
 """Wheel and rail: profiles, contact points and patches of a wheelset on a track."""
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

@@ -10,12 +10,11 @@ sequence, by easier problems.
     1.0
 """
 
-import lazy_loader
-
 from tractive_sam.deprecation import with_renamed
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used.
-_lookup, __dir__, _ = lazy_loader.attach_stub(__name__, __file__)
+_lookup, __dir__, _ = attach_names(__name__, __file__)
 _RENAMED = {
     "Held": "FixedPressure",
     "InSequence": "Sequential",

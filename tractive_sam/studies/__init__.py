@@ -103,8 +103,8 @@ the workers of a scheduler end with it, and have to be started again as well.
 Where the client itself goes, cases begun end on their workers, and the next client finds them.
 """
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used: a worker needs no figures, and
 # whoever reads results no compilers.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

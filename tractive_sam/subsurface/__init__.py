@@ -6,7 +6,7 @@ z = +depth, body B at z = -depth. Across the interface xz, yz and zz are continu
 -p_n.
 """
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

@@ -8,7 +8,7 @@
 `tractive_sam.lookup.coordinates` describes the law, its scaling and its symmetries.
 """
 
-import lazy_loader
+from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used: who reads a table computes nothing.
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

@@ -1,7 +1,9 @@
 """Open tables of creep forces, built-in ones by their names, without computing contacts."""
 
+import atexit
 from collections.abc import Mapping
-from importlib.resources import files
+from functools import cache
+from importlib.resources import as_file, files
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,8 +14,18 @@ from tractive_sam.store import DamagedError, read_creep_table
 
 def builtin_tables() -> dict[str, Path]:
     """Return the files of the built-in tables by name."""
-    folder = Path(str(files("tractive_sam.tables"))) / "builtin"
-    return {file.stem: file for file in sorted(folder.glob("*.nc"))}
+    folder = files("tractive_sam.tables") / "builtin"
+    names = sorted(file.name for file in folder.iterdir() if file.name.endswith(".nc"))
+    return {name.removesuffix(".nc"): _path_of_builtin(name) for name in names}
+
+
+@cache
+def _path_of_builtin(name: str) -> Path:
+    """Return the path of a built-in file; from an archive it is extracted until the end."""
+    extraction = as_file(files("tractive_sam.tables") / "builtin" / name)
+    path = extraction.__enter__()
+    atexit.register(extraction.__exit__, None, None, None)
+    return path
 
 
 def is_table(name: str | PathLike[str]) -> bool:
