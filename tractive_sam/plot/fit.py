@@ -77,8 +77,9 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
     reach = 1.96 * band
     upper.fill_between(x, model - reach, model + reach, color=LOOK.blue, alpha=0.2, linewidth=0,
                        label="model, 95 %")  # fmt: skip
-    upper.plot(x, model, color=LOOK.blue, label="model")
-    size = 2.0 if places.size > 40 else 4.0
+    many = places.size > 40
+    size = 2.0 if many else 4.0
+    upper.plot(x, model, color=LOOK.blue, zorder=3 if many else 2, label="model")
     upper.errorbar(places, points, curve.noise, fmt="s", color=LOOK.vermillion,
                    markersize=size, elinewidth=0.8, capsize=2, label="measured")  # fmt: skip
     upper.set_ylabel(curve.observed.label)
