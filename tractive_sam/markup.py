@@ -58,15 +58,15 @@ def fill(template: str, /, **content: Content) -> Html:
 
 
 def security_policy(
-    scripts: Iterable[str] = (), styles: Iterable[str] = (), attributes: bool = False
+    scripts: Iterable[str] = (), styles: Iterable[str] = (), style_attributes: bool = False
 ) -> Html:
-    """Return the content security policy of a page that allows only these scripts and styles.
+    """Return the CSP meta element of a page that allows only these scripts and styles.
 
     Parameters
     ----------
     scripts, styles : iterable of str
         Content of the script and style elements of the page.
-    attributes : bool
+    style_attributes : bool
         Whether style attributes are allowed.
     """
     style = [*map(_digest, styles)]
@@ -74,7 +74,7 @@ def security_policy(
         "default-src 'none'",
         f"script-src {' '.join(map(_digest, scripts)) or _NONE}",
         f"style-src-elem {' '.join(style) or _NONE}",
-        f"style-src-attr {_INLINE if attributes else _NONE}",
+        f"style-src-attr {_INLINE if style_attributes else _NONE}",
         "img-src data: blob:",
         "base-uri 'none'",
         "form-action 'none'",

@@ -109,7 +109,7 @@ def check_workers(scheduler: str | None, workers: int | None) -> None:
 
 
 def _describe_progress(state: "ts.studies.Progress") -> tuple[str, str]:
-    """Return the progress of a study for the bar of a terminal, and as a line."""
+    """Return the text for the progress bar of a study, and the line printed without a bar."""
     count = f"{state.ended} of {state.cases}"
     failed = f", {state.failed} failed" if state.failed else ""
     if state.case is None or state.outcome is None:

@@ -96,7 +96,7 @@ def table(
         for path, write in writers.items():
             if path is not None:
                 write(built, path)
-    print_message(f"{output or file}: {built.nodes} nodes{_describe_cost(built.about)}")
+    print_message(f"{output or file}: {built.nodes} nodes{_describe_cost_and_errors(built.about)}")
 
 
 def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | None, Any]) -> None:
@@ -135,8 +135,8 @@ def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.
         raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
 
 
-def _describe_cost(about: Mapping[str, Any]) -> str:
-    """Describe the cost of a table and its errors, as far as its file states them."""
+def _describe_cost_and_errors(about: Mapping[str, Any]) -> str:
+    """Describe the contacts, CPU time and errors of a table, as far as its file has them."""
     cost = {"contacts": "{} contacts", "cpu_seconds": "{:.3g} s of one core"}
     parts = [form.format(about[name]) for name, form in cost.items() if name in about]
     text = ", ".join(["", *parts])

@@ -194,8 +194,8 @@ def wear_conditions(
     return WearConditions(entering, float(contact.revolution), temperature)
 
 
-def wear_law_in(model: Model, contact: State) -> WearLaw | None:
-    """Return the wear law of a contact: at its revolution, depth and heat, with its friction."""
+def wear_law_at(model: Model, contact: State) -> WearLaw | None:
+    """Return the wear law at the depth, revolution and temperature of a contact, or None."""
     law, scene = model.wear_law, model.scene
     if law is None:
         return law

@@ -180,7 +180,7 @@ class Model:
 
     @property
     def initial_wear(self) -> np.ndarray | None:
-        """Depth of both bodies together with which rolling begins, mm; None for new ones."""
+        """Initial worn depth of both bodies together (n_x, n_y), mm; None for unworn bodies."""
         if self.began is None:
             return None
         return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))

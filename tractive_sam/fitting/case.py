@@ -159,7 +159,7 @@ def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
     convolutions = float(contact.cost.convolutions)
     if not contact.converged:
         return Answer({}, 1, 0, convolutions, contact.message), None
-    numbers = {name: np.array([read_contact(contact, name)]) for name in case.columns}
+    numbers = {name: np.array([read_quantity(contact, name)]) for name in case.columns}
     if case.derivatives:
         jacobian = jacobian_of(model, contact, only=case.derivatives)
         convolutions += float(jacobian.attrs["operator_applications"])
@@ -182,8 +182,8 @@ def _roll(case: FitCase) -> Answer:
     return Answer(numbers, *cost)
 
 
-def read_contact(contact: State, name: str) -> float:
-    """Return a number of a contact, that of a body by "name A"."""
+def read_quantity(contact: State, name: str) -> float:
+    """Return a scalar result of a contact by column name; of body A by "name A"."""
     plain, _, body = name.partition(" ")
     of = index_by_name(COLUMNS)[plain].of
     value: Any = math.nan if of is None else of(contact)

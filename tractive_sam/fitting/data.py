@@ -53,7 +53,7 @@ class Measured:
 
     @property
     def abscissa(self) -> tuple[str, np.ndarray]:
-        """Name and values of what figures show along their x axis, shape (rows,)."""
+        """Name and values of the x axis of figures of this data set, values of shape (rows,)."""
         if self.data.profile:
             return "y", self.y
         for key in self.data.vary:

@@ -142,8 +142,12 @@ def remember(target, kept, contact, ahead, out):
 
 
 @compiled
-def carried(by_share, by_slip, kept, slip, out):
-    """Compute the change of a bound by a change of the slip at the centres."""
+def change_of_bound(by_share, by_slip, kept, slip, out):
+    """Compute the change of a friction bound, by_share d(share), by a change of the slip.
+
+    Along x, d(share) = kept d(share of the element ahead) + by_slip . d(slip). Arrays as in `Slope`
+    of the laws.
+    """
     nx, ny = by_share.shape
     share = np.zeros(ny)
     for i in range(nx - 1, -1, -1):

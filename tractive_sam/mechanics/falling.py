@@ -44,7 +44,7 @@ class SlidingShare(ABC):
 
     @abstractmethod
     def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the share and its derivative by the speed, s/mm.
+        """Return the ratio mu(speed)/mu(0) and its derivative by the speed, s/mm.
 
         Parameters
         ----------
@@ -229,9 +229,9 @@ class FallingCoulomb(Coulomb):
         """See `FrictionLaw.on_rows`."""
         return self if self.lateral is None else replace(self, lateral=self.lateral.on(y))
 
-    def at_speed_ratio(self, speed: float) -> "FallingCoulomb":
+    def at_speed_ratio(self, ratio: float) -> "FallingCoulomb":
         """See `FrictionLaw.at_speed_ratio`; at infinite speed the law is constant."""
-        return replace(self, speed=speed * self.speed)
+        return replace(self, speed=ratio * self.speed)
 
     def weakened(self, factor: float) -> "FallingCoulomb":
         """See `FrictionLaw.weakened`; the factor does not apply to the strength."""

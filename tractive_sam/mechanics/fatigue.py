@@ -390,8 +390,8 @@ class VolumeLife(Law):
             Length of the track, mm.
         """
         z, density = self._density(depth, stress)
-        rows = _trapezia(density, z)
-        return float(around * (_trapezia(rows, y) if y.size > 1 else rows[0]))
+        rows = _integrate(density, z)
+        return float(around * (_integrate(rows, y) if y.size > 1 else rows[0]))
 
     def surface_density_ratio(self, depth: np.ndarray, stress: np.ndarray) -> float:
         """Return the largest density of the integral at its first depth over the largest density.
@@ -419,6 +419,6 @@ class VolumeLife(Law):
         return (math.log(1.0 / survival) / (self.constant * volume)) ** (1.0 / self.slope)
 
 
-def _trapezia(values: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Return the integral along the last axis by the trapezium rule."""
+def _integrate(values: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return the definite integral over x along the last axis, by the trapezium rule."""
     return (0.5 * (values[..., 1:] + values[..., :-1]) * np.diff(x)).sum(axis=-1)

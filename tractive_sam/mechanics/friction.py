@@ -79,7 +79,7 @@ class Slope(ShortArrays):
     def change(self, slip: np.ndarray) -> np.ndarray:
         """Return the change of the radius by a change of the slip at the centres, (n_x, n_y)."""
         out = np.empty_like(self.by_share)
-        friction.carried(self.by_share, self.by_slip, self.kept, slip, out)
+        friction.change_of_bound(self.by_share, self.by_slip, self.kept, slip, out)
         return out
 
     @property
@@ -170,8 +170,8 @@ class FrictionLaw(Law, ABC):
         """
         return self.bound(pressure, x, y)
 
-    def at_speed_ratio(self, speed: float) -> "FrictionLaw":
-        """Return the law at a fraction of the rolling speed; 0 gives the static law."""
+    def at_speed_ratio(self, ratio: float) -> "FrictionLaw":
+        """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law."""
         return self
 
     def on_rows(self, y: np.ndarray) -> "FrictionLaw":
@@ -318,9 +318,9 @@ class ScaledFriction(FrictionLaw):
         """See `FrictionLaw.on_rows`."""
         return replace(self, law=self.law.on_rows(y))
 
-    def at_speed_ratio(self, speed: float) -> "ScaledFriction":
+    def at_speed_ratio(self, ratio: float) -> "ScaledFriction":
         """See `FrictionLaw.at_speed_ratio`."""
-        return replace(self, law=self.law.at_speed_ratio(speed))
+        return replace(self, law=self.law.at_speed_ratio(ratio))
 
     def _scaled(self, bound: Bound) -> Bound:
         """Return a bound times the factor."""
@@ -352,7 +352,7 @@ class Coulomb(FrictionLaw):
 
     @property
     def frame(self) -> Frame:
-        """Frame in which the law is isotropic."""
+        """Axes rotated by `angle` and scaled by mu1 and mu2, in which the bound is a disc."""
         return Frame(self.mu, self.angle)
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:

@@ -55,9 +55,9 @@ class Friction:
             slope = replace(slope, by_share=slope.by_share / self.unit, by_slip=by_slip)
         return replace(bound, radius=bound.radius / self.unit, slope=slope)
 
-    def at_speed_ratio(self, speed: float) -> "Friction":
-        """Return the law at a fraction of the rolling speed."""
-        return replace(self, law=self.law.at_speed_ratio(speed))
+    def at_speed_ratio(self, ratio: float) -> "Friction":
+        """Return the law with the rolling speed multiplied by `ratio`; 0 gives static friction."""
+        return replace(self, law=self.law.at_speed_ratio(ratio))
 
     def on(self, x: np.ndarray, y: np.ndarray) -> "Friction":
         """Return the law on other elements."""

@@ -118,9 +118,10 @@ class WearLaw(Law, ABC):
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
-        """Return the law under conditions, such as after running-in; by default the same law.
+        """Return the law at a worn depth, a revolution and a temperature; by default the same law.
 
-        The dependence must be smooth: adaptive stepping extrapolates the rate.
+        Running-in is an example. The dependence must be smooth: adaptive stepping extrapolates the
+        rate.
         """
         return self
 
@@ -244,7 +245,7 @@ class Energy(WearLaw):
     angle: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`; negative work, which occurs in a few elements, is set to 0."""
+        """Return worn depth per rolling distance, see `WearLaw.rate`; negative work counts as 0."""
         along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = self.per_work
@@ -286,7 +287,7 @@ class ArchardByWork(WearLaw):
     length: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`; negative work, which occurs in a few elements, is set to 0."""
+        """Return worn depth per rolling distance, see `WearLaw.rate`; negative work counts as 0."""
         along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))

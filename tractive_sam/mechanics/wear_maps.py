@@ -74,7 +74,7 @@ class TGammaPerArea(WearLaw):
 
 @dataclass(frozen=True)
 class TGammaTotal(WearLaw):
-    """Worn cross section of a wheel per turn as a function of T-gamma of the contact.
+    """Worn cross section of a wheel per turn as a function of the total T-gamma, N.
 
     The wear is distributed in proportion to the work of each element; the law needs the area of an
     element (`WearLaw.on`).
@@ -109,7 +109,7 @@ class TGammaTotal(WearLaw):
 
 @dataclass(frozen=True)
 class WearMap(WearLaw):
-    """Archard's law with a coefficient that depends on sliding speed and pressure.
+    """Archard's law with a coefficient from a chart of sliding speed and pressure (`JENDEL`).
 
     The wear of a stick element next to a slip element is reduced as its traction, as in
     `ArchardByWork`.
@@ -225,7 +225,7 @@ class PerBody(WearLaw):
         return self.map_laws(lambda law: law.with_friction(friction))
 
     def under(self, conditions: WearConditions) -> "PerBody":
-        """See `WearLaw.under`."""
+        """Return the laws of both bodies at a worn depth, a revolution and a temperature."""
         return self.map_laws(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:

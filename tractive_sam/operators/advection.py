@@ -166,7 +166,7 @@ class Advection:
         return here + leaving(here, ahead, beyond) - leaving(before, here, ahead)
 
     def with_nodes_ahead(self, fields: np.ndarray, edge: bool = False) -> np.ndarray:
-        """Return fields with `reach` nodes ahead of the mesh: zero, or as at its edge.
+        """Extend fields by `reach` nodes ahead of the mesh (+x), with zeros or its edge values.
 
         Parameters
         ----------

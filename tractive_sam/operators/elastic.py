@@ -142,7 +142,7 @@ class Operators:
     @cached_property
     def self_influence(self) -> Entries:
         """Entries (11, 12, 22) of D_tt of an element on itself."""
-        lattice = self.lattice.of((1, 1))
+        lattice = self.lattice.with_shape((1, 1))
         tables = (influence.slip(lattice, self.elasticity, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
         first, mixed, second = (float(self._per_slip * e) for e in entries)
@@ -151,7 +151,7 @@ class Operators:
     @cached_property
     def self_displacement(self) -> Entries:
         """Entries (11, 12, 22) of `tangential` of an element on itself."""
-        operator = self.on(self.lattice.of((1, 1))).tangential
+        operator = self.on(self.lattice.with_shape((1, 1))).tangential
         first, second = (operator(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
         return float(first[0]), float(first[1]), float(second[1])
 
@@ -160,7 +160,7 @@ class Operators:
         """Response of A_nn to a unit pressure that alternates in sign between elements."""
         first, second = (_alternating(n) for n in self.lattice.shape)
         signs = np.outer(first, second)
-        response = self.on(self.lattice.of(signs.shape)).normal(signs[None])[0]
+        response = self.on(self.lattice.with_shape(signs.shape)).normal(signs[None])[0]
         i, j = first.size // 2, second.size // 2
         return float(signs[i, j] * response[i, j])
 
@@ -236,7 +236,7 @@ class Operators:
 
 def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:
     """Return the operators for a number of elements."""
-    return Operators(lattice.of(shape), elasticity, gap, slip, frame)
+    return Operators(lattice.with_shape(shape), elasticity, gap, slip, frame)
 
 
 def _alternating(elements: int, ripples: int = 15) -> np.ndarray:

@@ -29,8 +29,8 @@ class Lattice:
     dx: float
     dy: float
 
-    def of(self, shape: tuple[int, int]) -> "Lattice":
-        """Return a lattice with another number of elements of equal size."""
+    def with_shape(self, shape: tuple[int, int]) -> "Lattice":
+        """Return a lattice with the same element sizes and another number of elements."""
         return replace(self, shape=shape)
 
     @property

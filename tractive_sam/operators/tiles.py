@@ -118,7 +118,10 @@ class ColumnBuffer(NamedTuple):
 
     @classmethod
     def create(cls, shape: tuple[int, int, int], single: bool) -> "ColumnBuffer":
-        """Return a buffer of shape (fields, p_x, columns)."""
+        """Allocate padded columns (fields, p_x, columns), and plan their transforms along x.
+
+        `single` chooses complex64.
+        """
         columns = pyfftw.zeros_aligned(shape, dtype=_kinds(single)[1])
         directions = ("FFTW_FORWARD", "FFTW_BACKWARD")
         return cls(columns, *(plan(columns, columns, 1, each) for each in directions))

@@ -85,7 +85,7 @@ def _page(history: History) -> str:
     # plotly sets attributes of style and fills an empty element of style: neither runs anything.
     return fill(
         parts["report.html"],
-        policy=security_policy([script, parts["report.js"]], [style, ""], attributes=True),
+        policy=security_policy([script, parts["report.js"]], [style, ""], style_attributes=True),
         title=history.title or "A rolling contact",
         style=Html(style),
         status=history.status,

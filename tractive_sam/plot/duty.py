@@ -161,11 +161,11 @@ def _last_contacts(source: History | State) -> dict[str, State]:
 def _wear_law(contact: State, laws: ts.Laws | None, *, warm: bool) -> ts.WearLaw | None:
     """Return the law of wear, at the temperature of the contact or as it is without heat."""
     # Loads compilers, which no other figure needs.
-    from tractive_sam.contact import Laws, Model, wear_law_in  # noqa: PLC0415
+    from tractive_sam.contact import Laws, Model, wear_law_at  # noqa: PLC0415
 
     laws = laws or Laws.of_contact(contact, ("wear",))
     model = Model(contact.scene, grid=contact.grid, laws=laws)
-    return wear_law_in(model, contact) if warm else model.wear_law
+    return wear_law_at(model, contact) if warm else model.wear_law
 
 
 def _wear_rates(contact: State, laws: ts.Laws | None) -> dict[str, np.ndarray]:

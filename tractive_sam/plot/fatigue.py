@@ -382,13 +382,13 @@ def _draw_damage(axes: Axes, history: History) -> None:
 
 def _draw_utilisation(axes: Axes, history: History) -> None:
     """Draw the utilisation of each body, inside and at its surface."""
-    _draw_kinds(axes, history, "utilisation")
+    _draw_interior_and_surface(axes, history, "utilisation")
     axes.set_ylabel("utilisation")
 
 
 def _draw_shakedown(axes: Axes, history: History) -> None:
     """Draw the load factor up to which shakedown is certain, inside and at the surface."""
-    _draw_kinds(axes, history, "shakedown")
+    _draw_interior_and_surface(axes, history, "shakedown")
     axes.axhline(1.0, color=LOOK.grey, linewidth=0.8)
     axes.set_ylabel("certain up to (load factor)")
 
@@ -400,8 +400,8 @@ _COURSES: dict[str, Callable[[Axes, History], None]] = {
 }
 
 
-def _draw_kinds(axes: Axes, history: History, name: str) -> None:
-    """Draw the columns of a quantity inside and at the surface of each body."""
+def _draw_interior_and_surface(axes: Axes, history: History, name: str) -> None:
+    """Draw a quantity of each body: solid in the interior, dashed at the surface."""
     for kind, style in (("interior", "-"), ("surface", "--")):
         for _, body in _fatigue_bodies(history):
             label = f"{body}, {kind}"

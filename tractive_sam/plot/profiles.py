@@ -28,7 +28,7 @@ def wear_profiles(history: History) -> Figure:
     <Figure size ...>
     """
     figure, axes = lateral_axes(history, "wear of both bodies together")
-    depth = _by_coordinate(history, "wear_profile")
+    depth = _profiles_by_coordinate(history, "wear_profile")
     _draw_records(axes, history, lambda at: MICRON * depth[at])
     axes.invert_yaxis()
     axes.set_ylabel(r"wear depth $w$ ($\mathrm{\mu m}$)")
@@ -118,9 +118,9 @@ def _surface_heights(history: History, body: str) -> dict[float, np.ndarray]:
     crowns = {b: history.y**2 / (2.0 * getattr(history.scene.body, b).radius_y) for b in BODIES}
     crown = crowns[body]
     if body == _measured_body(history):
-        measured = _by_coordinate(history, "measured_profile")[history.saved[-1].item()]
+        measured = _profiles_by_coordinate(history, "measured_profile")[history.saved[-1].item()]
         crown = crown + measured - (measured + sum(crowns.values())).min()  # as they touch
-    depth = _by_coordinate(history, f"wear_profile_{body}")
+    depth = _profiles_by_coordinate(history, f"wear_profile_{body}")
     return {at: upwards * MICRON * (crown + worn) for at, worn in depth.items()}
 
 
@@ -151,8 +151,8 @@ def lateral_axes(history: History, quantity: str) -> tuple[Figure, Axes]:
     return figure, axes
 
 
-def _by_coordinate(history: History, name: str) -> dict[float, np.ndarray]:
-    """Return a function of y of every record, by the coordinate."""
+def _profiles_by_coordinate(history: History, name: str) -> dict[float, np.ndarray]:
+    """Return the profile (n_y,) of a quantity in every record, by revolution or distance."""
     return dict(zip(history[history.coordinate.name].tolist(), history[name], strict=True))
 
 

@@ -99,7 +99,10 @@ def stick_course(history: History) -> Figure:
 
 
 def _track_axes(history: History) -> tuple[Figure, Axes, np.ndarray, np.ndarray]:
-    """Return a figure and its axes over the track, places (mm) and worn depths (micrometres)."""
+    """Return figure and axes, places along the track (mm) and worn depths (micrometres).
+
+    The places have the shape (n,), the depths of both bodies together the shape (n, n_y).
+    """
     places, depth = history.worn_track
     figure, axes = course_axes(history, "wear of both bodies along the track")
     axes.set(xlim=(places[0], places[-1]), xlabel="place on the bodies (mm)")

@@ -74,7 +74,7 @@ class PlaneStress(ShortArrays):
 
     @cached_property
     def max_shear(self) -> np.ndarray:
-        """Largest shear stress, half the difference of the extreme principal stresses, MPa."""
+        """Largest shear stress (sigma_1 - sigma_3)/2 of the three-dimensional stress, MPa."""
         return max_shear(self._tensor)
 
     @cached_property

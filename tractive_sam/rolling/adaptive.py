@@ -38,7 +38,7 @@ from tractive_sam.contact import Model
 from tractive_sam.rolling.control import ErrorControl, FixedSteps, Stops
 from tractive_sam.rolling.passage import Passage, ProfilePoint, attribute_wear, passage_at
 from tractive_sam.rolling.process import Process
-from tractive_sam.rolling.response import block_responses, cycle_response
+from tractive_sam.rolling.response import block_responses, mean_wear_response
 from tractive_sam.scene import Schedule
 
 ALLOWED, POWER = 42.0, 1.3
@@ -121,7 +121,7 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
 
 
 @dataclass(frozen=True, eq=False)
-class _Formula:
+class _TwoStepFormula:
     """The two-step formula of a jump; for a jump of one revolution, that of Euler.
 
     A row of elements that comes into contact during the jump has a separate formula.
@@ -144,7 +144,7 @@ class _Formula:
     """Error of dF/dn by the formula, over the difference between the rate and R*."""
 
     @classmethod
-    def from_course(cls, course: tuple[ProfilePoint, ...], jump: int) -> "_Formula":
+    def from_course(cls, course: tuple[ProfilePoint, ...], jump: int) -> "_TwoStepFormula":
         last, worn_before = course[-1], course[0].rate > 0.0
         if len(course) == 1:
             leading = np.full(last.profile.size, 1.0 / jump)
@@ -160,7 +160,7 @@ class _Formula:
 
     def with_new_rows(
         self, response: np.ndarray, open_: np.ndarray, profile: np.ndarray, rate: np.ndarray
-    ) -> "_Formula":
+    ) -> "_TwoStepFormula":
         """Return the formula that includes rows that come into contact, by a profile and its rate.
 
         Their gaps close at a constant rate. Once they touch, the closing gap would wear them at a
@@ -196,7 +196,10 @@ class _Formula:
         return self._solve(response, self._share * offset - self.past)
 
     def correction(self, response: np.ndarray, profile: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the correction of a profile, from the rate computed there."""
+        """Return the Newton correction of a predicted profile, mm, from its computed wear rate.
+
+        `response` is the Jacobian of the rate with respect to the profile, 1/revolution.
+        """
         missed = self._share * rate - self.leading * profile - self.past
         return self._solve(response, np.where(rate > 0.0, missed, 0.0))
 
@@ -222,7 +225,7 @@ def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarr
 
 def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
     """Return the next revolution, and the error over the tolerance that the formula would have."""
-    here, formula = last.course[-1], _Formula.from_course(last.course, jump)
+    here, formula = last.course[-1], _TwoStepFormula.from_course(last.course, jump)
     predicted, expected, response = _predict(last, formula, response)
     profile = here.profile + here.rate if last.revolution else here.profile
     revolution = last.revolution + 1
@@ -242,7 +245,10 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
 def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
     """Return the passage after one step of the formula, and its error over the tolerance."""
     revolution, here = last.revolution + jump, last.course[-1]
-    formula, open_ = _Formula.from_course(last.course, jump), _rate_lost_to_gap(last, response)
+    formula, open_ = (
+        _TwoStepFormula.from_course(last.course, jump),
+        _rate_lost_to_gap(last, response),
+    )
     profile, expected, response = _predict(last, formula, response)
     lag = _lag(model)
     now = passage_at(model, revolution, profile, last.contacts, lag, _growth(expected, last))
@@ -265,7 +271,7 @@ def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tup
             break
         profile, expected = corrected, np.maximum(now.gained + change, 0.0)
         now = passage_at(model, revolution, profile, now.contacts, lag, _growth(expected, now))
-        response = cycle_response(model, now)
+        response = mean_wear_response(model, now)
     reached = ProfilePoint(revolution, corrected, now.gained + change)
     return replace(now, solves=solves, course=(here, reached)), error
 
@@ -285,7 +291,7 @@ def _rate_lost_to_gap(last: Passage, response: np.ndarray) -> np.ndarray:
 
 
 def _predict(
-    last: Passage, formula: _Formula, response: np.ndarray
+    last: Passage, formula: _TwoStepFormula, response: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the profile by the formula, the expected rate, and the response of rows in contact.
 

@@ -178,7 +178,6 @@ def block_orders(
         Response of the wear of both bodies in each block to their total profile, 1/revolution.
     revolution : int
         Last revolution, at least 1.
-        The last one; at least 1.
     """
     loads = rates.sum(axis=1)
     both = BlockOrder.from_spectrum(spectrum, loads, revolution)

@@ -88,6 +88,7 @@ class BodyDamage:
         Passes in a revolution; 0 for a flat body, whose material passes the contact once.
     error : ndarray, shape (n_y, m)
         Error of the damage.
+    initiation : float
         Revolution at which the damage reached 1; nan before.
     missed : float
         Error that the last jump added, over the largest damage.
@@ -431,7 +432,7 @@ def after_jump(
     remaining = np.where(_remaining(now), now.damage, 0.0)
     largest = float(missed[remaining >= NEAR * remaining.max()].max(initial=0.0))
     if order is not None:  # shorter jumps do not reduce this error
-        missed = missed + last.passes * _order_error(last, later, order, jump[0], life)
+        missed = missed + last.passes * _block_order_error(last, later, order, jump[0], life)
     return replace(
         later,
         fatigue=now,
@@ -492,10 +493,10 @@ def _damage_of_jump(
     return np.maximum(total, 0.0), np.abs(missed)
 
 
-def _order_error(
-    previous: BodyDamage, later: BodyDamage, order: BlockOrder, length: int, life: Woehler
+def _block_order_error(
+    previous: BodyDamage, later: BodyDamage, order: BlockOrder, revolutions: int, life: Woehler
 ) -> np.ndarray:
-    """Return the error (n_y, m) of the damage of one pass a revolution by the order of blocks."""
+    """Return the damage error (n_y, m) of a jump that replaces the block order by the mean."""
     zeta, depth = previous.fatigue.zeta, previous.fatigue.depth
 
     def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
@@ -507,7 +508,9 @@ def _order_error(
         )
 
     ends = (previous.utilisation, later.utilisation), (previous.fatigue.worn, later.fatigue.worn)
-    return order.damage_error(damage, *ends, length, order.load_factors(previous.fatigue.y, depth))
+    return order.damage_error(
+        damage, *ends, revolutions, order.load_factors(previous.fatigue.y, depth)
+    )
 
 
 def _interpolate_profile(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions, wear_law_in
+from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions, wear_law_at
 from tractive_sam.mechanics import Turns
 from tractive_sam.results import PARTS, Cost, Grid, State, Status
 from tractive_sam.rolling.process import Step, StepRecord
@@ -417,7 +417,7 @@ def _solve_pass(
         contact = replace(equilibrium(model, wear, contact, sharp), revolution=revolution)
         solves += 1
         cost = cost + contact.cost
-        law = wear_law_in(model, contact)
+        law = wear_law_at(model, contact)
         corrected = depth(contact.pressure, contact.traction, contact.slip)
         missed = _residual(model, contact, corrected - wear)
         contact = _with_lag(replace(contact, wear=corrected), missed)

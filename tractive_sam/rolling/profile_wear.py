@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, solve_patches_on_fitted_mesh, wear_law_in
+from tractive_sam.contact import Model, solve_patches_on_fitted_mesh, wear_law_at
 from tractive_sam.rail import Profile, write_profile
 from tractive_sam.results import NotConverged, State
 from tractive_sam.rolling.response import wear_response
@@ -199,7 +199,7 @@ class ProfileWear:
 
     def _wear_of_patch(self, model: Model, contact: State, wheel: Profile) -> _PatchWear:
         """Return the wear of a patch."""
-        law, patch, y = wear_law_in(model, contact), model.patch, contact.grid.y
+        law, patch, y = wear_law_at(model, contact), model.patch, contact.grid.y
         rates = law.rates(
             model.scene.wear_share, contact.pressure, contact.traction, contact.slip
         ).sum(axis=1)

@@ -2,14 +2,16 @@
 
 import numpy as np
 
-from tractive_sam.contact import Model, wear_law_in
+from tractive_sam.contact import Model, wear_law_at
 from tractive_sam.operators import row_compliance
 from tractive_sam.results import State
 from tractive_sam.rolling.passage import Passage
 
 
-def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
-    """Return the response of the lasting wear of a cycle to its profile: a sum over its blocks.
+def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
+    """Return the Jacobian of the mean wear per revolution by the profile, (n_y, n_y).
+
+    Its weights are the shares of the blocks, with sum 1 (`Passage.weights`).
 
     Parameters
     ----------
@@ -25,7 +27,7 @@ def cycle_response(model: Model, passage: Passage, closing: float = 0.0) -> np.n
 
 
 def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
-    """Return the response of the lasting wear of a revolution of each block.
+    """Return the Jacobian of the wear per revolution by the profile, for each block.
 
     Returns
     -------
@@ -82,7 +84,7 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
     """Return the depth worn by each row per MPa summed over it, mm; constant beyond the rim."""
     count = contact.touching.sum(axis=0)
-    rate = wear_law_in(model, contact).per_load(contact.pressure, contact.traction, contact.slip)
+    rate = wear_law_at(model, contact).per_load(contact.pressure, contact.traction, contact.slip)
     per_pressure = rate.sum(axis=0)
     inside = np.flatnonzero(count)
     values = model.grid.dx * per_pressure[inside] / count[inside]

@@ -155,6 +155,7 @@ class DutyCycle(Revolutions):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
+        """Return the stored contacts, one for each different block: equal blocks share one."""
         spectrum = scene.spectrum
         return tuple(
             stored.contact(one, spectrum.places.index(k)) for k, one in enumerate(spectrum.scenes)

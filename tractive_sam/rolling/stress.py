@@ -32,7 +32,7 @@ class LargestStress(Observer):
     model: Model | None = None
 
     def begin(self, step: Any, model: Model) -> "LargestStress":
-        """See `Observer.begin`."""
+        """Return the observer with the contacts of the first step; see `Observer.begin`."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "LargestStress":

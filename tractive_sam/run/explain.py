@@ -211,7 +211,7 @@ def seconds_per_application(model: Model, most: int = 2**18) -> float:
     """
     fields, operators = memory.fields_per_operator(model), model.operators
     shape = timed_shape(model.grid.elements, most)
-    operators = operators.on(operators.lattice.of(shape))
+    operators = operators.on(operators.lattice.with_shape(shape))
     operator = {1: operators.normal, 2: operators.slip}.get(fields) or operators.coupled
     values = np.ones(operator.shape)
     operator(values)

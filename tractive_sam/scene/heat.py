@@ -46,7 +46,7 @@ class Bulk(Table):
 
 
 def _check_bulk(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a bulk temperature below the absolute zero."""
+    """Report a bulk temperature below absolute zero."""
     bulk = entries["bulk"]
     if not isinstance(bulk, Bulk) and bulk < ABSOLUTE_ZERO:
         yield Fault("bulk", f"{bulk:g}", f"at least {ABSOLUTE_ZERO}, in degrees C")

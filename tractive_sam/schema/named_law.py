@@ -57,7 +57,7 @@ class NamedLaw:
 
 
 class LawTable(Table):
-    """A table that names a law of this package, or a law of another package with its parameters."""
+    """A table that names a built-in law, or a law class of another package with its parameters."""
 
     law_key: ClassVar[str] = "law"
     """Key that names the law."""
@@ -241,7 +241,7 @@ def _arguments(
         for name, parameter in parameters.items()
         if parameter.kind in (parameter.POSITIONAL_OR_KEYWORD, parameter.KEYWORD_ONLY)
     }
-    types, free = _types(kind), [name for name in named if name not in provided]
+    types, free = _parameter_types(kind), [name for name in named if name not in provided]
     any_name = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     for name, value in given.items():
         if name in named or any_name:
@@ -260,8 +260,8 @@ def _arguments(
             faults.append(Fault(name, "nothing", f"{expected}, which {kind.__name__} needs"))
 
 
-def _types(kind: Any) -> dict[str, Any]:
-    """Return the types of the parameters of a class; empty if they are not available."""
+def _parameter_types(kind: Any) -> dict[str, Any]:
+    """Return the type hints of a class's parameters by name; empty if unresolved."""
     try:
         return get_type_hints(kind.__init__)
     except NameError:  # imported for type checkers only

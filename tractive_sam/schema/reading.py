@@ -46,8 +46,8 @@ class Reading:
         """Store a valid value."""
         self.values[key] = self.entries[key] = value
 
-    def report(self, key: str, allowed: str) -> None:
-        """Add the fault of an entry."""
+    def add_fault(self, key: str, allowed: str) -> None:
+        """Add a fault: the value of this entry is not one of those allowed."""
         self.faults.append(Fault(str(key), shorten(self.given[key]), allowed))
 
 
@@ -74,7 +74,7 @@ def read_entries(table: type[TableBase], given: Mapping[Any, Any]) -> Reading:
             reading.entries.given.add(key)
         else:
             many = len(reading.faults) >= SceneError.most_listed
-            reading.report(key, "no such entry" if many else suggest_key(table, str(key)))
+            reading.add_fault(key, "no such entry" if many else suggest_key(table, str(key)))
     for key, info in table.model_fields.items():
         if key not in reading.given:
             _read_default(reading, key, info)
@@ -108,7 +108,7 @@ def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
     if isinstance(given, table):
         given = given.entries()
     if not isinstance(given, Mapping):
-        reading.report(key, f"a table with the keys {', '.join(table.model_fields)}")
+        reading.add_fault(key, f"a table with the keys {', '.join(table.model_fields)}")
         return
     inner = read_entries(table, given)
     reading.entries.add(key, inner.entries)
@@ -121,7 +121,7 @@ def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[
     """Read an array of tables: each table by itself, and then the number of them."""
     given = reading.given[key]
     if not isinstance(given, list | tuple):
-        reading.report(key, f"a list of tables with the keys {', '.join(table.model_fields)}")
+        reading.add_fault(key, f"a list of tables with the keys {', '.join(table.model_fields)}")
         return
     before, items = len(reading.faults), []
     for place, entries in enumerate(given):
@@ -144,7 +144,7 @@ def _read_value(reading: Reading, key: str, table: type[TableBase], value: Any) 
             str(e["ctx"]["error"]) for e in error.errors() if e["type"] == "value_error"
         )
         hints = _suggest_number(adapter, value) + _suggest_nearest_name(info.annotation, value)
-        reading.report(key, ("; ".join(reasons) or _describe_field(info)) + hints)
+        reading.add_fault(key, ("; ".join(reasons) or _describe_field(info)) + hints)
 
 
 def _suggest_number(adapter: TypeAdapter, value: Any) -> str:

@@ -26,7 +26,7 @@ class LinearSystem(Protocol):
         """Apply an approximate inverse of the matrix."""
 
     def response(self, vector: np.ndarray) -> np.ndarray:
-        """Return the response of the elastic operator to the fields of a vector."""
+        """Return the elastic gap and slip due to the pressure and tractions of a vector."""
 
     def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
         """Return the matrix times a vector with this response; overwritten by the next one."""

@@ -156,7 +156,10 @@ class System:
         self._rows_made = self.fields(self._out)
 
     def fields(self, vector: np.ndarray) -> np.ndarray:
-        """Return the fields of a vector of unknowns."""
+        """Return the pressure and tractions in a vector of unknowns, a view of its first part.
+
+        Shape (3, n_x, n_y), or (2, n_x, n_y) of the tractions only where the pressure is fixed.
+        """
         return vector[: self.size].reshape(self.shape)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
@@ -205,7 +208,7 @@ class System:
         return rhs
 
     def response(self, vector: np.ndarray) -> np.ndarray:
-        """Return the elastic response to the fields of a vector; one operator application."""
+        """Return the elastic gap and slip due to a vector of unknowns; one operator application."""
         self.applications += 1
         return self.problem.response(self.fields(vector))
 

@@ -30,7 +30,7 @@ def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Note:
-    """One step of a solve: its name and its status.
+    """One stage of a solve: its method and mesh, how it ended, and how far it came.
 
     Attributes
     ----------

@@ -375,6 +375,6 @@ class Problem:
         bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
         return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius), bound
 
-    def at_speed_ratio(self, speed: float) -> "Problem":
-        """Return the problem at a fraction of the rolling speed; 0 has the friction of rest."""
-        return replace(self, friction=self.friction.at_speed_ratio(speed))
+    def at_speed_ratio(self, ratio: float) -> "Problem":
+        """Return the problem at `ratio` times the rolling speed; 0 gives static friction."""
+        return replace(self, friction=self.friction.at_speed_ratio(ratio))

@@ -110,7 +110,7 @@ def surface_cycles(
     is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
         Rows with a valid path: not those that only touch the edge of the contact.
     """
-    stress, even, is_valid, rough, (_, row) = _corners_and_edges(
+    stress, even, is_valid, rough, (_, row) = _surface_stresses(
         lattice, body, tractions, sign, sliding
     )
     order = np.argsort(row, kind="stable")
@@ -139,7 +139,7 @@ def surface_points(
     is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
         As by `surface_cycles`.
     """
-    stress, even, is_valid, rough, places = _corners_and_edges(
+    stress, even, is_valid, rough, places = _surface_stresses(
         lattice, body, tractions, sign, sliding
     )
     edge = np.zeros_like(even)
@@ -149,13 +149,25 @@ def surface_points(
     return every, np.append(column, places[0]), np.append(row, places[1]), is_valid
 
 
-def _corners_and_edges(
+def _surface_stresses(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the stress at all corners (6, n_x - 1, n_y - 1), and at the edges in their rows.
+    """Return the surface stress at element corners and at edges of contact and of stick, MPa.
 
-    Then where it is smooth, the rows with a valid path, and at edges the stress (6, n) and the
-    nearest corner (2, n).
+    Parameters as for `surface_cycles`; `sliding` is a mask.
+
+    Returns
+    -------
+    stress : ndarray, shape (6, n_x - 1, n_y - 1)
+        At the corners.
+    is_smooth : ndarray of bool, shape (n_x - 1, n_y - 1)
+        Corners where the stress is smooth.
+    is_valid : ndarray of bool, shape (n_y - 1,)
+        Rows with a valid path.
+    edge_stress : ndarray, shape (6, n)
+        At the edges in the rows of corners.
+    nearest : ndarray of int, shape (2, n)
+        Numbers of the nearest corner of each edge.
     """
     (stress,) = surface_stress(lattice, body, tractions, (sign,))
     pressure = tractions[2]

@@ -25,8 +25,8 @@ from tractive_sam.tables.fmu_description import Description2, Description3, inpu
 
 
 @dataclass(frozen=True)
-class _Version:
-    """A version of the interface: its headers, its functions in C and its description.
+class _FmiVersion:
+    """A version of FMI: its C headers, C source file, model description and platform names.
 
     Attributes
     ----------
@@ -47,13 +47,13 @@ class _Version:
 
 
 VERSIONS = {
-    2: _Version(
+    2: _FmiVersion(
         ("fmi2TypesPlatform.h", "fmi2FunctionTypes.h", "fmi2Functions.h"),
         "unit2.c",
         Description2,
         "platform",
     ),
-    3: _Version(
+    3: _FmiVersion(
         ("fmi3PlatformTypes.h", "fmi3FunctionTypes.h", "fmi3Functions.h"),
         "unit3.c",
         Description3,
@@ -144,7 +144,7 @@ def _compiled(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
     return True
 
 
-def _interface(table: CreepTable, name: str, token: str, version: _Version) -> dict[str, str]:
+def _interface(table: CreepTable, name: str, token: str, version: _FmiVersion) -> dict[str, str]:
     """Return the C code of the functions of the interface, by file name."""
     inputs = inputs_of(table)
     values = {

@@ -107,25 +107,27 @@ class Sample:
         cls,
         contact: State,
         maxima: Mapping[str, Maximum],
-        cycled: Mapping[str, BodyFatigue] | None = None,
+        fatigue: Mapping[str, BodyFatigue] | None = None,
     ) -> Self:
         """Return the sample of a contact, the largest stresses in its bodies, and their fatigue."""
-        cycled = cycled or {}
+        fatigue = fatigue or {}
         numbers = _contact_numbers(contact)
         for body, stress in maxima.items():
             interior = float(np.nan_to_num(stress.interior))
             column = f"{stress.criterion.name}_max"
             numbers |= _largest_stresses(column, body, interior, stress.surface, stress.value)
-        for body, fatigue in cycled.items():
-            numbers |= _fatigue_numbers(contact, body, fatigue)
+        for body, cycle in fatigue.items():
+            numbers |= _fatigue_numbers(contact, body, cycle)
         values = {name: value for name, (value, _) in numbers.items()}
         scales = {name: scale for name, (_, scale) in numbers.items()}
         factors = {
-            (column, body): getattr(fatigue, column)
-            for body, fatigue in cycled.items()
+            (column, body): getattr(cycle, column)
+            for body, cycle in fatigue.items()
             for column in ("shakedown_lower", "shakedown_upper")
         }
-        return cls(values, scales, contact.residual, factors, _path_errors(contact, values, cycled))
+        return cls(
+            values, scales, contact.residual, factors, _path_errors(contact, values, fatigue)
+        )
 
 
 Numbers = dict[Name, tuple[float, float]]
@@ -179,11 +181,11 @@ def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers
 
 
 def _path_errors(
-    contact: State, values: Mapping[Name, float], cycled: Mapping[str, BodyFatigue]
+    contact: State, values: Mapping[Name, float], fatigue: Mapping[str, BodyFatigue]
 ) -> dict[Name, float]:
-    """Return the relative errors of utilisation and stressed volume by the points of a path."""
+    """Return relative errors of utilisation and stressed volume due to the finite stress path."""
     floors: dict[Name, float] = {}
-    for body, cycle in cycled.items():
+    for body, cycle in fatigue.items():
         if cycle.criterion is None:
             continue
         error = cycle.criterion.path_error
