@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+import tractive_sam as ts
 from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_message, report_errors
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
@@ -43,22 +44,26 @@ def locus(
         except ValueError as error:
             raise error_exit(ExitStatus.INVALID, str(error)) from None
         columns = found.columns()
-        names = ",".join(columns)
-        table = np.column_stack(list(columns.values()))
-        np.savetxt(output, table, delimiter=",", header=names, comments="")
+        rows = np.column_stack(list(columns.values()))
+        np.savetxt(output, rows, delimiter=",", header=",".join(columns), comments="")
         print_line(output)
-        for name, figure in {
+        figures = {
             "points": plot.contact_points(read, found),
             "radii": plot.radius_difference(found),
             "conicity": plot.conicity(found),
-        }.items():
-            path = output.with_name(f"{output.stem}-{name}.png")
-            figure.savefig(path)
-            print_line(path)
+        }
+        for name, figure in figures.items():
+            _save_figure(figure, output.with_name(f"{output.stem}-{name}.png"))
     print_message(
         f"equivalent conicity at {amplitude:g} mm: {values[0]:.4f} (harmonic), "
         f"{values[1]:.4f} (Klingel's motion)"
     )
+
+
+def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
+    """Save a figure and print its path."""
+    figure.savefig(path)
+    print_line(path)
 
 
 def wear(
@@ -89,8 +94,6 @@ def wear(
             raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
         for path in worn.write(output):
             print_line(path)
-        path = output / "profiles.png"
-        plot.worn_wheel_and_rail(worn).savefig(path)
-        print_line(path)
+        _save_figure(plot.worn_wheel_and_rail(worn), output / "profiles.png")
     depths = f"wheel {worn.wheel_depth[-1].max():.4g} mm, rail {worn.rail_depth[-1].max():.4g} mm"
     print_message(f"worn after {worn.revolutions[-1]:g} revolutions: {depths}")

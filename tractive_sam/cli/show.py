@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+import tractive_sam as ts
 from tractive_sam.cli.explain import print_description
 from tractive_sam.cli.fit import show_fit
 from tractive_sam.cli.output import ExitStatus, console, error_exit, print_line, report_errors
@@ -49,11 +50,21 @@ def show(
         print_line(json.dumps(history.to_dict(), allow_nan=False))
         return
     if as_csv:
-        columns = history.numbers()
-        writer = csv.writer(sys.stdout, lineterminator="\n")
-        writer.writerow(map(csv_cell, columns))
-        writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
-        return
+        _print_csv(history)
+    else:
+        _print_tables(history)
+
+
+def _print_csv(history: "ts.History") -> None:
+    """Print every record as a line of CSV."""
+    columns = history.numbers()
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(map(csv_cell, columns))
+    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+
+
+def _print_tables(history: "ts.History") -> None:
+    """Print the run, its records, and all numbers of the last one."""
     from tractive_sam.cli import tables
 
     out = console()

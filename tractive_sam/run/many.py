@@ -96,48 +96,70 @@ def solve_many(
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
     scene = scene.without_blocks
     axes = _check_values(scene, over)
-    shape = tuple(len(axis.rows) for axis in axes)
-    numbers: dict[str, np.ndarray] = {}
-    described: dict[str, Quantity] = {}
-    texts = {name: np.full(shape, "", dtype=object) for name in ("status", "message")}
-    derivatives: dict[tuple[int, ...], Any] = {}
-    noted = set[tuple[int, int]]()
+    cases, noted = _CaseTable(axes), set[tuple[int, int]]()
     for place, model, contact in _solve_cases(scene, axes, jacobian):
         if model.grid.elements not in noted:  # once for all loads and creepages on a mesh
             noted.add(model.grid.elements)
             warn_of_gap(model)
-        texts["status"][place], texts["message"][place] = str(contact.status.value), contact.message
+        cases.add(place, contact)
+        if jacobian and contact.converged:
+            cases.derivatives[place] = jacobian_of(model, contact)
+    return cases.dataset(scene.title)
+
+
+class _CaseTable:
+    """The results of cases, by their places on axes.
+
+    Parameters
+    ----------
+    axes : sequence of _Axis
+        The axes.
+    """
+
+    def __init__(self, axes: "Sequence[_Axis]") -> None:
+        self.axes, self.shape = axes, tuple(len(axis.rows) for axis in axes)
+        self.numbers: dict[str, np.ndarray] = {}
+        self.quantities: dict[str, Quantity] = {}
+        self.texts = {name: np.full(self.shape, "", dtype=object) for name in ("status", "message")}
+        self.derivatives: dict[tuple[int, ...], xarray.DataArray] = {}
+
+    def add(self, place: tuple[int, ...], contact: State) -> None:
+        """Add the contact of a case: its numbers if it was solved."""
+        self.texts["status"][place] = str(contact.status.value)
+        self.texts["message"][place] = contact.message
         if not contact.converged:
-            continue
+            return
         for name, quantity in columns(contact.scene).items():
             if quantity.of is None or quantity.dims:
                 continue
-            if name not in numbers:
-                numbers[name], described[name] = np.full(shape, math.nan), quantity
-            numbers[name][place] = quantity.of(contact)
-        if jacobian:
-            derivatives[place] = jacobian_of(model, contact)
+            if name not in self.numbers:
+                self.numbers[name] = np.full(self.shape, math.nan)
+                self.quantities[name] = quantity
+            self.numbers[name][place] = quantity.read(contact)
 
-    dims = [axis.name for axis in axes]
-    variables: dict[str, Any] = {
-        name: (dims, values, _attributes(described[name])) for name, values in numbers.items()
-    }
-    solved = texts["status"] == Status.CONVERGED.value
-    variables["converged"] = (dims, solved.astype(bool))
-    variables |= {name: (dims, values.astype(str)) for name, values in texts.items()}
-    coordinates: dict[str, Any] = {
-        key: (axis.name, _as_array(values), {"long_name": Scene.find_field(key).title or key})
-        for axis in axes
-        for key, values in zip(axis.keys, zip(*axis.rows, strict=True), strict=True)
-    }
-    if derivatives:
-        first = next(iter(derivatives.values()))
-        values = np.full((*shape, *first.shape), math.nan)
-        for place, derivative in derivatives.items():
-            values[place] = derivative.values
-        variables["jacobian"] = ([*dims, *first.dims], values)
-        coordinates |= {name: first[name].values for name in first.dims}
-    return xarray.Dataset(variables, coordinates, {"title": scene.title})
+    def dataset(self, title: str) -> "xarray.Dataset":
+        """Return all results with their axes."""
+        dims = [axis.name for axis in self.axes]
+        variables: dict[str, Any] = {
+            name: (dims, values, _attributes(self.quantities[name]))
+            for name, values in self.numbers.items()
+        }
+        solved = self.texts["status"] == Status.CONVERGED.value
+        variables["converged"] = (dims, solved.astype(bool))
+        variables |= {name: (dims, values.astype(str)) for name, values in self.texts.items()}
+        coordinates: dict[str, Any] = {
+            key: (axis.name, _as_array(values), {"long_name": Scene.find_field(key).title or key})
+            for axis in self.axes
+            for key, values in zip(axis.keys, zip(*axis.rows, strict=True), strict=True)
+        }
+        if self.derivatives:
+            first = next(iter(self.derivatives.values()))
+            values = np.full((*self.shape, *first.shape), math.nan)
+            for place, derivative in self.derivatives.items():
+                values[place] = derivative.values
+            variables["jacobian"] = ([*dims, *first.dims], values)
+            coordinates |= {str(name): first[name].values for name in first.dims}
+        return xarray.Dataset(variables, coordinates, {"title": title})
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:
