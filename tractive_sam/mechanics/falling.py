@@ -82,7 +82,7 @@ class Exponential(SlidingShare):
     half_speed: float
 
     def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """See `SlidingShare.at`."""
+        """Return mu(speed)/mu(0) of the exponential law, and its derivative by speed, s/mm."""
         rate = np.log(2.0) / self.half_speed
         fall = (1.0 - self.kinetic) * np.exp(-rate * speed)
         return self.kinetic + fall, -rate * fall
