@@ -34,7 +34,6 @@ def locus(
     import numpy as np
 
     with report_errors():
-        from tractive_sam import plot
         from tractive_sam.scene import contact_locus
 
         read = read_scene(scene, settings)
@@ -43,21 +42,30 @@ def locus(
             values = found.conicity(amplitude), found.klingel_conicity(amplitude)
         except ValueError as error:
             raise error_exit(ExitStatus.INVALID, str(error)) from None
-        columns = found.columns()
-        rows = np.column_stack(list(columns.values()))
-        np.savetxt(output, rows, delimiter=",", header=",".join(columns), comments="")
-        print_line(output)
-        figures = {
-            "points": plot.contact_points(read, found),
-            "radii": plot.radius_difference(found),
-            "conicity": plot.conicity(found),
-        }
-        for name, figure in figures.items():
-            _save_figure(figure, output.with_name(f"{output.stem}-{name}.png"))
+        _write(found, read, output)
     print_message(
         f"equivalent conicity at {amplitude:g} mm: {values[0]:.4f} (harmonic), "
         f"{values[1]:.4f} (Klingel's motion)"
     )
+
+
+def _write(locus: "ts.rail.ContactLocus", scene: "ts.Scene", output: Path) -> None:
+    """Write the table of a locus, and its figures beside it."""
+    import numpy as np
+
+    from tractive_sam import plot
+
+    columns = locus.columns()
+    rows = np.column_stack(list(columns.values()))
+    np.savetxt(output, rows, delimiter=",", header=",".join(columns), comments="")
+    print_line(output)
+    figures = {
+        "points": plot.contact_points(scene, locus),
+        "radii": plot.radius_difference(locus),
+        "conicity": plot.conicity(locus),
+    }
+    for name, figure in figures.items():
+        _save_figure(figure, output.with_name(f"{output.stem}-{name}.png"))
 
 
 def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
