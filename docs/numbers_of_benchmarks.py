@@ -39,6 +39,19 @@ def large() -> str:
     return format_columns(read_rows("large.csv"), columns)
 
 
+def wheel_rail() -> str:
+    """Return computed and printed results of positions of a wheelset."""
+    columns = {"y, mm": ("y", number(".1f")), "angle, degrees": ("angle", number(".1f"))}
+    columns |= {"patches": ("patches", number(".0f"))}
+    forms = {"P": ".0f", "p_max": ".1f", "approach": ".5f", "Qx": ".1f", "Qy": ".0f"}
+    for name, form in forms.items():
+        columns |= {
+            name: (name, number(form)),
+            f"{name}, CONTACT": (f"{name} printed", number(form)),
+        }
+    return format_columns(read_rows("wheel_rail.csv"), columns)
+
+
 def normal() -> str:
     """Return time and error of the normal problem."""
     columns = {
@@ -749,6 +762,7 @@ TABLES = {
         solvers,
         large,
         normal,
+        wheel_rail,
         spheres,
         creep_forces,
         kalker,

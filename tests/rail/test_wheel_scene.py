@@ -96,6 +96,12 @@ def test_patches_carry_the_vertical_load():
         assert set(history["patches"]) == {patches}
 
 
+def test_progress_is_shown(capsys):
+    history = ts.roll(scene(4.92, yaw=11.8), progress=True)
+    assert set(history["solves"]) == {1.0}
+    assert capsys.readouterr()
+
+
 def test_solve_returns_the_patch_with_most_load():
     one = scene(4.92, yaw=11.8)
     contact, history = ts.solve(one), ts.roll(one)

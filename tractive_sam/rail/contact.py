@@ -132,7 +132,7 @@ def lowest_gap(wheel: Wheel, rail: Profile) -> float:
     return float(contact_points(wheel, rail).gap[0])
 
 
-def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-13) -> float:
+def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-11) -> float:
     """Return the roll at which both wheels of a wheelset touch equal rails, rad.
 
     Parameters

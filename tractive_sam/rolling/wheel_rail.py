@@ -64,7 +64,8 @@ class PatchStep(Step):
     def record(self, block: int | None = None) -> StepRecord:
         """See `Step.record`."""
         assert self.patch is not None
-        values = {"patch": self.number} | describe_patch(self.patch, self.patches)
+        values = {"patch": self.number, "jump": 1, "solves": 1}
+        values |= describe_patch(self.patch, self.patches)
         return StepRecord(self.contact, values)
 
 

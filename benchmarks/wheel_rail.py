@@ -1,0 +1,101 @@
+"""Wheel and rail: positions of the Manchester benchmark, and CPU time of positions and wear.
+
+The results that CONTACT prints for case A2.2 (Shackleton & Iwnicki 2008, Vehicle System Dynamics
+46, 129-149) belong to S1002 on UIC 60, 10 kN, G = 82 GPa, nu = 0.28, mu = 0.3, elements of 0.2 mm
+and slip of first order. Its creepages are relative to its contact point, with the opposite sign.
+
+Page: docs/theory/wheel-rail.md
+"""
+
+import math
+import warnings
+from time import process_time
+
+import numpy as np
+from timing import show, write
+
+import tractive_sam as ts
+
+STEEL = {"shear": 82e3, "poisson": 0.28}
+TABLES = {
+    "body": {"A": STEEL, "B": STEEL},
+    "wheel": {"profile": "S1002", "radius": 460.0},
+    "rail": {"profile": "UIC60-manchester"},
+    "friction": {"mu": 0.3},
+}
+# side, y mm, yaw mrad, roll mrad, contact y, creepages; P, p_max, approach, |Q_x|, |Q_y|
+POSITIONS = (
+    ("right", 0.0, 0.0, 0.0, 751.8726, (-5.665e-5, 0.0, 6.302e-5),
+     (9997, 338.3, 0.01596, 0.28, 253.6)),
+    ("left", 1.5, 3.6, -0.08103, 755.9669, (-7.53e-4, 3.599e-3, -3.33e-5),
+     (10050, 446.5, 0.02007, 641.1, 2942)),
+    ("left", 4.5, 10.8, -0.2977, 757.799, (-1.591e-3, 1.079e-2, -2.049e-5),
+     (10030, 540.2, 0.02209, 440.6, 2976)),
+    ("right", 5.0, 12.0, -0.3554, 727.0855, (4.174e-3, 1.255e-2, 6.188e-4),
+     (9619, 1556, 0.02719, 763.3, 2738)),
+    ("right", 5.5, 13.2, -0.4777, 726.1169, (4.379e-3, 1.401e-2, 7.122e-4),
+     (9629, 1486, 0.02926, 850.2, 2759)),
+    ("right", 6.0, 14.4, -0.6272, 725.1371, (5.077e-3, 1.580e-2, 8.744e-4),
+     (9709, 1149, 0.02728, 880, 2775)),
+)  # fmt: skip
+
+
+def solve_position(row: tuple) -> dict[str, object]:
+    """Return one position: computed and printed forces of all patches, and the largest pressure."""
+    side, y, yaw, roll, contact_y, printed, expected = row
+    wheelset = {"side": side, "y": y, "yaw": yaw, "roll": roll, "load": 1e4}
+    all_patches = ts.Scene(**TABLES, wheelset=wheelset).wheel_rail.patches
+    patch = all_patches[0]
+    sign = 1.0 if side == "left" else -1.0
+    spin = sign * printed[2]
+    across = (patch.origin[1] - contact_y) / math.cos(patch.angle)
+    creepage = (-printed[0] - spin * across, sign * printed[1], spin)
+    half = np.max([one.half_length for one in all_patches], axis=0)
+    elements = [2 * round(1.2 * length / 0.2) + 1 for length in half]
+    scene = ts.Scene(
+        **TABLES,
+        wheelset=wheelset,
+        creepage=dict(zip(("longitudinal", "lateral", "spin"), creepage, strict=True)),
+        grid={"half_length": [0.1 * n for n in elements], "elements": elements},
+        solver={"slip": "upwind"},
+    )
+    found = ts.roll(scene)
+    last = {"P": sum(found["P"]), "p_max": max(found["p_max"]), "approach": max(found["approach"])}
+    last |= {"Qx": sum(found["Qx"]), "Qy": sum(found["Qy"])}
+    values = {"y": y, "angle": math.degrees(patch.angle), "patches": len(found)}
+    for (name, value), known in zip(last.items(), expected, strict=True):
+        values |= {name: abs(float(value)), f"{name} printed": known}
+    return values
+
+
+def measure_times() -> list[dict[str, object]]:
+    """Return CPU seconds of a locus, a position and a wear step of one position."""
+    scene = ts.Scene.builtin("wheel-wear")
+    ts.contact_locus(scene, [0.0, 1.0])
+    start = process_time()
+    ts.contact_locus(scene, np.linspace(-6.0, 6.0, 21))
+    locus = process_time() - start
+    start = process_time()
+    for y in np.linspace(0.0, 4.0, 20):
+        _ = scene.without_blocks.replace(wear=None, **{"wheelset.y": float(y)}).wheel_rail
+    position = (process_time() - start) / 20
+    ts.wear_profiles(scene, deepest=0.1)
+    start = process_time()
+    worn = ts.wear_profiles(scene)
+    step = (process_time() - start) / (3 * worn.revolutions.size)
+    return [
+        {"work": "locus of 21 positions", "CPU s": locus},
+        {"work": "scene of a position", "CPU s": position},
+        {"work": "position of a wear step, 25 x 31 elements", "CPU s": step},
+    ]
+
+
+if __name__ == "__main__":
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ts.SceneWarning)
+        rows = [solve_position(row) for row in POSITIONS]
+        times = measure_times()
+    write("wheel_rail", rows)
+    write("wheel_rail_times", times)
+    show("Manchester benchmark, case A2.2", rows)
+    show("CPU time", times)
