@@ -64,7 +64,9 @@ class Newton:
     rough : float
         Relative residual down to which a linear system may be solved in single precision.
     rounding : float
-        Rounding of a response in single precision over the residual that the step is to remove.
+        Part of the tolerance that the rounding of the response to a step may take; otherwise the
+        response is evaluated again, in double precision. Where vectors of the Krylov space cancel,
+        their rounding is up to 80 times the estimate from their sum.
     single_from : float
         Number of elements from which single precision pays: below, planning its transforms costs as
         much, unless they are used for many problems.
@@ -87,7 +89,7 @@ class Newton:
     sharp: float = 1e-5
     aim: float = 0.3
     rough: float = 1e-4
-    rounding: float = 1e-6
+    rounding: float = 0.02
     single_from: float = 5_000
     gmres_from: float = 5_000
     inside: float = 0.999
@@ -140,8 +142,7 @@ class Newton:
                 least, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            kind = self.precision(goal, at.residual, tolerance, at.pressure.size)
-            at, spent = self._advance(problem, at, goal, kind, stalled, bounded)
+            at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded)
             cost = cost + spent
         # What is beyond a bound, or remains where the gap is open, is part of the residual.
         pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
@@ -197,17 +198,21 @@ class Newton:
         problem: Problem,
         at: Iterate,
         goal: float,
-        kind: type,
+        tolerance: float,
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, Cost]:
         """The iterate after a step whose linear system is solved to a relative residual."""
-        system = System(problem, at, kind)
-        if kind is np.float64 or not self._by_gmres(at.pressure.size):
-            vector, response = conjugate_residuals(system, goal, self.krylov)
-            response = response.astype(float, copy=False)
+        elements = at.pressure.size
+        system = System(problem, at, self.precision(goal, at.residual, tolerance, elements))
+        response: np.ndarray | None = None
+        if system.kind is np.float64 or elements < self.gmres_from:
+            vector, known = conjugate_residuals(system, goal, self.krylov)
+            rounded = float(np.finfo(system.kind).eps * np.linalg.norm(known[-2:]))
+            if rounded <= self.rounding * tolerance * at.drag:
+                response = known.astype(float, copy=False)
         else:
-            rhs, response = system.right_hand_side(), None
+            rhs = system.right_hand_side()
             vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
         vector = vector.astype(float, copy=False)  # iterates are in double precision
         step, extra = system.fields(vector), vector[system.size :]
@@ -276,15 +281,12 @@ class Newton:
         wanted = max(min(loosest, 0.9 * gained), self.sharpest, self.aim * tolerance / residual)
         return float(min(wanted, 0.5))
 
-    def _by_gmres(self, elements: int) -> bool:
-        return elements >= self.gmres_from
-
     def precision(self, goal: float, residual: float, tolerance: float, elements: int) -> type:
-        """Return the number type in which a linear system reaches a relative residual.
+        """Return the type of numbers in which to solve a linear system to a relative residual.
 
         Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed
-        over a Krylov space: half the memory is moved for the same step. If the response to the step
-        is kept, its rounding remains in the residual.
+        over a Krylov space: half the memory is moved for the same step. A response that is stored
+        must not add its rounding to the residual of the solution.
 
         Parameters
         ----------
@@ -295,9 +297,10 @@ class Newton:
         elements : int
             Number of elements.
         """
-        rounded = 0.0 if self._by_gmres(elements) else self.rounding * residual
-        rough = goal >= self.rough and rounded <= self.aim * tolerance
-        return np.float32 if rough and elements >= self.single_from else np.float64
+        rounded = float(np.finfo(np.float32).eps) * residual
+        stored_exactly = rounded <= self.rounding * tolerance or elements >= self.gmres_from
+        single = goal >= self.rough and elements >= self.single_from and stored_exactly
+        return np.float32 if single else np.float64
 
     def damped(
         self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool

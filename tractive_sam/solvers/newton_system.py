@@ -79,6 +79,7 @@ class Iterate:
             missed = np.sum(self.force_missed**2) / elements
             wanted = np.linalg.norm(forces.target) / np.sqrt(elements)
         drag = max(np.linalg.norm(self.traction + self.law.defect), wanted)
+        self.drag = float(drag)
         self._tangential = self.law.merit + missed
         self._normal = 0.0
         defect = np.sqrt(self.law.squares + missed)
