@@ -6,12 +6,14 @@
 - `killed`: 40 of them stopped after a random record and resumed: how far the two histories differ,
   over the largest value;
 - `steps`: applications and convolutions per step on 91 x 91 elements, of several courses;
+- `cost`: applications, convolutions and time per step over the mesh, also over the time of one
+  application of the tangential operator;
 - `order`: error of Q_x after a step of creepage, over the mesh and over the step, against the
   extrapolated finest one;
 - `wear`: what passes through a constant course against a steady revolution, over the mesh; a ball
   that slides to and fro against the closed form, over the mesh and the step.
 
-    python benchmarks/transient.py [courses killed steps order wear]
+    python benchmarks/transient.py [courses killed steps cost order wear]
 
 Page: docs/theory/transient.md
 """
@@ -23,9 +25,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from timing import show, write
+from timing import seconds, show, write
 
 import tractive_sam as ts
+from tractive_sam.contact import Model
 
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU, A = SPHERES.normal_load, SPHERES.friction.mu[0], SPHERES.hertz.a
@@ -210,6 +213,31 @@ def steps() -> None:
     show("applications per step", rows)
 
 
+def cost() -> None:
+    """Work and time per step over the mesh, of a constant creepage from rest to 1e-6."""
+    count, rows = 40, []
+    for n in (31, 45, 91, 181):
+        scene = SPHERES.replace(
+            transient={"distance": [0, count * 8.16 / n], "creepage.longitudinal": [-0.003] * 2},
+            **{"grid.elements": (n, n), "solver.tolerance": 1e-6},
+        )
+        history = ts.roll(scene)
+        operator, fields = Model(scene).operators.tangential, np.ones((2, n, n))
+        step = seconds(lambda scene=scene: ts.roll(scene), 4.0) / count
+        application = seconds(lambda apply=operator, fields=fields: apply(fields), 0.5, 100)
+        rows.append(
+            {
+                "elements": f"{n} x {n}",
+                "applications": float(np.mean(history["operator_applications"][1:])),
+                "convolutions": float(np.mean(history["convolutions"][1:])),
+                "milliseconds": 1e3 * step,
+                "over_application": step / application,
+            }
+        )
+    write("transient_cost", rows)
+    show("work and time per step", rows)
+
+
 def order() -> None:
     """Errors over the mesh and over the step."""
 
@@ -276,6 +304,7 @@ def wear() -> None:
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore", ts.SceneWarning)
-    parts = {"courses": courses, "killed": killed, "steps": steps, "order": order, "wear": wear}
+    parts = {"courses": courses, "killed": killed, "steps": steps, "cost": cost}
+    parts |= {"order": order, "wear": wear}
     for name in sys.argv[1:] or parts:
         parts[name]()

@@ -627,6 +627,18 @@ def transient_steps() -> str:
     return format_columns(rows.values(), columns)
 
 
+def transient_cost() -> str:
+    """Return the work and the time of a step of a transient on several meshes."""
+    columns = {
+        "elements": ("elements", str),
+        "applications": ("applications", number(".3g")),
+        "convolutions": ("convolutions", number(".3g")),
+        "CPU time, ms": ("milliseconds", number(".2g")),
+        "CPU time over that of an application": ("over_application", number(".2g")),
+    }
+    return format_columns(read_rows("transient_cost.csv"), columns)
+
+
 def transient_wear() -> str:
     """Return errors of the worn depth of transients."""
     errors = {
@@ -796,6 +808,7 @@ TABLES = {
         study_scaling,
         transient_order,
         transient_steps,
+        transient_cost,
         transient_wear,
         duty,
         duty_cores,
