@@ -634,7 +634,7 @@ def transient_cost() -> str:
         "applications": ("applications", number(".3g")),
         "convolutions": ("convolutions", number(".3g")),
         "CPU time, ms": ("milliseconds", number(".2g")),
-        "CPU time over that of an application": ("over_application", number(".2g")),
+        "CPU time over that of an application": ("over_application", number(".3g")),
     }
     return format_columns(read_rows("transient_cost.csv"), columns)
 
