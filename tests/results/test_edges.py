@@ -66,7 +66,7 @@ def test_shapes_that_are_known():
     flat[3:9, 2:8] = 1.0  # constant to its rim: all edges at the same place of their elements
     side = contact_extent(flat)
     assert side == contact_extent(flat.T)
-    # A square, of which four corners are cut off.
+    # A square without its four corners.
     corner = 0.5 * (0.5 * (side - 5.0)) ** 2
     assert covered_elements(flat) == pytest.approx(side**2 - 4 * corner, rel=1e-12)
     two = np.zeros((12, 12))

@@ -7,7 +7,7 @@ from tractive_sam.solvers.krylov import conjugate_residuals
 
 
 class DenseSystem:
-    """The system (1 + B) x = b, of which the response is B x, without a preconditioner."""
+    """The system (1 + B) x = b with the response B x, without a preconditioner."""
 
     def __init__(self, size: int, strength: float, kind: type = np.float64) -> None:
         rng = np.random.default_rng(0)
