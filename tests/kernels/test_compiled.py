@@ -170,7 +170,7 @@ import numpy as np
 
 from tractive_sam.kernels.rectangle import integrals
 from tractive_sam.kernels.stress import stress_patch
-from tractive_sam.kernels.wear import sweep
+from tractive_sam.kernels.wear import sweep_wear
 
 found = []
 for x, y in product((0.0, 0.3, 0.5, -20.0), (0.5, -0.2, 30.0)):  # edges, and near and far
@@ -178,7 +178,7 @@ for x, y in product((0.0, 0.3, 0.5, -20.0), (0.5, -0.2, 30.0)):  # edges, and ne
     for z in (0.0, 0.4):
         found += [value for load in stress_patch(x, y, z, 1.0, 0.7, 0.3) for value in load]
 rate = np.cos(np.arange(12.0)).reshape(4, 3)
-found += sweep(np.arange(3.0), rate, 0.1).ravel().tolist()
+found += sweep_wear(np.arange(3.0), rate, 0.1).ravel().tolist()
 print(json.dumps(found))
 """
 

@@ -151,6 +151,6 @@ def test_what_is_kept_of_a_mesh_is_bounded_and_changes_nothing(monkeypatch):
             assert kept._size() <= stress_layers.KEPT
     mesh = (GRID.dx, GRID.dy, *layers._padded)
     assert [kept.get(mesh, depth) is not None for depth in depths] == 5 * [True] + 4 * [False]
-    other = StressLayers(MESH.of((20, 10)), np.ones((3, 20, 10)), (0.3,), (1.0,))
+    other = StressLayers(MESH.with_shape((20, 10)), np.ones((3, 20, 10)), (0.3,), (1.0,))
     other.at(0.1)
     assert kept.get(mesh, depths[0]) is None
