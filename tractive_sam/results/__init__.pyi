@@ -51,4 +51,4 @@ from .stored_fields import HEAT_FIELDS as HEAT_FIELDS
 from .stored_fields import OUTSIDE as OUTSIDE
 from .stored_fields import STRESS as STRESS
 from .stored_fields import storable_fields as storable_fields
-from .stress_columns import stress_columns as stress_columns
+from .stress_quantities import stress_columns as stress_columns

@@ -15,7 +15,7 @@ from tractive_sam.results.fatigue_columns import FATIGUE_COLUMNS
 from tractive_sam.results.quantity import COORDINATE, Quantity, index_by_name
 from tractive_sam.results.state import State
 from tractive_sam.results.stored_fields import read_component, read_heat, read_number
-from tractive_sam.results.stress_columns import error_bar_column, read_error_bar, stress_columns
+from tractive_sam.results.stress_quantities import error_bar_column, read_error_bar, stress_columns
 from tractive_sam.scene import Scene
 
 

@@ -7,8 +7,8 @@ from .cycle import cycle_fatigue as cycle_fatigue
 from .cycle import fatigue as fatigue
 from .depth import depths as depths
 from .depth import semi_axes as semi_axes
-from .displacement import displacement as displacement
-from .displacement import elastic_energy as elastic_energy
+from .displacement_field import displacement as displacement
+from .displacement_field import elastic_energy as elastic_energy
 from .layers import stress_layers as stress_layers
 from .maximum import Maximum as Maximum
 from .maximum import stress_maxima as stress_maxima
