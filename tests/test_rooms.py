@@ -1,6 +1,7 @@
 """The contracts between the rooms of the package leave no room out."""
 
 import ast
+import re
 import tomllib
 from pathlib import Path
 from pkgutil import iter_modules
@@ -68,3 +69,10 @@ def test_rooms_are_entered_by_their_doors():
             if any(deeper) or any((PACKAGE / room / f"{name}.py").exists() for name in kept):
                 past.append(f"{module.relative_to(PACKAGE)}: {ast.unparse(one)}")
     assert past == []
+
+
+def test_names_are_not_those_of_their_modules():
+    """A module that is imported first would stand where its function is looked up."""
+    stubs = [path.read_text("utf-8") for path in PACKAGE.rglob("__init__.pyi")]
+    same = [name for stub in stubs for name in re.findall(r"from \.(\w+) import \1\b", stub)]
+    assert same == ["commented_scene"]  # which no other module imports

@@ -46,6 +46,8 @@ from .measured import Measurements as Measurements
 from .needs import Need as Need
 from .options import UNITS as UNITS
 from .options import units as units
+from .plane_maxima import StressMaximum as StressMaximum
+from .plane_maxima import stress_maxima as stress_maxima
 from .profiles import pressure_profiles as pressure_profiles
 from .profiles import wear_profiles as wear_profiles
 from .profiles import worn_profiles as worn_profiles
@@ -55,15 +57,13 @@ from .registry import history_figure as history_figure
 from .scale import Scale as Scale
 from .stress import von_mises as von_mises
 from .stress import von_mises_sections as von_mises_sections
-from .stress_maxima import StressMaximum as StressMaximum
-from .stress_maxima import stress_maxima as stress_maxima
 from .study import Variable as Variable
 from .study import study_curves as study_curves
 from .study import study_map as study_map
 from .study import study_samples as study_samples
 from .style import STYLE as STYLE
 from .table import table_errors as table_errors
-from .traction_sections import traction_sections as traction_sections
+from .traction_lines import traction_sections as traction_sections
 from .transient import energies as energies
 from .transient import hysteresis as hysteresis
 from .transient import stick_course as stick_course

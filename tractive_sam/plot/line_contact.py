@@ -13,7 +13,7 @@ from tractive_sam.plot.needs import ONE_ROW, check_touching, has_traction
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import LOOK, apply_style, history_title, new_axes, set_title
-from tractive_sam.plot.traction_sections import draw_tractions
+from tractive_sam.plot.traction_lines import draw_tractions
 from tractive_sam.results import History
 
 

@@ -11,8 +11,8 @@ from matplotlib.contour import ContourSet
 from matplotlib.ticker import MaxNLocator
 
 from tractive_sam.mechanics import CRITERIA, StressCriterion
+from tractive_sam.plot.plane_maxima import StressMaximum, stress_maxima
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.stress_maxima import StressMaximum, stress_maxima
 from tractive_sam.plot.style import LOOK
 from tractive_sam.results import PlaneStress
 

@@ -22,10 +22,10 @@ from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.map_frame import TICK_SPACE, MapFrame
 from tractive_sam.plot.options import current_options
+from tractive_sam.plot.plane_maxima import StressMaximum
 from tractive_sam.plot.plane_section import PlaneSection, common_levels
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
-from tractive_sam.plot.stress_maxima import StressMaximum
 from tractive_sam.plot.style import LOOK, apply_style
 from tractive_sam.plot.zones import draw_contact_edge
 from tractive_sam.results import History, PlaneStress, State
