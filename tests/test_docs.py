@@ -19,10 +19,18 @@ STUDIES = sorted(one.name for one in iter_modules(tractive_sam.studies.__path__)
 ROOMS = ("tractive_sam", "tractive_sam.plot", "tractive_sam.subsurface", "tractive_sam.reference")
 
 SLOW = {
+    "tractive_sam.FitResult",
+    "tractive_sam.WornProfiles",
     "tractive_sam.build_table",
+    "tractive_sam.fit",
+    "tractive_sam.open_fit",
+    "tractive_sam.plot.energies",
+    "tractive_sam.plot.line_pressures",
     "tractive_sam.plot.save_all",
     "tractive_sam.plot.worn_track",
+    "tractive_sam.plot.worn_wheel_and_rail",
     "tractive_sam.subsurface.course_fatigue",
+    "tractive_sam.wear_profiles",
 }
 """Names whose examples take seconds."""
 

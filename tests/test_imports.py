@@ -39,6 +39,7 @@ def loaded_by(code):
     return set(json.loads(found.stderr))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("code", "without"),
     [

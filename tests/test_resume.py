@@ -73,6 +73,7 @@ def test_one_revolution_after_another(tmp_path):
     assert_same(roll(scene, tmp_path / "a.h5", resume=True), roll(scene))
 
 
+@pytest.mark.slow
 def test_finished_roll_is_rolled_further(tmp_path):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=50", "wear.save=[0, 50]")
     before = roll(short, path)
@@ -117,6 +118,7 @@ def test_a_roll_off_its_grid_continues_upon_the_one_that_is_reported(tmp_path):
     assert len(after) > len(before)
 
 
+@pytest.mark.slow
 def test_what_holds_anyway_may_be_reported(tmp_path):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
     entries = short.entries()
@@ -148,6 +150,7 @@ def test_a_mesh_of_another_version_is_reported(tmp_path):
         roll(requested, path, resume=True)
 
 
+@pytest.mark.slow
 def test_versions_that_rolled_are_reported_with_where_they_began(tmp_path, monkeypatch):
     path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
     before = roll(short, path)
@@ -194,6 +197,7 @@ def test_nothing_of_the_revolution_that_failed_is_kept(tmp_path):
     np.testing.assert_allclose(history["wear_max"], wanted["wear_max"], rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_a_gap_given_as_arrays_is_resumed(tmp_path):
     x = np.linspace(-2.0, 2.0, 5)
     scene = coarse("wear.revolutions=60", "wear.save=[60]").replace(

@@ -39,6 +39,7 @@ def test_help(call, arguments):
     assert "Usage" in result.stdout
 
 
+@pytest.mark.slow
 def test_module_is_the_program():
     result = subprocess.run(
         [sys.executable, "-m", "tractive_sam", "show", "missing.h5"],

@@ -108,6 +108,7 @@ def test_surface(call, results):
     assert "--surface" in refused.stderr
 
 
+@pytest.mark.slow
 def test_one_block_of_a_duty_cycle(call):
     few = ["grid.half_length=[0.42, 0.9]", "grid.elements=[15, 21]", "wear.revolutions=2"]
     blocks = ({"name": "450", "revolutions": 1, "load": {"normal": 450.0}}, {"revolutions": 1})

@@ -70,6 +70,7 @@ def program(*arguments, folder, stdout=subprocess.PIPE, **environment):
     )
 
 
+@pytest.mark.slow
 def test_terminal_without_greek_letters(stored, folder):
     result = program("show", stored, folder=folder, PYTHONIOENCODING="ascii")
     assert result.returncode == 0, result.stderr

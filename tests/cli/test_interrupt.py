@@ -71,6 +71,7 @@ def test_what_the_process_ignores_stays_ignored():
         signal.signal(signal.SIGTERM, before)
 
 
+@pytest.mark.slow
 def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
     class Thing:
         pass

@@ -105,6 +105,7 @@ def test_a_block_that_is_not_there_is_no_fault_of_the_figures(call, stored, monk
     assert isinstance(CliRunner().invoke(app, ["plot", str(stored)]).exception, KeyError)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [("show", "stored.h5"), ("show", "stored.h5", "--json")])
 def test_a_reader_that_leaves_is_no_fault(stored, arguments):
     """As `head` does: no traceback, no word, and the status of the command."""
@@ -115,6 +116,7 @@ def test_a_reader_that_leaves_is_no_fault(stored, arguments):
     assert process.returncode == 0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
 def test_an_output_that_is_lost_is_reported(stored):
     with open("/dev/full", "w") as full:

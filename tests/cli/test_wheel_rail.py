@@ -6,6 +6,7 @@ import pytest
 SMALL = ("--set", "grid.elements=[15, 15]")
 
 
+@pytest.mark.slow
 def test_locus_writes_a_table_and_figures(call, folder):
     result = call("locus", "wheel-rail", "-o", "l.csv", "--reach", 4, "--positions", 9)
     assert result.exit_code == 0
@@ -35,6 +36,7 @@ def test_faults_of_a_locus(call, arguments, text):
     assert text in result.output
 
 
+@pytest.mark.slow
 def test_wear_writes_profiles(call, folder):
     settings = ("--set", "wear.revolutions=1000", *SMALL)
     result = call("wear", "wheel-wear", *settings, "-o", "worn")
@@ -51,6 +53,7 @@ def test_wear_needs_its_tables(call):
     assert "wear" in result.output
 
 
+@pytest.mark.slow
 def test_results_of_a_wheel_have_its_columns(call):
     assert call("run", "wheel-rail", *SMALL, "-o", "a.h5").exit_code == 0
     shown = json.loads(call("show", "a.h5", "--json").stdout)

@@ -235,6 +235,7 @@ def test_a_slope_that_a_mesh_cannot_resolve_is_reported_where_nothing_is_found()
         ts.solve(steep)
 
 
+@pytest.mark.slow
 def test_random_scenes_converge_or_are_refused(monkeypatch):
     """Of 200 of them the median takes 1.1 times the applications (benchmarks/falling.py)."""
     monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")

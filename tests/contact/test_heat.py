@@ -207,6 +207,7 @@ def test_wears_and_resumes(discs, tmp_path):
     np.testing.assert_allclose(resumed["temperature_max"], whole["temperature_max"], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_continues_with_the_wear_of_warm_surfaces(discs, tmp_path):
     """What the last contact wears is reported by its temperatures, which the file does not keep."""
     coarse = {"half_length": (0.35, 0.8), "elements": (15, 15)}
@@ -218,6 +219,7 @@ def test_continues_with_the_wear_of_warm_surfaces(discs, tmp_path):
         np.testing.assert_array_equal(resumed[name], whole[name], err_msg=name)
 
 
+@pytest.mark.slow
 def test_a_block_that_waits_for_its_turn_stays_as_warm(discs, tmp_path):
     coarse = {"half_length": (0.35, 0.8), "elements": (15, 15)}
     wear = {"intensity": 1e-6, "revolutions": 4, "save": [0, 1, 2], "stepping": "every-revolution"}

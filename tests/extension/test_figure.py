@@ -87,6 +87,7 @@ def test_each_block_of_a_duty_cycle_has_it():
     assert "mean-pressure" in {one.name for one in ts.plot.list_figures(cycle.block(1))}
 
 
+@pytest.mark.slow
 def test_the_report_shows_it(history, tmp_path):
     pytest.importorskip("plotly", reason="plotly is of the extra report")
     page = ts.report(history, tmp_path / "discs.html").read_text("utf-8")

@@ -131,6 +131,7 @@ def test_a_mesh_that_grows_keeps_what_was_observed(tmp_path):
     np.testing.assert_array_equal(history["energy_max"], ts.roll(small)["energy_max"])
 
 
+@pytest.mark.slow
 def test_every_command_takes_it(tmp_path, monkeypatch, empty_pictures):
     monkeypatch.chdir(tmp_path)
     Path("a.toml").write_text(WORN.to_toml())

@@ -129,6 +129,7 @@ def test_every_command_accepts_the_process(package, tmp_path):
     assert "track_depth" in (tmp_path / "a.html").read_text()
 
 
+@pytest.mark.slow
 def test_a_file_is_read_where_the_package_is_not_installed(tmp_path):
     ts.roll(SCENE, tmp_path / "a.h5")
     sys.modules.pop("indexing_drive", None)

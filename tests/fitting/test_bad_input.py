@@ -182,6 +182,7 @@ def test_all_faults_are_reported_at_once():
     assert len(caught.value.faults) >= 4
 
 
+@pytest.mark.slow
 def test_a_parameter_without_influence_has_a_note(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     free = ["friction.mu", "body.A.density"]

@@ -16,6 +16,7 @@ def found(spheres):
     return ts.fit(design | {"intervals": "profile", "curve": 9})
 
 
+@pytest.mark.slow
 def test_model_is_computed_between_measured_points(found, spheres):
     _, x, predicted, deviation = found.dataset["curve"].values.T
     assert 4 <= x.size <= 9

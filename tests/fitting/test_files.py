@@ -60,6 +60,7 @@ def fitted(rig):
     return rig / "FIT.nc"
 
 
+@pytest.mark.slow
 def test_show_prints_the_agreed_names(fitted):
     found = json.loads(run("show", fitted, "--json").stdout)
     assert set(found) >= {"parameters", "correlation", "undetermined", "chi2", "points", "solves"}
@@ -75,6 +76,7 @@ def test_fitted_scene_is_written(fitted):
     assert scene.friction.mu[0] == pytest.approx(0.35, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_figures_and_page_are_written(fitted, tmp_path):
     found = run("plot", fitted, "-o", tmp_path / "figures")
     assert found.exit_code == 0, found.output
@@ -96,6 +98,7 @@ def test_file_is_read_again(fitted):
     assert data["model_error"].size == data["observed"].size == 4
 
 
+@pytest.mark.slow
 def test_a_second_fit_computes_nothing_again(fitted, rig, monkeypatch):
     monkeypatch.setattr(evaluations, "compute", None)
     before = ts.open_fit(fitted)
@@ -104,6 +107,7 @@ def test_a_second_fit_computes_nothing_again(fitted, rig, monkeypatch):
     assert again.solves == before.solves
 
 
+@pytest.mark.slow
 def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
     compute, done = evaluations.compute, []
 

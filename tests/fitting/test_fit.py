@@ -81,6 +81,7 @@ def test_exponent_of_a_wear_law_returns_from_data_without_noise(discs):
     assert np.abs(errors(found, truth)).max() < EXACT
 
 
+@pytest.mark.slow
 def test_exact_derivatives_are_those_of_differences(spheres):
     """Of mu and the load, on the mesh that is fixed while the load varies."""
     coarse = spheres.replace(grid=None).replace(**{"grid.elements": (17, 17)})
@@ -128,6 +129,7 @@ def test_friction_across_straight_rolling_is_not_determined(spheres):
     assert np.isfinite(found.interval("friction.mu[0]")).all()
 
 
+@pytest.mark.slow
 def test_only_coefficient_times_force_is_determined_in_full_slip(spheres):
     force = 0.35 * spheres.normal_load
     columns = {"creepage.longitudinal": [-0.05, -0.1], "Qx": [force, force]}
@@ -153,6 +155,7 @@ def test_only_coefficient_times_revolutions_is_determined(discs):
     assert found.undetermined == ["only wear.coefficient * wear.revolutions is determined"]
 
 
+@pytest.mark.slow
 def test_a_prior_decides_what_data_do_not(spheres):
     force = 0.35 * spheres.normal_load
     columns = {"creepage.longitudinal": [-0.05, -0.1], "Qx": [force, force]}
@@ -227,6 +230,7 @@ def test_an_estimate_at_its_bound_has_a_note(spheres):
     assert any("friction.mu is at its upper bound" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_scatter_widens_intervals(spheres):
     factors = np.array([1.1, 0.9, 1.1, 0.9])
     data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.01, factors=factors)

@@ -63,6 +63,7 @@ def linearised(traction, slip, bound, staggered=False, weights=(1.0, 1.0)):
     return state, direction, kappa, across, defect, squares
 
 
+@pytest.mark.slow
 def test_linearisation_is_the_derivative_of_the_projection():
     rng = np.random.default_rng(0)
     traction, slip = rng.normal(size=(2, 2, 5, 4))

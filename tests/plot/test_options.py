@@ -11,6 +11,7 @@ from tractive_sam import plot
 from tractive_sam.plot.options import change_options
 
 
+@pytest.mark.slow
 def test_figures_have_the_width_of_a_column(tmp_path):
     curves, one = strips.history(stored=()), strips.history(stored=(0,))
     maps = replace(one, values={name: rows[:1] for name, rows in one.values.items()})

@@ -130,6 +130,7 @@ def test_contact_is_plotted_where_the_plane_crosses_it(contact):
     assert thick(plot.von_mises(contact, plane="y=1.1a")) == 0
 
 
+@pytest.mark.slow
 def test_depths_may_come_in_any_order(contact):
     downwards = stress_on_plane(contact, "y=0", depths=np.linspace(0.0, 4.0, 21))
     upwards = stress_on_plane(contact, "y=0", depths=np.linspace(4.0, 0.0, 21))

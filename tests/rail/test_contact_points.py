@@ -138,6 +138,7 @@ def test_two_point_contact_has_two_patches(wheel, rail):
     assert patches[0].angle < -0.25 < patches[1].angle < 0.0
 
 
+@pytest.mark.slow
 def test_position_sweep_has_no_jumps(wheel, rail):
     """Over 0.05 mm the centre of a patch moves little, but where another patch appears."""
     origins, numbers = [], []

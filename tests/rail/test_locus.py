@@ -23,6 +23,7 @@ def of_difference(y, difference, radius=460.0, distance=1500.0):
     )
 
 
+@pytest.mark.slow
 def test_locus_is_antisymmetric(locus):
     assert np.abs(locus.radius_difference + locus.radius_difference[::-1]).max() < 1e-9
     assert np.abs(locus.roll + locus.roll[::-1]).max() < 1e-11
@@ -100,6 +101,7 @@ def test_a_difference_without_restoring_does_not_return():
         of_difference(y, -0.1 * y).klingel_conicity(3.0)
 
 
+@pytest.mark.slow
 def test_jumps_of_the_contact_are_marked(wheel, rail):
     locus = find_locus(wheel, rail, np.arange(4.0, 6.01, 0.1))
     assert locus.jumps.any()

@@ -18,6 +18,7 @@ def worn(scene):
     return ts.wear_profiles(scene, deepest=0.01)
 
 
+@pytest.mark.slow
 def test_worn_area_is_that_of_the_passes(scene):
     """In a first short step each profile loses what the passes of all positions wear off."""
     wear = ProfileWear(scene, rail_passes=0.5)
@@ -46,6 +47,7 @@ def test_wear_follows_the_frictional_work(scene):
     assert area == pytest.approx(2.0e-5 * 1e-3 * contact.dissipation / 0.3, rel=0.03)
 
 
+@pytest.mark.slow
 def test_no_node_gains_material(worn):
     assert (np.diff(worn.wheel_depth, axis=0) >= 0.0).all()
     assert (np.diff(worn.rail_depth, axis=0) >= 0.0).all()
@@ -59,6 +61,7 @@ def test_wear_is_where_the_contacts_are(worn, scene):
     assert inside.max() < places.max() + 15.0
 
 
+@pytest.mark.slow
 def test_steps_converge(scene):
     """Linearly implicit Euler: of first order in the length of a step."""
     deep = [
@@ -88,6 +91,7 @@ def test_wear_returns_the_files_that_a_scene_reads(worn, scene, tmp_path):
     assert len(np.loadtxt(files[2], delimiter=",", skiprows=1)) == worn.revolutions.size
 
 
+@pytest.mark.slow
 def test_saved_revolutions_are_met(scene):
     worn = ts.wear_profiles(scene.with_set(["wear.save=[0, 30000, 100000]"]), deepest=0.05)
     assert {0.0, 30000.0, 100000.0} <= set(worn.revolutions)

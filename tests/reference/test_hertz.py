@@ -49,6 +49,7 @@ def test_swapping_the_axes(aspect):
     assert (one.p0, one.approach) == pytest.approx((other.p0, other.approach), rel=2e-15)
 
 
+@pytest.mark.slow
 @given(SCALES, SCALES, SCALES, SCALES)
 def test_load_and_approach_round_trip(e_star, radius_x, radius_y, load):
     contact = hertz(e_star, radius_x, radius_y, load=load)

@@ -183,6 +183,7 @@ def whole(tmp_path_factory):
     return ts.roll(discs("wear.revolutions=40", "wear.save=[0, 15, 40]"), path)
 
 
+@pytest.mark.slow
 def test_file_and_memory_hold_the_same(whole):
     kept = ts.roll(whole.scene)
     for body in "AB":
@@ -199,6 +200,7 @@ def test_file_and_memory_hold_the_same(whole):
         whole.fatigue("C")
 
 
+@pytest.mark.slow
 def test_it_continues_with_the_same_damage(whole, tmp_path):
     path = tmp_path / "a.h5"
     ts.roll(discs("wear.revolutions=15", "wear.save=[0, 15]"), path)

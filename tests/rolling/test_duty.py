@@ -255,6 +255,7 @@ def test_it_resumes_as_if_nothing_had_happened(tmp_path, stepping):
         ts.roll(scene.replace(duty=(HEAVY, SLOW)), path, resume=True)
 
 
+@pytest.mark.slow
 def test_files_without_the_bound_of_the_traction_resume(tmp_path):
     """Earlier versions did not store it; only one block is solved again at a time."""
     changes = ["grid.elements=[9, 11]", "wear.coefficient=1e-3", "wear.stepping=every-revolution"]

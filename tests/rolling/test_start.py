@@ -81,6 +81,7 @@ def test_a_mesh_that_grows_knows_what_was_worn_next_to_it():
     assert (history["wear_profile"][-1] >= history["wear_profile"][0] - 1e-15).all()
 
 
+@pytest.mark.slow
 def test_it_is_kept_where_it_began(tmp_path):
     path = tmp_path / "b.h5"
     first = ts.roll(DISCS, tmp_path / "a.h5")

@@ -72,6 +72,7 @@ def flamant(x, depth, at):
     return both * depth * direction, both * dx * direction
 
 
+@pytest.mark.slow
 def test_fretting_of_a_cylinder_is_that_of_the_closed_form(cycled):
     """Crossland's stress of the fields of Cattaneo and Mindlin, integrated independently."""
     fatigue, hertz = cycled.fatigue("A"), LINE.hertz
@@ -150,6 +151,7 @@ def test_what_is_stored_does_not_change_it():
     np.testing.assert_array_equal(few.fatigue("A").damage, many.fatigue("A").damage)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("start", ["steady", "shift"])
 def test_a_resumed_run_is_the_uninterrupted_one(tmp_path, start):
     shifts = {"creepage.longitudinal": [0.0, 0.01, -0.01]}

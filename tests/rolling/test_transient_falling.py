@@ -101,6 +101,7 @@ def test_a_force_takes_the_creepage_that_has_it(friction):
     np.testing.assert_allclose(then, forced["Qx"][1:], atol=1e-6 * MU * P)
 
 
+@pytest.mark.slow
 def test_a_force_beyond_the_top_has_the_creepage_of_the_top_in_its_message():
     tops = []
     for parts in (1, 2):

@@ -83,6 +83,7 @@ def test_a_file_becomes_wider_and_is_continued(tmp_path, monkeypatch, name):
         np.testing.assert_allclose(history[column], whole[column], atol=1e-6 * size)  # as above
 
 
+@pytest.mark.slow
 def test_off_its_grid_it_continues_upon_a_wider_one(tmp_path):
     path, scene = tmp_path / "a.h5", COURSES["worn"]
     half = (1.01 * scene.hertz.a,) * 2

@@ -38,6 +38,7 @@ def test_newton_is_the_cheapest(contacts):
     assert cost["newton"] < 0.5 * cost["anderson"] < 0.5 * cost["uzawa"]
 
 
+@pytest.mark.slow
 def test_a_dissimilar_pair(dissimilar):
     reference = dissimilar["newton"]
     for contact in dissimilar.values():

@@ -88,6 +88,7 @@ def test_a_damaged_heap_of_texts_is_reported(tmp_path):
     assert files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "kept"), [("twin-discs", 7), ("twin-discs-killed", 5)])
 def test_is_rolled_on_in_the_new_format(tmp_path, name, kept):
     path = former(name, tmp_path)

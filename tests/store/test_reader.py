@@ -77,6 +77,7 @@ class TestXarray:
     def _has_engine(self, engine):
         pytest.importorskip({"netcdf4": "netCDF4"}.get(engine, engine))
 
+    @pytest.mark.slow
     def test_history(self, finished, engine):
         with xr.open_dataset(finished, group="history", engine=engine) as data:
             assert data.Qx.dims == ("record",)

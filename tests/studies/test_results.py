@@ -25,6 +25,7 @@ def done(tmp_path_factory):
     return study(small(), tmp_path_factory.mktemp("done"), workers=0)
 
 
+@pytest.mark.slow
 def test_dataset_has_the_axes(done):
     data = done.dataset()
     assert data["Qx_over_P"].dims == ("creepage.longitudinal", "friction.mu")
@@ -150,6 +151,7 @@ def names(paths):
     return sorted(path.name for path in paths)
 
 
+@pytest.mark.slow
 def test_figures_over_two_axes(done, tmp_path):
     paths = save_figures(done, tmp_path, quantities=("Qx_over_P", "p_max"))
     assert names(paths) == [

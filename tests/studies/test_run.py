@@ -42,6 +42,7 @@ def rolled(monkeypatch):
     return files
 
 
+@pytest.mark.slow
 def test_results_are_those_of_the_scenes(tmp_path):
     results = study(small(), tmp_path, workers=0)
     assert results.complete
@@ -136,6 +137,7 @@ def test_versions_that_differ_are_reported(tmp_path):
     assert open_study(tmp_path).versions == {"0.0.1": 1, here: 1}
 
 
+@pytest.mark.slow
 def test_interrupted_case_continues_from_its_last_record(tmp_path):
     wanted = roll(worn().scene)
     (case,) = cases(worn())

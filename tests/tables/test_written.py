@@ -258,6 +258,7 @@ def test_fmu(fmi, kind, interface, tmp_path):
     assert_equal(np.stack([found[name] for name in outputs], axis=1), all_of(forces))
 
 
+@pytest.mark.slow
 @needs_cc
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_variables_of_fmus_have_units_and_limits(fmi, tmp_path):
@@ -276,6 +277,7 @@ def test_variables_of_fmus_have_units_and_limits(fmi, tmp_path):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @needs_cc
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_directional_derivatives_of_fmus(fmi, tmp_path):
@@ -309,6 +311,7 @@ def test_directional_derivatives_of_fmus(fmi, tmp_path):
     unit.freeInstance()
 
 
+@pytest.mark.slow
 @needs_cc
 def test_fmus_refuse(tmp_path, monkeypatch):
     fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
