@@ -32,7 +32,9 @@ class Friction:
     def bound(self, pressure: np.ndarray) -> Bound:
         """Return the radius of the disc and its derivative by the pressure, dimensionless."""
         bound = self.law.bound(self.unit * pressure, self.x, self.y)
-        radius = np.broadcast_to(bound.radius, pressure.shape) / self.unit
+        radius = bound.radius / self.unit
+        if radius.shape != pressure.shape:
+            radius = np.broadcast_to(radius, pressure.shape)
         return replace(bound, radius=radius)
 
     def bound_sliding(
