@@ -154,7 +154,7 @@ def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.nda
 
 def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """Return values at elements, behind them, and behind them on both sides; 0 outside the mesh."""
-    rows, columns = i + [[0], [-1], [-1], [-1]], j + [[0], [0], [-1], [1]]
+    rows, columns = np.add(i, [[0], [-1], [-1], [-1]]), np.add(j, [[0], [0], [-1], [1]])
     width = field.shape[1]
     inside = (rows >= 0) & (columns >= 0) & (columns < width)
     return np.where(inside, field[rows, columns % width], 0.0)
