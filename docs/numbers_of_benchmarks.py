@@ -41,13 +41,20 @@ def large() -> str:
 
 def wheel_rail() -> str:
     """Return computed and printed results of positions of a wheelset."""
-    columns = {"y, mm": ("y", number(".1f")), "angle, degrees": ("angle", number(".1f"))}
+    columns = {"y, mm": ("y", number(".1f")), "contact angle, degrees": ("angle", number(".1f"))}
     columns |= {"patches": ("patches", number(".0f"))}
-    forms = {"P": ".0f", "p_max": ".1f", "approach": ".5f", "Qx": ".1f", "Qy": ".0f"}
-    for name, form in forms.items():
+    forms = {
+        "P, N": ".0f",
+        "p_max, MPa": ".1f",
+        "approach, mm": ".5f",
+        "Qx, N": ".1f",
+        "Qy, N": ".0f",
+    }
+    for heading, form in forms.items():
+        name = heading.partition(",")[0]
         columns |= {
-            name: (name, number(form)),
-            f"{name}, CONTACT": (f"{name} printed", number(form)),
+            heading: (name, number(form)),
+            f"{heading}, CONTACT": (f"{name} printed", number(form)),
         }
     return format_columns(read_rows("wheel_rail.csv"), columns)
 
@@ -58,7 +65,7 @@ def normal() -> str:
         "elements": ("n", lambda n: f"{n} x {n}"),
         "applications": ("applications", number(".0f")),
         "seconds": ("seconds", number(".2g")),
-        "seconds over those of its FFTs": ("over its FFTs", number(".2f")),
+        "seconds / seconds of the FFTs": ("over its FFTs", number(".2f")),
         "error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
         "Tamaas, seconds": ("Tamaas seconds", number(".2g")),
         "Tamaas / this package": ("Tamaas/this", number(".0f")),
@@ -73,7 +80,7 @@ def spheres() -> str:
         "elements": ("n", lambda n: f"{n} x {n}"),
         "relative error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
         "error of the approach": ("approach error", number(".1e")),
-        "mean error of the pressure / p0": ("mean |p - Hertz|/p0", number(".1e")),
+        "mean error of the pressure, divided by p0": ("mean |p - Hertz|/p0", number(".1e")),
         "Q_x/(mu P)": ("Qx/muP", number(".5f")),
         "Q_x/(mu P), CONTACT": ("CONTACT", number(".4f")),
     }
@@ -85,7 +92,7 @@ def creep_forces() -> str:
     columns = {
         "scaled creepage": ("xi~", number("g")),
         "91 x 91": ("n = 91", number(".4f")),
-        "extrapolated": ("extrapolated", number(".4f")),
+        "this package, extrapolated": ("extrapolated", number(".4f")),
         "CONTACT, 91 x 91": ("CONTACT n = 91", number(".4f")),
         "CONTACT, extrapolated": ("CONTACT extrapolated", number(".4f")),
         "Vermeulen and Johnson": ("Vermeulen-Johnson", number(".4f")),
@@ -109,7 +116,7 @@ def kalker() -> str:
 def orthotropic() -> str:
     """Return forces for each friction angle."""
     columns = {
-        "beta": ("beta", number("g")),
+        "beta, degrees": ("beta", number("g")),
         "Q_x/P": ("Qx/P", number(".4f")),
         "Q_y/P": ("Qy/P", number("z.4f")),
         "stick fraction": ("stick", number(".2f")),
@@ -124,10 +131,10 @@ def orthotropic() -> str:
 def twin_discs() -> str:
     """Return the states of the worn discs."""
     columns = {
-        "beta": ("beta", number("g")),
+        "beta, degrees": ("beta", number("g")),
         "revolution": ("revolution", number(",.0f")),
-        "half width x, mm": ("a", number(".3f")),
-        "half width y, mm": ("b", number(".3f")),
+        "half-width in x, mm": ("a", number(".3f")),
+        "half-width in y, mm": ("b", number(".3f")),
         "wear depth, mm": ("wear_max", number(".4g")),
         "peak contact pressure, MPa": ("p_max", number(".0f")),
         "Q_x/P": ("Qx/P", number(".4f")),
@@ -144,7 +151,7 @@ def twin_discs_mesh() -> str:
         "contact solves": ("solves", str),
         "wear depth, mm": ("wear_max", number(".5f")),
         "Q_x/P": ("Qx/P", number(".4f")),
-        "half width y, mm": ("b", number(".3f")),
+        "half-width in y, mm": ("b", number(".3f")),
         "pressure at y = 0, MPa": ("pressure at y = 0", number(".1f")),
         "peak contact pressure, MPa": ("p_max", number(".0f")),
     }
@@ -158,8 +165,8 @@ def giwm() -> str:
         "wear depth, mm": ("depth", number(".3g")),
         "wear depth of GIWM, mm": ("GIWM depth", number(".3g")),
         "ratio of the depths": ("depth/GIWM", number(".3f")),
-        "half width y, mm": ("b", number(".3f")),
-        "half width y of GIWM, mm": ("GIWM b", number(".3f")),
+        "half-width in y, mm": ("b", number(".3f")),
+        "half-width in y of GIWM, mm": ("GIWM b", number(".3f")),
     }
     return format_columns(read_rows("twin_discs_giwm.csv"), columns)
 
@@ -198,8 +205,8 @@ def balance() -> str:
         "creepage": ("creepage", str),
         "creepage / creepage of full slip": ("of full slip", number("g")),
         "elements across": ("across", str),
-        "law in the work": ("by work", number(".4f")),
-        "law in the pressure": ("by pressure", number(".2f")),
+        "law in terms of work": ("by work", number(".4f")),
+        "law in terms of pressure": ("by pressure", number(".2f")),
     }
     return format_columns(read_rows("wear_balance.csv", lambda r: r["across"] in wanted), columns)
 
@@ -297,7 +304,7 @@ def falling() -> str:
     head = (
         "scenes",
         "converged",
-        "refused",
+        "rejected",
         "applications / constant law, median",
         "90th percentile",
     )
@@ -357,7 +364,7 @@ def subsurface() -> str:
     columns = {
         "problem": ("what", str),
         "seconds": ("seconds", number(".2g")),
-        "seconds over those of its FFTs": ("over its FFTs", number(".1f")),
+        "seconds / seconds of the FFTs": ("over its FFTs", number(".1f")),
         "MiB": ("MiB", number(".1f")),
     }
     return format_columns(read_rows("subsurface.csv"), columns)
@@ -402,7 +409,7 @@ def fatigue() -> str:
     """Return the damage of body A of the twin discs with and without wear."""
     three = number(".3g")
     columns = {
-        "beta": ("beta", str),
+        "beta, degrees": ("beta", str),
         "mesh": ("mesh", str),
         "tolerance": ("tolerance", number("g")),
         "D without wear": ("without wear A", three),
@@ -507,9 +514,9 @@ def tables() -> str:
     }
     about = read_rows("tables_about.csv")[0]
     summary = (
-        f"The test has {about['points']} points. At {100.0 * float(about['inside']):.1f} % of them "
-        f"the error is within the error bar of the table. The table has {about['nodes']} nodes for "
-        f"a tolerance of {float(about['tolerance']):g}, and its construction took "
+        f"The test has {about['points']} points. At {100.0 * float(about['inside']):.1f} % of "
+        f"them, the error is within the error bar of the table. The table has {about['nodes']} "
+        f"nodes for a tolerance of {float(about['tolerance']):g}, and its construction took "
         f"{float(about['cpu_seconds']):.0f} s on one core."
     )
     return summary + "\n\n" + format_columns(read_rows("tables.csv"), columns)
@@ -530,16 +537,18 @@ def table_gradients() -> str:
     about = read_rows("table_gradients.csv")[0]
     share = number(".2g", 100.0)
     return (
-        "The next table gives errors of the slopes at rest of the table of steel in per cent. The "
-        "reference is the limit of 22 meshes of up to 131 elements. The numbers in brackets are "
-        "the error bars of the table (`python benchmarks/table_gradients.py`):"
+        "The next table gives the errors of the slopes at zero creepage of the table `steel`, in "
+        "per cent. The reference is the limit of 22 meshes with up to 131 elements across the "
+        "contact. The numbers in brackets are the error bars of the table "
+        "(`python benchmarks/table_gradients.py`):"
         f"\n\n{format_table(('a/b', *names), body)}\n\n"
-        f"At {about['points']} random points, the error of the derivatives of a force, divided by "
-        f"sqrt(K_ii K_jj), has the median {share(about['forces median'])} %, the 95th percentile "
-        f"{share(about['forces 95%'])} % and the maximum {share(about['forces largest'])} %. For "
-        f"the moment these values are {share(about['moment median'])} %, "
-        f"{share(about['moment 95%'])} % and {share(about['moment largest'])} %. "
-        f"{100.0 * float(about['inside']):.0f} % of the points are within their error bars."
+        f"The error of the derivatives of a force, divided by sqrt(K_ii K_jj), was computed at "
+        f"{about['points']} random points. Its median is {share(about['forces median'])} %, its "
+        f"95th percentile {share(about['forces 95%'])} %, and its maximum "
+        f"{share(about['forces largest'])} %. For the moment, these values are "
+        f"{share(about['moment median'])} %, {share(about['moment 95%'])} % and "
+        f"{share(about['moment largest'])} %. At {100.0 * float(about['inside']):.0f} % of the "
+        "points, the errors are within their bars."
     )
 
 
@@ -571,7 +580,7 @@ def study_scaling() -> str:
     large = read_rows("study_on_paper.csv")[-1]
     summary = (
         f"Two workers need {100.0 * min(ratios):.0f} to {100.0 * max(ratios):.0f} % of the time of "
-        f"one worker, and the scheduler needs {float(engine['ms of scheduler']):.1f} ms for a case "
+        f"one worker, and the scheduler needs {float(engine['ms of scheduler']):.1f} ms per case "
         "(`python benchmarks/study.py`). As an estimate, "
         f"{int(large['cases']):,} wear scenes of 15,000 revolutions occupy {large['cores']} cores "
         f"for {float(large['s of the cores']):.0f} s and the scheduler for "
@@ -602,11 +611,11 @@ def transient_order() -> str:
         [("Q_x/(mu P)", *(force(row["Qx"]) for row in steps))],
     )
     meshes_text = (
-        "The tables give the force from rest after a ramp of creepage to -0.004 over 3 mm. The "
-        "contact is between spheres, with a = 3.5 mm. The first table varies the mesh, in steps of "
-        "one element:"
+        "The tables give the force between two spheres with a = 3.5 mm. The spheres start from "
+        "rest, and the creepage increases linearly to -0.004 over 3 mm. In the first table, the "
+        "mesh varies, and each step is one element long:"
     )
-    steps_text = "The second table varies the step, on 85 x 85 elements:"
+    steps_text = "In the second table, the step length varies, on 85 x 85 elements:"
     return f"{meshes_text}\n\n{format_table(head, body)}\n{steps_text}\n\n{over_steps}"
 
 
@@ -634,7 +643,7 @@ def transient_cost() -> str:
         "applications": ("applications", number(".3g")),
         "convolutions": ("convolutions", number(".3g")),
         "CPU time, ms": ("milliseconds", number(".2g")),
-        "CPU time over that of an application": ("over_application", number(".3g")),
+        "CPU time / CPU time of an application": ("over_application", number(".3g")),
     }
     return format_columns(read_rows("transient_cost.csv"), columns)
 
@@ -645,7 +654,10 @@ def transient_wear() -> str:
         (row["case"], row["slip"], row["n"], row["steps"]): row["error"]
         for row in read_rows("transient_wear.csv")
     }
-    slips = (("law in the work (default)", "auto"), ("law in the pressure (`upwind`)", "upwind"))
+    slips = (
+        ("law in terms of work (default)", "auto"),
+        ("law in terms of pressure (`upwind`)", "upwind"),
+    )
     small, tables = number(".2g"), []
     for case, first in (("pass", "elements"), ("fretting", "elements, steps per stroke")):
         places = list(dict.fromkeys(", ".join(filter(None, k[2:])) for k in errors if k[0] == case))
@@ -656,8 +668,8 @@ def transient_wear() -> str:
         tables.append(format_table((first, *places), body))
     rolling = (
         "The tables give the largest error of the depth, divided by the largest depth (spheres). "
-        "The first table compares a pass with constant creepage and a steady revolution, in steps "
-        "of one element:"
+        "The first table compares a pass with constant creepage with a steady revolution; each "
+        "step is one element long:"
     )
     fretting = "The second table compares an oscillating ball with the closed form:"
     return f"{rolling}\n\n{tables[0]}\n{fretting}\n\n{tables[1]}"
@@ -671,7 +683,7 @@ def duty() -> str:
         "wear of a cycle, %": ("cycle", PER_CENT),
         "contacts": ("contacts", str),
         "contacts / contacts of a single load": ("over single", number(".2f")),
-        "contacts, every revolution": ("one by one", str),
+        "contacts if every revolution is computed": ("one by one", str),
     }
     return format_columns(read_rows("duty.csv"), columns)
 
@@ -681,10 +693,10 @@ def duty_cores() -> str:
     columns = {
         "elements": ("elements", str),
         "seconds per contact": ("seconds", number(".2g")),
-        "part in transforms and kernels, %": ("free", number(".0f", 100.0)),
-        "largest gain of two threads, times": ("threads", number(".1f")),
+        "time in transforms and kernels, %": ("free", number(".0f", 100.0)),
+        "largest possible speed-up with two threads": ("threads", number(".1f")),
         "seconds to start a process": ("process", number(".1f")),
-        "contacts in the time of this start": ("contacts", number(".0f")),
+        "contacts solved in this time": ("contacts", number(".0f")),
     }
     return format_columns(read_rows("duty_cores.csv"), columns)
 
@@ -695,11 +707,11 @@ def fit_powers() -> str:
         "key": ("key", str),
         "fit": ("fit", number(".3g")),
         "standard deviation": ("sd", number(".2g")),
-        "by the scatter": ("sd by scatter", number(".2g")),
-        "grid": ("grid", number(".3g")),
-        "its standard deviation": ("sd of grid", number(".2g")),
+        "standard deviation from the scatter": ("sd by scatter", number(".2g")),
+        "minimum on the grid": ("grid", number(".3g")),
+        "standard deviation on the grid": ("sd of grid", number(".2g")),
         "correlation": ("correlation", number(".2f")),
-        "of the grid": ("of grid", number(".2f")),
+        "correlation on the grid": ("of grid", number(".2f")),
     }
     return format_columns(read_rows("fit_powers.csv"), columns)
 
@@ -708,10 +720,10 @@ def fit_exact() -> str:
     """Return the errors of estimates from data without noise."""
     columns = {
         "key": ("key", str),
-        "truth": ("truth", number("g")),
+        "true value": ("truth", number("g")),
         "relative error": ("error", number(".0e")),
         "contacts of the fit": ("contacts", number(".0f")),
-        "rolls": ("rolls", number(".0f")),
+        "runs": ("rolls", number(".0f")),
     }
     return format_columns(read_rows("fit_exact.csv"), columns)
 
@@ -721,7 +733,7 @@ def fit_ratios() -> str:
     columns = {
         "slip, %": ("slip", number("g", 100.0)),
         "predicted / measured without layer": ("without layer", number(".2f")),
-        "with the fitted layer": ("fitted", number(".2f")),
+        "predicted / measured with the fitted layer": ("fitted", number(".2f")),
     }
     return format_columns(read_rows("fit_ratios.csv"), columns)
 
@@ -731,10 +743,10 @@ def fit_repeats() -> str:
     columns = {
         "test": ("test", str),
         "key": ("key", str),
-        "truth within the interval, %": ("covered %", number(".1f")),
+        "true value within the interval, %": ("covered %", number(".1f")),
         "chi-square within its range, %": ("chi-square expected %", number(".1f")),
         "contacts of a fit": ("contacts", number(".0f")),
-        "rolls": ("rolls", number(".0f")),
+        "runs": ("rolls", number(".0f")),
     }
     return format_columns(read_rows("fit_repeats.csv"), columns)
 
@@ -745,7 +757,7 @@ def fit_cost() -> str:
         "fit": ("fit", str),
         "evaluations": ("iterations", number(".0f")),
         "contacts": ("contacts", number(".0f")),
-        "rolls": ("rolls", number(".0f")),
+        "runs": ("rolls", number(".0f")),
         "convolutions": ("convolutions", number(".0f")),
     }
     return format_columns(read_rows("fit_cost.csv"), columns)
@@ -757,13 +769,13 @@ def experiment() -> str:
         "slip, %": ("slip", number("g", 100.0)),
         "measured T-gamma/A, N/mm²": ("measured", number(".3g")),
         "predicted T-gamma/A, N/mm²": ("predicted", number(".3g")),
-        "with minimum friction": ("least", number(".3g")),
-        "with maximum friction": ("most", number(".3g")),
+        "predicted with minimum friction": ("least", number(".3g")),
+        "predicted with maximum friction": ("most", number(".3g")),
         "predicted / measured": ("over", number(".2f")),
         "wear law at the measured work, µg/(m mm²)": ("wear measured", number(".3g")),
-        "at the predicted work": ("wear predicted", number(".3g")),
-        "at the minimum": ("wear least", number(".3g")),
-        "at the maximum": ("wear most", number(".3g")),
+        "wear law at the predicted work": ("wear predicted", number(".3g")),
+        "wear law with minimum friction": ("wear least", number(".3g")),
+        "wear law with maximum friction": ("wear most", number(".3g")),
     }
     return format_columns(read_rows("experiment.csv"), columns)
 

@@ -22,6 +22,7 @@ from tables import format_table
 
 from tractive_sam.cli.program import app
 from tractive_sam.results import COLUMNS, FIELDS, STRESS
+from tractive_sam.rolling.wheel_rail import WHEEL_COLUMNS
 from tractive_sam.scene.scene import Scene
 from tractive_sam.schema import Key, KeyGroup, key_groups
 from tractive_sam.store import layout
@@ -84,6 +85,7 @@ def columns() -> str:
     parts = []
     for title, quantities in (
         ("Columns of the history", COLUMNS),
+        ("Columns of a wheel on a rail", WHEEL_COLUMNS),
         ("Fields", FIELDS.values()),
         ("Stress", STRESS.values()),
     ):
@@ -105,7 +107,8 @@ def commands() -> str:
     """Return every command of the program with its arguments and options."""
     parts = []
     for command in app.registered_commands:
-        function, name = command.callback, command.name or command.callback.__name__
+        function = command.callback
+        name = command.name or function.__name__.replace("_", "-")
         parts.append(f"## `tractive-sam {name}`\n\n{inspect.cleandoc(function.__doc__)}\n")
         parameters = signature(function, eval_str=True).parameters.values()
         rows = [_describe_parameter(parameter) for parameter in parameters]

@@ -1,4 +1,4 @@
-"""Former names: they work for one more version, with a warning that states the new name."""
+"""Former names, which work for one more version with a warning that states the new name."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Format numbers, units and symbols, and describe things in rows, alike for every output.
+"""Formats of numbers, units and symbols, and descriptions in rows, for all outputs.
 
 Terminals, notebooks, figures, pages and messages use these functions. What is described is a
 `Description`: sections of rows, each a label and a text. This package knows no physics: whoever

@@ -1,4 +1,4 @@
-"""Atomic output: this module writes every file of the package, completely or not at all.
+"""Atomic output: this module writes every file of the package completely or leaves it unchanged.
 
 The content goes to a temporary file with a unique name in the folder of the output. The temporary
 file replaces the output once it is on disk. After any earlier failure the output is unchanged and

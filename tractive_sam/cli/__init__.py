@@ -1,4 +1,4 @@
-"""The command line: scenes in, results files, tables and figures out.
+"""The command line: reads scenes and writes results files, tables and figures.
 
 The modules of commands import what computes only when they run, so that help appears at once. This
 module imports next to nothing: `main` handles signals before anything else is loaded.

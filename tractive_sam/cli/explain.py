@@ -26,13 +26,15 @@ def explain(
     workers: Annotated[
         int | None,
         typer.Option(
-            min=1, metavar="N", help="Processes that run a study; by default one for each core."
+            min=1,
+            metavar="N",
+            help="Number of processes that run a study; by default, one for each core.",
         ),
     ] = None,
 ) -> None:
-    """Describe what is modelled and what is left out, and estimate memory and time.
+    """Describe what the model includes and neglects, and estimate memory and time.
 
-    SCENE may also be a study, whose cases are described, or a table of creep forces or its design.
+    SCENE may also be a study, a creep-force table, or the design of a table.
     """
     from tractive_sam.run import explain as explanation
     from tractive_sam.studies import is_study

@@ -29,7 +29,7 @@ Source = Annotated[
     str,
     typer.Argument(
         metavar="FILE.h5|SCENE",
-        help="A results file, or a scene: its unworn bodies are solved first.",
+        help="A results file, or a scene, whose unworn contact is solved first.",
     ),
 ]
 Output = Annotated[
@@ -38,8 +38,8 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="FILE.vtkhdf",
-        help="File to write; an earlier one is replaced. By default named after the source and the "
-        "body, in the working folder.",
+        help="File to write; an existing file is replaced. By default, named after the source "
+        "and the body, in the working folder.",
     ),
 ]
 Revolution = Annotated[
@@ -47,29 +47,32 @@ Revolution = Annotated[
     typer.Option(
         "--revolution",
         "--distance",
-        help="Stored revolution, or distance of a transient in mm; by default the last.",
+        help="Stored revolution, or distance of a transient in mm; by default, the last.",
     ),
 ]
 Block = Annotated[
-    str | None, typer.Option(help="Block of a duty cycle: its name, or its index from 0.")
+    str | None, typer.Option(help="Block of a duty cycle, by its name or its index from 0.")
 ]
 Surface = Annotated[
     bool,
     typer.Option(
         "--surface",
-        help="Write pressure, traction, slip, wear and gap instead of stress: a step for each "
-        "stored revolution.",
+        help="Write pressure, traction, slip, wear and gap instead of stress; each stored "
+        "revolution is a time step.",
     ),
 ]
 Depth = Annotated[
     float | None,
     typer.Option(
-        help="Depth in units of the semi-axis a of the unworn contact; by default that of the "
-        "scene, or 1.5."
+        help="Depth in units of the semi-axis a of the unworn contact; by default, the depth in "
+        "the scene, or 1.5."
     ),
 ]
 Elements = Annotated[
-    int | None, typer.Option(help="Points over the depth; by default those of the scene, or 64.")
+    int | None,
+    typer.Option(
+        help="Number of points over the depth; by default, the number in the scene, or 64."
+    ),
 ]
 
 
@@ -78,7 +81,7 @@ def export(
     settings: Settings = None,
     output: Output = None,
     revolution: Revolution = None,
-    body: Annotated[BodyName, typer.Option(help="Body.")] = BodyName.A,
+    body: Annotated[BodyName, typer.Option(help="Body to export.")] = BodyName.A,
     block: Block = None,
     surface: Surface = False,
     depth: Depth = None,

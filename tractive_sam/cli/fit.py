@@ -29,7 +29,7 @@ Output: TypeAlias = Annotated[
         "--output",
         "-o",
         metavar="FILE.nc",
-        help="The result (netCDF). A fit that was interrupted resumes from it.",
+        help="The result (netCDF), from which an interrupted fit resumes.",
     ),
 ]
 
@@ -37,21 +37,22 @@ Design: TypeAlias = Annotated[
     bool,
     typer.Option(
         "--design",
-        help="Rank the tests [[fit.test]] as well, by how much each reduces the uncertainty.",
+        help="Also rank the tests [[fit.test]] by the reduction of the uncertainty.",
     ),
 ]
 
 SceneFile: TypeAlias = Annotated[
     Path | None,
-    typer.Option(metavar="OUT.toml", help="Write the scene with the fitted values, too."),
+    typer.Option(metavar="OUT.toml", help="Also write the scene with the fitted values."),
 ]
 
 Workers: TypeAlias = Annotated[
-    int, typer.Option(min=0, metavar="N", help="Processes on this machine; 0: this one.")
+    int,
+    typer.Option(min=0, metavar="N", help="Number of processes on this machine; 0: this process."),
 ]
 
 Overwrite: TypeAlias = Annotated[
-    bool, typer.Option("--overwrite", help="Replace a file that holds the fit of another scene.")
+    bool, typer.Option("--overwrite", help="Replace a file that contains the fit of another scene.")
 ]
 
 

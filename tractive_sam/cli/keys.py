@@ -12,10 +12,12 @@ from tractive_sam.cli.output import ExitStatus, console, error_exit, report_erro
 def keys(
     table: Annotated[
         str | None,
-        typer.Argument(metavar="TABLE", help="A table, such as wear or body.A; by default all."),
+        typer.Argument(
+            metavar="TABLE", help="A table, for example wear or body.A; by default, all tables."
+        ),
     ] = None,
 ) -> None:
-    """List every key of a scene: meaning with unit, allowed values, default."""
+    """List every key of a scene with its meaning, unit, allowed values and default."""
     from tractive_sam.scene import Scene
     from tractive_sam.schema import key_groups, shorten, suggest_name
 

@@ -18,19 +18,17 @@ def locus(
             "--output",
             "-o",
             metavar="FILE.csv",
-            help="Table to write; figures are written beside it.",
+            help="Table to write; the figures are written to the same folder.",
         ),
     ],
     settings: Settings = None,
-    reach: Annotated[
-        float, typer.Option(help="Largest lateral position, to both sides, mm.")
-    ] = 6.0,
+    reach: Annotated[float, typer.Option(help="Largest lateral position on both sides, mm.")] = 6.0,
     positions: Annotated[int, typer.Option(help="Number of positions.", min=3, max=2001)] = 21,
     amplitude: Annotated[
-        float, typer.Option(help="Amplitude of the printed equivalent conicity, mm.")
+        float, typer.Option(help="Amplitude for the printed equivalent conicity, mm.")
     ] = 3.0,
 ) -> None:
-    """Write contact points, rolling radii and conicity of a wheelset over lateral positions."""
+    """Write contact points, rolling radii and conicity of a wheelset against its position."""
     import numpy as np
 
     with report_errors():
@@ -82,14 +80,18 @@ def wear(
     ],
     settings: Settings = None,
     deepest: Annotated[
-        float, typer.Option(help="Largest depth of wear of a step, mm.", min=1e-6)
+        float, typer.Option(help="Largest wear depth of a step, mm.", min=1e-6)
     ] = 0.01,
     rail_passes: Annotated[
         float,
-        typer.Option(help="Wheels over a cross section of the rail per revolution.", min=0.0),
+        typer.Option(
+            help="Number of wheels that pass a cross-section of the rail per "
+            "revolution of the wheel.",
+            min=0.0,
+        ),
     ] = 1.0,
 ) -> None:
-    """Wear the profiles of a wheel and a rail over the positions of a duty."""
+    """Wear the profiles of a wheel and a rail at the positions of a duty cycle."""
     with report_errors():
         from tractive_sam import plot
         from tractive_sam.results import NotConverged

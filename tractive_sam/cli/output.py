@@ -131,7 +131,7 @@ Quiet: TypeAlias = Annotated[
     typer.Option(
         "--quiet",
         "-q",
-        help="Print errors alone: no progress, notes or results.",
+        help="Print only errors, without progress, notes and results.",
         callback=_set_quiet,
         is_eager=True,
     ),

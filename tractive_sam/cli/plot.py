@@ -47,14 +47,14 @@ Output = Annotated[
 ]
 Scales = Annotated[
     UnitSystem,
-    typer.Option(help="Divide by the half widths and pressure of Hertz, or use mm and MPa."),
+    typer.Option(help="Divide by the Hertzian half-widths and pressure, or use mm and MPa."),
 ]
 Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")]
 Blocks = Annotated[
     list[str] | None,
     typer.Option(
         metavar="BLOCK",
-        help="Draw a block of a duty cycle as well, by its name or its index from 0, into a "
+        help="Also draw a block of a duty cycle, by its name or its index from 0, into a "
         "separate folder; all: every block. May be repeated.",
     ),
 ]
@@ -64,20 +64,22 @@ Width = Annotated[
     typer.Option(
         parser=_parse_width,
         metavar="WIDTH",
-        help="Width of every figure, such as 84mm for a column of a journal.",
+        help="Width of every figure, for example 84mm for a journal column.",
     ),
 ]
 Measured = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.csv",
-        help="Draw measured points: a CSV file with the columns revolution (or distance) and "
-        "names such as Qx_over_P or 'worn_mass B'.",
+        help="Draw measured points: a CSV file with the column revolution (or distance) and "
+        "further columns, for example Qx_over_P or 'worn_mass B'.",
     ),
 ]
 Animated = Annotated[
     bool,
-    typer.Option("--animate", help="Write evolution.gif as well, over the stored revolutions."),
+    typer.Option(
+        "--animate", help="Also write evolution.gif, an animation of the stored revolutions."
+    ),
 ]
 
 

@@ -18,7 +18,7 @@ def report(
             "--output",
             "-o",
             metavar="FILE.html",
-            help="The page; an earlier one is replaced. By default FILE.html in the working "
+            help="The page; an existing page is replaced. By default, FILE.html in the working "
             "folder.",
         ),
     ] = None,

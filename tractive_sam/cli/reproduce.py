@@ -22,13 +22,14 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="DIR",
-        help="Folder of the page, the figures and the results files; earlier ones are replaced.",
+        help="Folder of the page, the figures and the results files; existing files are replaced.",
     ),
 ]
 Reduced = Annotated[
     bool,
     typer.Option(
-        "--reduced", help="Coarse meshes and few revolutions, as a quick check; the page says so."
+        "--reduced",
+        help="Use coarse meshes and few revolutions, for a quick check; the page states this.",
     ),
 ]
 

@@ -25,7 +25,7 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="FILE.h5",
-        help="Results file. By default, the name of the scene in the working folder.",
+        help="Results file; by default, named after the scene, in the working folder.",
     ),
 ]
 Start = Annotated[
@@ -38,15 +38,16 @@ Resume = Annotated[
     bool,
     typer.Option(
         "--resume",
-        help="Resume from the last record of the results file, if it exists: after a run that was "
-        "stopped, or to compute more revolutions.",
+        help="Resume from the last record of the results file, if the file exists: after an "
+        "interruption, or to compute more revolutions.",
     ),
 ]
 Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Replace the results file, if it exists.")
+    bool, typer.Option("--overwrite", help="Replace the results file if it exists.")
 ]
 Verbose = Annotated[
-    bool, typer.Option("--verbose", "-v", help="Print all quantities, also those of the solver.")
+    bool,
+    typer.Option("--verbose", "-v", help="Print all quantities, including those of the solver."),
 ]
 
 

@@ -45,7 +45,7 @@ SceneName: TypeAlias = Annotated[
     str,
     typer.Argument(
         metavar="SCENE",
-        help="A scene file (TOML), - for the standard input, or a built-in name.",
+        help="A scene file (TOML), the name of a built-in scene, or - for standard input.",
         autocompletion=complete_scenes,
     ),
 ]
@@ -55,7 +55,7 @@ Settings: TypeAlias = Annotated[
     typer.Option(
         "--set",
         metavar="TABLE.KEY=VALUE",
-        help="Change a key of the scene; may be repeated. An alternative removes the other one.",
+        help="Change a key of the scene; a key removes its alternatives. May be repeated.",
         autocompletion=complete_keys,
     ),
 ]

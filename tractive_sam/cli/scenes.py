@@ -13,11 +13,11 @@ def scenes(
     write: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Write this scene into NAME.toml, with a comment on every key."
+            metavar="NAME", help="Write this scene to NAME.toml, with a comment on every key."
         ),
     ] = None,
 ) -> None:
-    """List the built-in scenes, or write one as a file to start from."""
+    """List the built-in scenes, or write one to a file that you can edit."""
     from tractive_sam.output_file import write_file
     from tractive_sam.scene import Scene, builtin_names, commented_scene
 

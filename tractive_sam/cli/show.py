@@ -20,7 +20,7 @@ Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file
 def show(
     file: Annotated[
         Path,
-        typer.Argument(metavar="FILE", help="Results, a table of creep forces, or a fit."),
+        typer.Argument(metavar="FILE", help="A results file, a creep-force table, or a fit."),
     ],
     as_json: Annotated[
         bool, typer.Option("--json", help="Print every record as JSON instead of tables.")
@@ -29,7 +29,7 @@ def show(
         bool, typer.Option("--csv", help="Print every record as a line of CSV instead of tables.")
     ] = False,
 ) -> None:
-    """Print a results file, also while it is computed; or a table of creep forces."""
+    """Print a results file, even while its run is in progress, a creep-force table, or a fit."""
     if as_json and as_csv:
         raise error_exit(ExitStatus.INVALID, "--json and --csv: use one of them")
     if file.suffix == ".nc" and not file.is_file():

@@ -27,15 +27,15 @@ Output = Annotated[
         "--output",
         "-o",
         metavar="DIR",
-        help="Folder of the study. In the folder of an earlier run, complete cases are not run "
-        "again.",
+        help="Folder of the study; complete cases in an existing folder are not repeated.",
     ),
 ]
 Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Scheduler of dask.distributed whose workers compute; they must see DIR, too.",
+        help="Scheduler of dask.distributed whose workers compute the cases; they must have "
+        "access to DIR.",
     ),
 ]
 Workers = Annotated[
@@ -43,17 +43,17 @@ Workers = Annotated[
     typer.Option(
         min=0,
         metavar="N",
-        help="Processes on this machine, without a scheduler; 0 computes one case after another "
-        "in this process. By default one for each core, or 0 if the work is shorter than their "
-        "start.",
+        help="Number of processes on this machine, without a scheduler; with 0, this process "
+        "computes one case after another. By default, one for each core, or 0 if starting "
+        "them would take longer than the work.",
     ),
 ]
 Encrypted = Annotated[
     bool | None,
     typer.Option(
         "--encrypted/--unencrypted",
-        help="Whether the processes of this machine use TLS, so that no other user of it can run "
-        "programs through them; by default they do.",
+        help="Whether the processes on this machine use TLS, so that other users of the machine "
+        "cannot run programs through them; by default, they do.",
     ),
 ]
 

@@ -25,18 +25,26 @@ Csv = Annotated[
 ]
 Netcdf = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Write all quantities over the axes, for xarray."),
+    typer.Option(
+        metavar="FILE", help="Write all quantities as netCDF, as functions of the axes, for xarray."
+    ),
 ]
 Figures = Annotated[
     Path | None,
-    typer.Option(metavar="DIR", help="Draw quantities over one or two axes into a folder."),
+    typer.Option(
+        metavar="DIR", help="Draw quantities as functions of one or two axes, into a folder."
+    ),
 ]
 Quantities = Annotated[
     list[str] | None,
-    typer.Option(help="Quantity to draw and to write as CSV, such as Qx_over_P; may be repeated."),
+    typer.Option(
+        metavar="NAME",
+        help="Quantity to draw and to write as CSV, for example Qx_over_P; may be repeated.",
+    ),
 ]
 WithUnits = Annotated[
-    bool, typer.Option("--units", help="Write units into the headings of the CSV, as Qx [N].")
+    bool,
+    typer.Option("--units", help="Write units into the headings of the CSV, for example Qx [N]."),
 ]
 Fixed = Annotated[
     list[str] | None,
@@ -56,7 +64,7 @@ def study_show(
     at: Fixed = None,
     format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
 ) -> None:
-    """Show all cases of a study with their last records, also while it runs."""
+    """Show all cases of a study with their last records, even while it is running."""
     with report_errors():
         from tractive_sam.scene import parse_settings
         from tractive_sam.studies import open_study, save_figures

@@ -24,8 +24,9 @@ File = Annotated[
     str,
     typer.Argument(
         metavar="TABLE.toml|FILE.nc|NAME",
-        help="The design of a table (TOML); or a table, a file or the built-in steel, to write it "
-        "as a header or as text, or with --output to add error bars of gradients.",
+        help="The design of a table (TOML), or an existing table, which may be a file or the "
+        "built-in table steel; it is written as a header or as text or, with --output, "
+        "receives error bars of its gradients.",
     ),
 ]
 Output = Annotated[
@@ -35,21 +36,26 @@ Header = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.h",
-        help="Write it in C too: a header and FILE.c beside it; the function has the file's name.",
+        help="Also write the table in C: a header, and FILE.c in the folder of the header; the "
+        "function has the name of the file.",
     ),
 ]
 Fmu = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.fmu",
-        help="Write it as a unit of the Functional Mock-up Interface too, compiled by cc if that "
-        "is installed.",
+        help="Also write the table as a functional mock-up unit, compiled by cc if cc is "
+        "installed.",
     ),
 ]
-Fmi = Annotated[int, typer.Option(min=2, max=3, help="Version of the interface of --fmu.")]
+Fmi = Annotated[
+    int, typer.Option(min=2, max=3, help="Version of the Functional Mock-up Interface for --fmu.")
+]
 NodeText = Annotated[
     Path | None,
-    typer.Option("--text", metavar="FILE.txt", help="Write its nodes as columns of text too."),
+    typer.Option(
+        "--text", metavar="FILE.txt", help="Also write the nodes of the table as columns of text."
+    ),
 ]
 Figure = Annotated[
     Path | None, typer.Option(metavar="FILE.png", help="Draw the errors at the check points.")
@@ -57,13 +63,15 @@ Figure = Annotated[
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        metavar="ADDRESS", help="Scheduler of dask.distributed whose workers solve contacts."
+        metavar="ADDRESS", help="Scheduler of dask.distributed whose workers solve the contacts."
     ),
 ]
 Workers = Annotated[
     int,
     typer.Option(
-        min=0, metavar="N", help="Processes on this machine, without a scheduler; 0: this process."
+        min=0,
+        metavar="N",
+        help="Number of processes on this machine, without a scheduler; 0: this process.",
     ),
 ]
 
@@ -80,7 +88,7 @@ def table(
     workers: Workers = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Build a table of creep forces with gradients and error bars."""
+    """Build a creep-force table with gradients and error bars."""
     writers: dict[Path | None, Callable[[Any, Path], None]] = {
         header: _write_header,
         fmu: partial(_write_fmu, fmi=cast(Literal[2, 3], fmi)),

@@ -1,4 +1,4 @@
-"""Linear maps from tractions to displacement and slip: planned once, applied many times."""
+"""Linear maps from tractions to displacement and slip, prepared once and applied many times."""
 
 from tractive_sam.lazy_names import attach_names
 

@@ -1,4 +1,4 @@
-"""HTML pages that need no other file and no network; only the script of plotly is used."""
+"""HTML pages that need no other files and no network."""
 
 from importlib.resources import files
 

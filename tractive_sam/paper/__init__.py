@@ -1,4 +1,4 @@
-"""Reproduction of the paper: every figure and table, and its statements with computed results.
+"""Reproduction of every figure and table of the paper, and comparison with its statements.
 
 After Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195. Every chapter computes a
 group of the paper's figures and yields its findings one by one: statements, figures, tables. Every

@@ -37,7 +37,7 @@ def _has_single_load(scene: Scene) -> bool:
 REVOLUTION = Quantity(
     "revolution",
     "1",
-    "revolutions rolled by body A, by B where A is flat",
+    "revolutions of body A, or of body B if A is flat",
     symbol="N",
     label="revolutions",
     format="d",
@@ -49,7 +49,7 @@ REVOLUTION = Quantity(
 DISTANCE = Quantity(
     "distance",
     "mm",
-    "distance rolled",
+    "rolling distance",
     symbol="s",
     label="distance",
     needs=("transient.rolls",),
@@ -59,7 +59,7 @@ DISTANCE = Quantity(
 PARAMETER = Quantity(
     "distance",
     "1",
-    "parameter of the courses: nothing rolls",
+    "parameter of the courses; the bodies do not roll",
     symbol="s",
     label="parameter",
     needs=("schedule.shifts",),
@@ -86,87 +86,90 @@ _SCALARS = (
              partial(_over_load, "Qx"), symbol="Q_x/P", format=".4f"),
     Quantity("Qy_over_P", "1", "lateral force over normal load",
              partial(_over_load, "Qy"), symbol="Q_y/P", format=".4f"),
-    Quantity("approach", "mm", "approach, of a line contact to the surface one radius R_x away",
+    Quantity("approach", "mm", "approach; in a line contact, relative to surface points at the "
+                               "distance R_x",
              attrgetter("approach"), symbol=r"\delta"),
     Quantity("p_max", "MPa", "peak contact pressure", attrgetter("p_max"),
              symbol=r"p_\mathrm{max}"),
-    Quantity("p_95", "MPa", "pressure that 5 % of the load exceeds",
+    Quantity("p_95", "MPa", "pressure above which 5 % of the load is carried",
              attrgetter("p_95"), symbol="p_{95}"),
-    Quantity("half_width_x", "mm", "half width of the contact in the rolling direction, to where "
-             "the squared pressure falls to zero", attrgetter("half_width_x"), symbol="a"),
-    Quantity("half_width_y", "mm", "half width of the contact in the lateral direction, to where "
-             "the squared pressure falls to zero",
+    Quantity("half_width_x", "mm", "half-width of the contact in the rolling direction; its "
+                                   "edge may lie between elements",
+             attrgetter("half_width_x"), symbol="a"),
+    Quantity("half_width_y", "mm", "half-width of the contact in the lateral direction; its "
+                                   "edge may lie between elements",
              attrgetter("half_width_y"), symbol="b"),
-    Quantity("area", "mm2", "contact area within such edges", attrgetter("area"), symbol="A",
+    Quantity("area", "mm2", "contact area within these edges", attrgetter("area"), symbol="A",
              per_length=True),
     Quantity("wear_max", "mm", "largest wear depth, both bodies together",
              _deepest, symbol=r"w_\mathrm{max}"),
-    Quantity("stick_fraction", "1", "share of the contact area that sticks",
+    Quantity("stick_fraction", "1", "fraction of the contact area that sticks",
              attrgetter("stick_fraction"), format=".3f"),
     Quantity("xi_x", "1", "longitudinal creepage", attrgetter("xi_x"), symbol=r"\xi_x"),
     Quantity("xi_y", "1", "lateral creepage", attrgetter("xi_y"), symbol=r"\xi_y"),
     Quantity("spin", "1/mm", "spin creepage", attrgetter("spin"), symbol=r"\varphi"),
     Quantity("residual", "1", "relative residual of the contact conditions",
              attrgetter("residual"), format=".0e"),
-    Quantity("dissipation", "N", "frictional work per distance rolled, from traction and slip",
+    Quantity("dissipation", "N", "frictional work per unit rolling distance, from traction and "
+                                 "slip",
              attrgetter("dissipation"), per_length=True),
-    Quantity("work_supplied", "N", "work per distance rolled of the forces that drive the bodies",
+    Quantity("work_supplied", "N", "work of the driving forces per unit rolling distance",
              attrgetter("work_supplied"), per_length=True),
     Quantity("t_gamma", "N", "T-gamma, -(Q_x xi_x + Q_y xi_y + M_z phi)", attrgetter("t_gamma"),
              symbol=r"T\gamma", per_length=True),
     Quantity("t_gamma_over_area", "MPa", "T-gamma over the contact area",
              attrgetter("t_gamma_over_area"), symbol=r"T\gamma/A"),
-    Quantity("worn_area", "mm2", "cross section worn off both bodies in a pass",
+    Quantity("worn_area", "mm2", "cross-section worn off both bodies in a pass",
              attrgetter("worn_area"), per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
              attrgetter("cost.applications")),
-    Quantity("convolutions", "1", "all convolutions of the solves, in tangential applications",
+    Quantity("convolutions", "1", "convolutions of all solutions, in units of one tangential "
+                                  "application",
              attrgetter("cost.convolutions")),
-    Quantity("jump", "1", "revolutions that the next step is to take", format="d"),
-    Quantity("converged", "1", "1 where the contact conditions hold to the tolerance",
+    Quantity("jump", "1", "number of revolutions in the next step", format="d"),
+    Quantity("converged", "1", "1 if the contact conditions hold to the tolerance",
              partial(read_number, "converged"), format="d"),
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
-    _of_step("shift_x", "mm", "shift of A over B in x since the start, by creepage too",
+    _of_step("shift_x", "mm", "shift of A relative to B in x since the start, including creepage",
              symbol=r"\delta_x"),
-    _of_step("shift_y", "mm", "shift of A over B in y since the start, by creepage too",
+    _of_step("shift_y", "mm", "shift of A relative to B in y since the start, including creepage",
              symbol=r"\delta_y"),
-    _of_step("turn", "rad", "turn of A over B since the start, by spin too"),
-    _of_step("step_work", "N mm", "work supplied in the step to this record, by tangential "
-             "forces "
-             "and, of dissimilar bodies, by the load", per_length=True),
-    _of_step("step_friction", "N mm", "work of friction in the step to this record",
+    _of_step("turn", "rad", "rotation of A relative to B since the start, including spin"),
+    _of_step("step_work", "N mm", "work supplied in the step before this record by tangential "
+                                  "forces and, for dissimilar bodies, by the load",
              per_length=True),
-    _of_step("friction_work", "N mm", "work of friction since the start", per_length=True),
-    Quantity("step_worn", "mm3", "volume worn off both bodies in the step to this record",
+    _of_step("step_friction", "N mm", "frictional work in the step before this record",
+             per_length=True),
+    _of_step("friction_work", "N mm", "frictional work since the start", per_length=True),
+    Quantity("step_worn", "mm3", "volume worn off both bodies in the step before this record",
              per_length=True, needs=("transient", "wear")),
-    _of_step("elastic_energy", "N mm", "elastic energy of the tractions, of dissimilar "
-             "bodies with "
-             "the pressure", symbol="W", per_length=True),
-    Quantity("next_step", "1", "how far the parameter is to go in the next step",
+    _of_step("elastic_energy", "N mm", "elastic energy due to the tractions and, for dissimilar "
+                                       "bodies, the pressure", symbol="W", per_length=True),
+    Quantity("next_step", "1", "increment of the parameter in the next step",
              needs=("schedule.shifts",)),
-    Quantity("next_step", "mm", "how far the next step is to go", needs=("transient.rolls",)),
-    _of_step("stretch", "1", "stretch between two knots, from 0 on", format="g"),
+    Quantity("next_step", "mm", "length of the next step", needs=("transient.rolls",)),
+    _of_step("stretch", "1", "index of the interval between two knots, from 0", format="g"),
 )
 
 _OTHERS = (
     Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
              attrgetter("p_max_at"), ("axis",)),
-    Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; of "
-             "shifts the deepest along x",
+    Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; for "
+                                   "shifts, the largest along x",
              partial(read_component, "wear", 0), ("y",)),
     Quantity("entering_profile", "mm", "wear depth before the contact, both bodies together",
              dims=("y",)),
     Quantity("wear_per_revolution", "mm",
-             "depth by which the entering profile deepens in a revolution, both bodies together",
+             "increase of the entering profile in one revolution, both bodies together",
              dims=("y",)),
-    Quantity("wear_profile_A", "mm", "wear depth of body A; of a flat one that of a single pass",
+    Quantity("wear_profile_A", "mm", "wear depth of body A; for a flat body, due to a single pass",
              dims=("y",)),
-    Quantity("wear_profile_B", "mm", "wear depth of body B; of a flat one that of a single pass",
+    Quantity("wear_profile_B", "mm", "wear depth of body B; for a flat body, due to a single pass",
              dims=("y",)),
     Quantity("measured_profile", "mm", "measured separation across the track, at x = 0",
              dims=("y",), needs=("gap",)),
-    Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces take",
+    Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces require",
              attrgetter("creepage_found"), ("axis",), needs=("finds_creepage",)),
     _of_heat("temperature_max", "degC", "largest temperature of the surfaces in contact",
              partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}"),
@@ -175,12 +178,12 @@ _OTHERS = (
              ("axis",)),
     _of_heat("temperature_mean", "degC", "mean temperature of the surfaces in contact",
              partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}"),
-    _of_heat("heat_share", "1", "share of body A in the heat that friction makes",
+    _of_heat("heat_share", "1", "fraction of the frictional heat that flows into body A",
              partial(read_heat, "share"), format=".4f"),
-    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; of a flat body "
-             "only where a transient wears it",
+    Quantity("worn_volume", "mm3", "volume worn off each body since it was new; for a flat "
+                                   "body, only in a transient",
              attrgetter("worn_volume"), ("body",), symbol="V", per_length=True, needs=("wear",)),
-    Quantity("worn_mass", "mg", "mass worn off each body since it was new, by its density",
+    Quantity("worn_mass", "mg", "mass worn off each body since it was new, from its density",
              attrgetter("worn_mass"), ("body",), symbol="m", per_length=True, needs=("wear",)),
 )
 # fmt: on
@@ -222,7 +225,7 @@ COLUMNS = (
     Quantity(
         "relative_error",
         "1",
-        "widest relative error bar of what accuracy.tolerance bounds",
+        "largest relative error bar of the quantities that accuracy.tolerance limits",
         partial(read_error_bar, "relative"),
         needs=("accuracy",),
     ),
@@ -232,7 +235,7 @@ COLUMNS = (
 PARTS = Quantity(
     "worn_by",
     "mm",
-    "wear depth with which each body enters, by the block that wore it",
+    "wear depth of each body before the contact, due to each block",
     dims=("block", "body", "y"),
 )
 """Recorded if the bodies wear by separate laws, or in several blocks."""
@@ -240,13 +243,13 @@ PARTS = Quantity(
 SHARE = Quantity(
     "block_share",
     "1",
-    "share of each block in the section worn off both bodies since the roll began",
+    "fraction of the worn cross-section of both bodies that is due to each block, since the start",
     dims=("block",),
 )
 ROLLED = Quantity(
     "rolled_block",
     "1",
-    "which of the different blocks the revolution is of; -1 where it is the mean of a cycle",
+    "index of the block of this revolution; -1 for the mean of a cycle",
     format="d",
     whole=True,
 )

@@ -44,46 +44,54 @@ FATIGUE_COLUMNS = (
                symbol=r"\lambda_-", format=".3f"),
     _shakedown("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
                symbol=r"\lambda_+", format=".3f"),
-    _shakedown("shakedown_interior", "1", "load factor up to which it is certain inside the body",
+    _shakedown("shakedown_interior", "1", "load factor up to which elastic shakedown is certain "
+                                          "inside the body",
                format=".3f"),
-    _shakedown("shakedown_surface", "1", "load factor up to which it is certain at the surface",
+    _shakedown("shakedown_surface", "1", "load factor up to which elastic shakedown is certain "
+                                         "at the surface",
                format=".3f"),
     _shakedown("shakedown_lower_at", "mm",
-               "position (no x, y, depth) that bounds shakedown_lower",
+               "position (x is nan, y, depth) that determines shakedown_lower",
                dims=("body", "position")),
     Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
              _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
              needs=("fatigue.shear_yield_stress", "friction")),
-    _fatigue("utilisation", "1", "largest equivalent stress of the cycle over its limit",
+    _fatigue("utilisation", "1", "largest ratio of the equivalent stress of the cycle to its limit",
              symbol="u", format=".3f"),
     _fatigue("utilisation_interior", "1", "largest utilisation inside the body",
              format=".3f"),
     _fatigue("utilisation_surface", "1", "largest utilisation at the surface",
              format=".3f"),
-    _position("utilisation_at", "mm", "position of it (x only in a transient, y, depth)"),
+    _position("utilisation_at", "mm", "position of the largest utilisation (x only in a "
+                                      "transient, y, depth)"),
     _fatigue("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
              symbol="D", format=".3g"),
-    _position("damage_at", "mm", "position of it (x only in a transient, y, depth below the "
-              "unworn surface)"),
-    _fatigue("damage_error", "1", "error of it by the length of jumps, the order of blocks and the "
-             "points of stress paths, with [accuracy] by the mesh as well", _bars_of_damage,
+    _position("damage_at", "mm", "position of the largest damage (x only in a transient, y, "
+                                 "depth below the unworn surface)"),
+    _fatigue("damage_error", "1", "error of the damage due to the length of jumps, the order of "
+                                  "blocks and the points of stress paths; with [accuracy], also "
+                                  "due to the mesh", _bars_of_damage,
              format=".1g"),
-    _fatigue("initiation", "1", "revolution at which it reached 1", format=".4g"),
-    _fatigue("fatigue_life", "1", "revolutions, or repetitions of a transient, to a crack by the "
-             "stress so far, without wear",
+    _fatigue("initiation", "1", "revolution at which the damage reached 1", format=".4g"),
+    _fatigue("fatigue_life", "1", "revolutions, or repetitions of a transient, until a crack "
+                                  "starts under the stress of this record, without wear",
              format=".4g"),
-    _fatigue("wear_margin", "1", "smallest wear over the wear that balances fatigue, across the "
-             "track; below 1 cracks start; none without wear", format=".3g"),
-    _volume("stressed_volume", "1", "integral of stress over the volume, N and mm by the "
-            "exponents of fatigue.volume; of a flat body over 1 mm of track", format=".4g"),
-    _of_bodies("volume_life", "1", "revolutions that all of the volume survives, by this record's "
-               "stress, with the probability fatigue.volume.survival", format=".4g",
+    _fatigue("wear_margin", "1", "smallest ratio across the track of the wear to the wear that "
+                                 "balances fatigue; below 1, cracks start; nan without wear",
+             format=".3g"),
+    _volume("stressed_volume", "1", "integral of the stress over the volume, in N and mm with "
+                                    "the exponents of fatigue.volume; for a flat body, over 1 "
+                                    "mm of track", format=".4g"),
+    _of_bodies("volume_life", "1", "revolutions that the complete volume survives under the "
+                                   "stress of this record, with the probability "
+                                   "fatigue.volume.survival", format=".4g",
                needs=("fatigue.volume.constant",)),
-    _volume("volume_at_top", "1", "share of the stress that counts an element deep in the largest "
-            "of all: near 1 the volume grows with the mesh", format=".2g"),
-    Quantity("balancing_wear_A", "mm", "wear of body A in a revolution that balances fatigue",
+    _volume("volume_at_top", "1", "integrand at a depth of one element divided by its largest "
+                                  "value; near 1, the volume grows as the mesh is refined",
+            format=".2g"),
+    Quantity("balancing_wear_A", "mm", "wear of body A per revolution that balances fatigue",
              dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
-    Quantity("balancing_wear_B", "mm", "wear of body B in a revolution that balances fatigue",
+    Quantity("balancing_wear_B", "mm", "wear of body B per revolution that balances fatigue",
              dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
 )
 # fmt: on

@@ -47,13 +47,13 @@ FIELDS = index_by_name(
         Quantity(
             "slip_x",
             "1",
-            "longitudinal slip of A over B per unit rolling speed",
+            "longitudinal slip of A relative to B, divided by the rolling speed",
             partial(read_component, "slip", 0),
         ),
         Quantity(
             "slip_y",
             "1",
-            "lateral slip of A over B per unit rolling speed",
+            "lateral slip of A relative to B, divided by the rolling speed",
             partial(read_component, "slip", 1),
         ),
         Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
@@ -61,7 +61,7 @@ FIELDS = index_by_name(
         Quantity(
             "sliding",
             "1",
-            "1 where the traction has reached the friction bound",
+            "1 if the traction has reached the friction bound",
             partial(read_number, "sliding"),
         ),
     )
@@ -78,9 +78,9 @@ BOUND = Quantity(
 
 BEFORE = index_by_name(
     (
-        Quantity("before_pressure", "MPa", "pressure a step before"),
-        Quantity("before_x", "MPa", "longitudinal traction on body A a step before"),
-        Quantity("before_y", "MPa", "lateral traction on body A a step before"),
+        Quantity("before_pressure", "MPa", "pressure in the previous step"),
+        Quantity("before_x", "MPa", "longitudinal traction on body A in the previous step"),
+        Quantity("before_y", "MPa", "lateral traction on body A in the previous step"),
     )
 )
 """Fields that resuming a transient needs in addition: stored for the last contact only."""
@@ -91,7 +91,7 @@ HEAT_FIELDS = index_by_name(
                  partial(read_heat, "temperature_A"), needs=("heat",)),
         Quantity("temperature_B", "degC", "temperature of the surface of body B",
                  partial(read_heat, "temperature_B"), needs=("heat",)),
-        Quantity("heat_into_A", "mW/mm2", "heat that goes into body A",
+        Quantity("heat_into_A", "mW/mm2", "heat flux into body A",
                  partial(read_heat, "into_A"), needs=("heat",)),
     )
 )  # fmt: skip
@@ -99,8 +99,8 @@ HEAT_FIELDS = index_by_name(
 
 
 _SHIFTED = (
-    ("slip_x", "longitudinal slip of A over B in the step"),
-    ("slip_y", "lateral slip of A over B in the step"),
+    ("slip_x", "longitudinal slip of A relative to B in the step"),
+    ("slip_y", "lateral slip of A relative to B in the step"),
 )
 """Slip of a shift, in mm: a shift has no rolling distance to divide by."""
 
@@ -134,18 +134,21 @@ STRESS = index_by_name(
 FATIGUE_FIELDS = index_by_name(
     (
         Quantity(
-            "utilisation", "1", "equivalent stress of the cycle over its limit", dims=("y", "depth")
+            "utilisation",
+            "1",
+            "ratio of the equivalent stress of the cycle to its limit",
+            dims=("y", "depth"),
         ),
         Quantity(
             "residual_shear",
             "MPa",
-            "sqrt(J2) of the cycle left by the best residual stress that rolling can leave",
+            "sqrt(J2) of the cycle with the residual stress due to rolling that minimises it",
             dims=("y", "depth"),
         ),
         Quantity(
             "path_radius",
             "MPa",
-            "sqrt(J2) of the cycle left by the best constant deviator",
+            "sqrt(J2) of the cycle minus the constant deviator that minimises it",
             dims=("y", "depth"),
         ),
         Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),

@@ -15,8 +15,16 @@ from tractive_sam.scene import Scene
 
 WHEEL_COLUMNS = (
     Quantity("contact_y", "mm", "lateral position of the patch on the rail, outward", label="y"),
-    Quantity("contact_angle", "degrees", "angle of the patch to the horizontal"),
-    Quantity("angle_range", "degrees", "difference of the contact angles over the overlap"),
+    Quantity(
+        "contact_angle",
+        "degrees",
+        "angle between the tangent plane of the patch and the horizontal",
+    ),
+    Quantity(
+        "angle_range",
+        "degrees",
+        "range of the contact angle over the overlap of the undeformed profiles",
+    ),
     Quantity("rolling_radius", "mm", "rolling radius of the wheel at the patch"),
     Quantity("patches", "1", "number of patches of the wheel that carry load", format="d"),
 )

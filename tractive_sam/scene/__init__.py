@@ -1,4 +1,4 @@
-"""The tables of a scene, and the checks of them before anything is computed.
+"""The tables of a scene, and the checks of these tables before a computation.
 
 Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolutions.
 """

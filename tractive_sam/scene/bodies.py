@@ -50,17 +50,17 @@ class Body(Table):
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
     radius_y: Radius = entry("radius in the lateral direction, mm", "a number, or inf (flat)")
     hardness: Positive = entry(
-        "hardness, in any unit: the bodies wear in inverse proportion to it; for both bodies or "
-        "for none; in MPa for the wear law jendel",
+        "hardness, for both bodies or for none, in any unit (for the wear law jendel, in MPa); "
+        "the bodies wear in inverse proportion to it",
         default=1.0,
     )
     width: Positive | None = entry(
-        "lateral width, mm, centred at y = 0; edges are not modelled, and a note is printed if the "
-        "contact is near an edge",
+        "lateral width, mm, centred at y = 0; edges are not modelled, but a note is printed if "
+        "the contact is near an edge",
         default=None,
     )
     density: Positive = entry(
-        "density, kg/m3, for the worn mass; by default steel's", default=7850.0
+        "density, kg/m3, for the worn mass; the default is for steel", default=7850.0
     )
     thermal: InnerTable[Thermal | None] = entry("thermal properties", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)

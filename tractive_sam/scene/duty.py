@@ -31,7 +31,7 @@ _CHANGED = ("load", "creepage", "friction", "wheelset")
 
 
 class BlockLoad(Table):
-    """Load of a block, in place of [load]; one of the alternatives removes the others.
+    """Load of a block, instead of [load]; one of the alternatives removes the others.
 
     Examples
     --------
@@ -39,16 +39,18 @@ class BlockLoad(Table):
     450.0
     """
 
-    normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
-    approach: Real | None = entry("approach of the bodies, mm, see load.approach", default=None)
-    pressure: Positive | None = entry("peak contact pressure p0 by Hertz, MPa", default=None)
+    normal: Positive | None = entry("normal load P, N; in a line contact, N/mm", default=None)
+    approach: Real | None = entry("approach of the bodies, mm; see load.approach", default=None)
+    pressure: Positive | None = entry(
+        "peak contact pressure p0 according to Hertz, MPa", default=None
+    )
     force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
     force_y: Real | None = entry("prescribed force Q_y on body A, N or N/mm", default=None)
     checks: ClassVar[tuple[Check, ...]] = (not_both("normal", "approach", "pressure"),)
 
 
 class BlockCreepage(Table):
-    """Creepage of a block, in place of [creepage].
+    """Creepages of a block, instead of [creepage].
 
     Examples
     --------
@@ -63,7 +65,7 @@ class BlockCreepage(Table):
 
 
 class BlockFriction(Table):
-    """Friction of a block, in place of [friction].
+    """Friction of a block, instead of [friction].
 
     Examples
     --------
@@ -78,7 +80,7 @@ class BlockFriction(Table):
 
 
 class BlockWheelset(Table):
-    """Position of a wheelset in a block, in place of [wheelset].
+    """Position of the wheelset in a block, instead of [wheelset].
 
     Examples
     --------
@@ -86,14 +88,14 @@ class BlockWheelset(Table):
     4.0
     """
 
-    y: Real | None = entry("lateral position, to the right, mm", default=None)
+    y: Real | None = entry("lateral position, mm, positive to the right", default=None)
     yaw: Real | None = entry("yaw angle, mrad", default=None, ge=-100, le=100)
     load: Positive | None = entry("vertical force on this wheel, N", default=None)
     side: Literal["right", "left"] | None = entry("wheel that is computed", default=None)
 
 
 class Block(Table):
-    """A block of a load spectrum, [[duty]]: its revolutions, and what it changes of the scene.
+    """A block of a load spectrum, [[duty]]: its revolutions and the entries that it changes.
 
     Examples
     --------
@@ -105,13 +107,14 @@ class Block(Table):
     """
 
     name: str = entry("name of the block", default="")
-    revolutions: int = entry("revolutions of the block in a cycle of the spectrum", ge=1, le=10**12)
+    revolutions: int = entry("number of revolutions of the block in each cycle", ge=1, le=10**12)
     load: InnerTable[BlockLoad] = entry("load of the block", default=BlockLoad())
     creepage: InnerTable[BlockCreepage] = entry("creepage of the block", default=BlockCreepage())
     friction: InnerTable[BlockFriction] = entry("friction of the block", default=BlockFriction())
     wheelset: InnerTable[BlockWheelset] = entry("position of the wheelset", default=BlockWheelset())
     shift_y: Real = entry(
-        "lateral position of the running band on both bodies, mm; the radii are centred there",
+        "lateral position of the running band on both bodies, mm; the centre of the radii moves "
+        "with it",
         default=0.0,
     )
 

@@ -76,8 +76,8 @@ def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
 class FatigueVolume(Table):
     """Life of the stressed volume for a probability of survival (Weibull).
 
-    According to Lundberg and Palmgren, or with a stress limit to Ioannides and Harris; see
-    `ts.VolumeLife`.
+    The law is that of Lundberg and Palmgren or, with a stress limit, the law of Ioannides and
+    Harris; see `ts.VolumeLife`.
 
     Examples
     --------
@@ -86,19 +86,19 @@ class FatigueVolume(Table):
     """
 
     constant: float | None = entry(
-        "material constant, N, mm and cycles; without it no life is computed",
+        "material constant A, in N, mm and cycles; without this key, no life is computed",
         default=None,
         ge=1e-100,
         le=1e100,
     )
     survival: float = entry(
-        "probability of survival of the complete volume",
+        "survival probability of the complete volume",
         default=0.9,
         gt=0.0,
         lt=1.0,
     )
     slope: Positive | None = entry(
-        "Weibull slope; default 10/9, for a line contact 9/8", default=None
+        "Weibull slope; the default is 10/9, or 9/8 for a line contact", default=None
     )
     limit: NotNegative = entry("stress below which there is no damage, MPa", default=0.0)
     stress_exponent: Positive = entry(
@@ -123,11 +123,12 @@ CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "ort
 class Fatigue(LawTable):
     """Shakedown limits, fatigue criterion, and damage of the material while it wears.
 
-    A yield stress gives the shakedown limits. The limit of a criterion gives its utilisation and,
-    with a Woehler curve, the damage. All stress is elastic.
+    The shakedown limits follow from a yield stress. The utilisation follows from the fatigue limit
+    of the criterion, and the damage from the utilisation and a Woehler curve. All stress is
+    elastic.
 
-    Parameters of a criterion of another package are further keys. If it has a parameter
-    `yield_stress` (in tension), it is taken from the scene.
+    The parameters of a criterion of another package are further keys. If the criterion has a
+    parameter `yield_stress` (in tension), it receives the value from the scene.
 
     Examples
     --------
@@ -144,13 +145,14 @@ class Fatigue(LawTable):
         "dang-van",
     )
     sensitivity: NotNegative | None = entry(
-        "sensitivity of the criterion to normal stress: a of Dang Van and Crossland, k of Findley "
-        "and Fatemi-Socie",
-        "a number of at least 0, its upper bound depends on the criterion",
+        "sensitivity of the criterion to normal stress: a for Dang Van and Crossland, k for "
+        "Findley and Fatemi-Socie",
+        "a number of at least 0; the upper bound depends on the criterion",
         None,
     )
     limit: Positive | None = entry(
-        "limit of the criterion, MPa: utilisation is the equivalent stress over this limit",
+        "fatigue limit of the criterion, MPa; the utilisation is the equivalent stress divided "
+        "by this limit",
         default=None,
     )
     cycles: Positive = entry("life at a utilisation of 1, cycles", default=1e7)
@@ -167,9 +169,8 @@ class Fatigue(LawTable):
     )
     volume: InnerTable[FatigueVolume | None] = entry("life of the stressed volume", default=None)
     tolerance: float = entry(
-        "error of the damage over the largest damage; the stepping shortens a jump with an error "
-        "above 0.3 of this tolerance; the column damage_error gives the error of all jumps, of the "
-        "order of blocks and of the points of stress paths",
+        "error of the damage, divided by the largest damage; a jump is shortened if its error "
+        "exceeds 0.3 times this tolerance; the column damage_error contains the total error",
         default=1e-2,
         ge=1e-6,
         le=1.0,

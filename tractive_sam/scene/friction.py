@@ -136,12 +136,12 @@ FrictionName = Literal["constant", "exponential", "rational", "polach"]
 class Friction(LawTable):
     """Friction: orthotropic Coulomb friction, constant or falling with the sliding speed.
 
-    With a falling law both coefficients fall by the same factor with the local sliding speed s:
+    With a falling law, both coefficients fall by the same factor with the local sliding speed s:
     kinetic + (static - kinetic) exp(-ln 2 s/half_speed), or .../(1 + s/half_speed). `angle` also
     turns the axes of the wear law.
 
-    Parameters of a law of another package are further keys. If it has parameters `mu`, `angle` (in
-    radians) or `speed` (rolling speed), they are taken from the scene.
+    The parameters of a law of another package are further keys. If the law has parameters `mu`,
+    `angle` (in radians) or `speed` (rolling speed), it receives them from the scene.
 
     Examples
     --------
@@ -152,7 +152,7 @@ class Friction(LawTable):
     """
 
     static: OptionalOrthotropicPositive = entry(
-        "friction coefficients at rest, for a falling law",
+        "friction coefficients at rest, for a law that falls with the sliding speed",
         default=None,
     )
     mu: OrthotropicPositive = entry(
@@ -161,8 +161,8 @@ class Friction(LawTable):
     )
     angle: Real = entry("angle from x to e1, degrees", default=0.0, ge=-360, le=360)
     law: FrictionName | NamedLaw = entry(
-        "friction law; all but the constant one fall with the local sliding speed and need "
-        "creepage.speed",
+        "friction law; all laws except the constant one fall with the local sliding speed and "
+        "require creepage.speed",
         allow_laws(get_args(FrictionName)),
         "constant",
     )
@@ -172,32 +172,34 @@ class Friction(LawTable):
         None,
     )
     half_speed: Positive | None = entry(
-        "sliding speed at which friction has fallen by half of the difference, mm/s", default=None
+        "sliding speed at which half of the decrease has occurred, mm/s", default=None
     )
     A: Real | None = entry(
-        "friction at high speed over friction at rest, for Polach's law in place of kinetic",
+        "ratio of the friction at high speed to the friction at rest, for Polach's law instead "
+        "of kinetic",
         default=None,
         ge=0,
         le=1,
     )
     B: Positive | None = entry(
-        "rate of decay, s/m, for Polach's law in place of half_speed", default=None
+        "rate of decay, s/m, for Polach's law instead of half_speed", default=None
     )
     memory: NotNegative = entry(
-        "sliding distance over which the coefficients adapt to the speed, mm; 0: immediately",
+        "sliding distance over which the coefficients adapt to the speed, mm; with 0, they "
+        "adapt immediately",
         default=0.0,
     )
     temperature: Factors | None = entry(
-        "factor on the friction coefficients over the surface temperature, degrees C, linear "
-        "between the pairs and constant beyond; needs [heat]",
-        "pairs [temperature, factor], the temperatures ascending, the factors above 0",
+        "factor on the friction coefficients as a function of the surface temperature, degrees "
+        "C; linear between the pairs and constant beyond; requires [heat]",
+        "pairs [temperature, factor] with ascending temperatures and factors above 0",
         None,
         min_length=1,
     )
     across: LateralFactors | None = entry(
-        "factor on the friction coefficients over the lateral position y, mm, linear between the "
-        "pairs and constant beyond, for example a wet stripe",
-        "pairs [y, factor], y ascending, the factors above 0",
+        "factor on the friction coefficients as a function of the lateral position y, mm, for "
+        "example for a wet stripe; linear between the pairs and constant beyond",
+        "pairs [y, factor] with ascending y and factors above 0",
         None,
         min_length=1,
     )
@@ -206,7 +208,7 @@ class Friction(LawTable):
     )
     layer: NotNegative = entry("shear compliance h/G3 of an interfacial layer, mm/MPa", default=0.0)
     start: Literal["rest", "sliding"] = entry(
-        "solution to compute where a falling law has several: reached from friction at rest, or "
+        "solution to compute if there are several: the one reached from friction at rest, or "
         "from friction at high sliding speed",
         default="rest",
     )

@@ -147,10 +147,11 @@ _Axis = Annotated[_Array, AfterValidator(_check_axis)]
 class Gap(Table):
     """A separation on a rectangular grid, or the heights of a body, from a file or as arrays.
 
-    `separation` has the shape (len(x), len(y)); without x it is a profile (len(y),), constant along
-    the track, and without y a profile (len(x),), constant across it. The arrays are read-only. A
-    relative path starts from the folder of the TOML file, or else from the working folder. Only the
-    existence of the file is checked here; see `store.read_gap` for its formats.
+    The shape of `separation` is (len(x), len(y)). Without x, it is a profile of shape (len(y),)
+    that is constant along the track; without y, a profile of shape (len(x),) that is constant
+    across the track. The arrays are read-only. A relative path starts at the folder of the TOML
+    file or, for a scene without a file, at the working folder. Only the existence of the file is
+    checked here; for the formats, see `store.read_gap`.
 
     Examples
     --------
@@ -163,33 +164,35 @@ class Gap(Table):
     file: _File | None = entry("file of the measured separation", default=None)
     x: _Axis | None = entry("x of the rows of separation, mm", "an array", None)
     y: _Axis | None = entry("y of the columns of separation, mm", "an array", None)
-    separation: _Array | None = entry("separation added to that of the radii, mm", "an array", None)
+    separation: _Array | None = entry(
+        "separation in addition to the one due to the radii, mm", "an array", None
+    )
     body: Literal["A", "B"] | None = entry(
-        "body, if its heights are given in place of a separation", default=None
+        "body whose heights are given; by default, the values are a separation", default=None
     )
     positive: Literal["outward", "inward"] = entry(
         "direction of positive heights: out of the body (peaks) or into it (depths)",
         default="outward",
     )
     unit: _Unit | None = entry(
-        "unit of the separation or the heights; default: that of the file header, or mm",
+        "unit of the separation or the heights; by default, the unit in the file header, or mm",
         default=None,
     )
     length_unit: _Unit | None = entry(
-        "unit of x and y; default: that of the file header, or mm", default=None
+        "unit of x and y; by default, the unit in the file header, or mm", default=None
     )
     step: PositivePair | None = entry(
         "spacing of a matrix without x and y, in the unit of x and y; the matrix is centred at 0",
         default=None,
     )
     profile: Literal["x", "y"] = entry(
-        "direction of a profile of two columns, or of arrays without the other coordinate: across "
-        "the track (y), or along it (x), which leaves a line contact one",
+        "direction of a profile with two columns, or of arrays with a single coordinate: across "
+        "the track (y) or along it (x); with x, a line contact remains one",
         default="y",
     )
     datum: Literal["touch", "separation"] = entry(
-        "zero of the approach: the first touch of the bodies, or the zero of the separation of "
-        "radii and gap, where a negative separation interferes at load.approach = 0",
+        "zero of the approach: the first touch of the bodies, or the zero of the separation; in "
+        "the second case, a negative separation is an interference at load.approach = 0",
         default="touch",
     )
     checks: ClassVar[tuple[Check, ...]] = (

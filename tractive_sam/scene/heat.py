@@ -62,7 +62,7 @@ class Heat(Table):
     """
 
     bulk: Real | Bulk = entry(
-        "bulk temperature, degrees C, for both bodies or for each",
+        "bulk temperature, degrees C, for both bodies together or for each body",
         f"a number of at least {ABSOLUTE_ZERO}, or {{ A = ..., B = ... }}",
         20.0,
     )

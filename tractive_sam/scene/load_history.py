@@ -66,10 +66,11 @@ def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
 class LoadHistory(Table):
     r"""A measured load history, [load_history]: its rows become the blocks of [[duty]].
 
-    Each column is divided into levels of equal width between its extremes; revolutions in the same
-    level of every column become one block, with their mean. A relative path starts from the folder
-    of the TOML file, or else from the working folder. The errors of the levels are written into the
-    table when the file is read. A results file contains the blocks, and does not need the file.
+    The range of each column is divided into levels of equal width. Revolutions that have the same
+    levels in all columns form one block, with the mean values of these revolutions. A relative path
+    starts at the folder of the TOML file or, for a scene without a file, at the working folder. The
+    errors due to the levels are written into the table when the file is read. A results file
+    contains the blocks, so the CSV file is no longer needed.
 
     Examples
     --------
@@ -85,18 +86,21 @@ class LoadHistory(Table):
     """
 
     file: _File = entry(
-        "CSV file: a line of column names, then numbers in the units of a scene; columns are keys "
-        "of [load], [creepage] and [friction] such as normal and longitudinal, shift_y, and "
-        "revolutions (number of revolutions of each row, default 1)",
+        "CSV file with a line of column names, followed by rows of numbers in the units of a "
+        "scene; columns are keys of [load], [creepage] and [friction], for example normal and "
+        "longitudinal, shift_y, and revolutions (number of revolutions that a row represents, 1 "
+        "by default)",
     )
     levels: Whole = entry("number of levels of each column", default=8, ge=1, le=MOST_LEVELS)
-    binning: Literal["levels"] = entry("method that makes blocks from rows", _BY_LEVELS, "levels")
+    binning: Literal["levels"] = entry(
+        "method that combines rows into blocks", _BY_LEVELS, "levels"
+    )
     rows: int | None = entry(
         "number of rows of the file", "not to be given: written when the file is read", None
     )
     error: dict[str, float] | None = entry(
-        "error of each column: root mean square of the difference of a revolution from its block, "
-        "over the largest magnitude of the column",
+        "error of each column: root mean square of the difference between a revolution and its "
+        "block, divided by the largest magnitude of the column",
         "not to be given: written when the file is read",
         None,
     )

@@ -12,8 +12,8 @@ from tractive_sam.schema import Fault, LawTable, NamedLaw, ValidEntries, allow_l
 class ObserverTable(LawTable):
     """An [[observer]] table: an observer that computes further quantities of each record.
 
-    It names a subclass of `Observer` of an installed package, or one of its entry points in the
-    group "tractive_sam.laws"; further keys are its parameters.
+    The name is a subclass of `Observer` in an installed package, or an entry point of this package
+    in the group "tractive_sam.laws". Further keys are parameters of the class.
 
     Examples
     --------
@@ -21,7 +21,7 @@ class ObserverTable(LawTable):
     {'threshold': 0.5}
     """
 
-    name: NamedLaw = entry("the observer", allow_laws(()))
+    name: NamedLaw = entry("observer", allow_laws(()))
     law_key: ClassVar[str] = "name"
 
     @classmethod

@@ -33,8 +33,8 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
 class ProcessTable(LawTable):
     """The [process] table: how the contacts of a scene follow each other.
 
-    It names a subclass of `Process` of an installed package, or one of its entry points in the
-    group "tractive_sam.laws"; further keys are its parameters.
+    The name is a subclass of `Process` in an installed package, or an entry point of this package
+    in the group "tractive_sam.laws". Further keys are parameters of the class.
 
     Examples
     --------
@@ -42,10 +42,10 @@ class ProcessTable(LawTable):
     (0.0, 10.0)
     """
 
-    name: NamedLaw = entry("the process", allow_laws(()))
-    end: Real = entry("last value of its coordinate", ge=0)
+    name: NamedLaw = entry("process", allow_laws(()))
+    end: Real = entry("last value of the coordinate of the process", ge=0)
     save: Annotated[tuple[Real, ...], AfterValidator(check_ascending)] = entry(
-        "values of its coordinate at which fields are stored",
+        "values of the coordinate at which fields are stored",
         "ascending numbers up to end",
         default_factory=lambda given: tuple(sorted({0.0, given["end"]})),
     )

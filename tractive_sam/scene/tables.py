@@ -42,9 +42,9 @@ def check_distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
 
 
 class Load(Table):
-    """Load that presses the bodies together, and tangential forces in place of creepages.
+    """Load that presses the bodies together, and prescribed tangential forces.
 
-    All forces of a line contact (both bodies with ``radius_y = inf``) are per length, N/mm.
+    In a line contact (both bodies with ``radius_y = inf``), forces are given per unit length, N/mm.
 
     Examples
     --------
@@ -52,15 +52,16 @@ class Load(Table):
     120.0
     """
 
-    normal: Positive | None = entry("normal load P, N; of a line contact N/mm", default=None)
+    normal: Positive | None = entry("normal load P, N; in a line contact, N/mm", default=None)
     approach: Real | None = entry(
-        "approach of the bodies, mm, from the first touch of the unworn bodies, or from the zero "
-        "of the separation (gap.datum)",
-        'a number above 0; with gap.datum = "separation" any number',
+        "approach of the bodies, mm; it is zero at the first touch of the unworn bodies or at "
+        "the zero of the separation, see gap.datum",
+        'a number above 0; with gap.datum = "separation", any number',
         None,
     )
     pressure: Positive | None = entry(
-        "peak contact pressure p0 of the unworn bodies by Hertz, MPa, from which the load follows",
+        "peak contact pressure p0 of the unworn bodies according to Hertz, MPa; the load "
+        "follows from it",
         default=None,
     )
     force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
@@ -107,7 +108,7 @@ class Creepage(Table):
     lateral: Real = entry("lateral creepage xi_y", default=0.0)
     spin: Real = entry("spin creepage phi, 1/mm", default=0.0)
     speed: Positive | None = entry(
-        "rolling speed V, mm/s; needed by [heat] and by laws that depend on the sliding speed",
+        "rolling speed V, mm/s; required by [heat] and by laws that depend on the sliding speed",
         default=None,
     )
 
@@ -189,10 +190,9 @@ def _check_grid_is_not_empty(entries: ValidEntries) -> Iterator[Fault]:
 class Mesh(Table):
     """The [grid] table: a rectangle of equal elements, around the origin or another centre.
 
-    For a line contact each pair is one number, the value in x. Without `half_length` the domain is
-    chosen from the contact, as in a scene without [grid]; it grows with the contact, by elements of
-    the same size. Without `elements` the element size is chosen from the contact, or is a little
-    smaller.
+    In a line contact, each pair is a single number, the value in x. Without `half_length`, the
+    domain follows from the contact, as in a scene without [grid]. It grows with the contact; the
+    element size does not change. Without `elements`, the element size follows from the contact.
 
     Examples
     --------
@@ -201,17 +201,18 @@ class Mesh(Table):
     """
 
     half_length: OptionalPositiveOneOrTwo = entry(
-        "half lengths of the domain in x and y, mm; by default chosen from the contact",
+        "half-lengths of the domain in x and y, mm; by default, they follow from the contact",
         "a pair of numbers above 0",
         None,
     )
     elements: _OneOrTwo | None = entry(
-        "elements in x and y; by default chosen from the contact",
+        "numbers of elements in x and y; by default, they follow from the contact",
         "a pair of whole numbers from 3 to 1e6",
         None,
     )
     centre: _Centre | None = entry(
-        "centre of the domain in x and y, mm; default: the origin, the vertex of the radii",
+        "centre of the domain in x and y, mm; by default, the origin, which is the vertex of "
+        "the radii",
         "a pair of numbers",
         None,
     )
@@ -239,9 +240,9 @@ class Mesh(Table):
 class Accuracy(Table):
     """Requested accuracy, from which the mesh and all tolerances follow.
 
-    The mesh is refined until the error bars of the forces, of the moment, of the largest pressure
-    of the unworn bodies and of the wear depth are within the tolerance. The largest stress has a
-    separate error bar, which may be wider.
+    The mesh is refined until the error bars of the forces, the moment and the wear depth are within
+    the tolerance. For unworn bodies, this criterion also includes the peak contact pressure. The
+    error bar of the largest stress does not affect the mesh and may be wider.
 
     Examples
     --------
@@ -249,7 +250,7 @@ class Accuracy(Table):
     300000
     """
 
-    tolerance: Real = entry("error of the results, relative", default=1e-3, ge=1e-5, le=0.1)
+    tolerance: Real = entry("relative error of the results", default=1e-3, ge=1e-5, le=0.1)
     elements: int = entry(
         "largest number of elements of the mesh", default=300_000, ge=1000, le=5 * 10**7
     )
@@ -297,9 +298,9 @@ class Subsurface(Table):
 class ElasticBodies(LawTable):
     """The [elasticity] table: homogeneous half-spaces, or a law of another package.
 
-    Parameters of a law of another package are further keys. If it has parameters `A` and `B`, they
-    are the materials of the bodies. The mesh and the units follow from the Hertz contact of
-    homogeneous bodies.
+    The parameters of a law of another package are further keys. If the law has parameters `A` and
+    `B`, it receives the materials of the bodies. The mesh and the units follow from the Hertz
+    contact of homogeneous bodies.
 
     Examples
     --------
@@ -333,7 +334,8 @@ class Solver(Table):
         'method for the tangential problem; "uzawa" is the method of the paper', default="auto"
     )
     slip: Literal["auto", "upwind"] = entry(
-        'discretisation of the slip: "auto" of second order, "upwind" of first order (the paper)',
+        'discretisation of the slip: "auto" is of second order; "upwind", the scheme of the '
+        "paper, is of first order",
         default="auto",
     )
     tolerance: Real = entry(

@@ -73,14 +73,14 @@ class LoadCourse(Table):
     )
     approach: Course | None = course(
         "approach of the bodies, mm, from the first touch of the unworn bodies without moving "
-        "profiles; at 0 or below bodies without profiles are separated"
+        "profiles; at values up to 0, bodies without profiles are separated"
     )
     force_x: Course | None = course("prescribed tangential force Q_x on body A, N or N/mm")
     force_y: Course | None = course("prescribed tangential force Q_y on body A, N or N/mm")
 
 
 class CreepageCourse(Table):
-    """Courses of keys of [creepage]; with `start = "shift"` courses of the shifts.
+    """Courses of keys of [creepage]; with `start = "shift"`, courses of the shifts.
 
     Examples
     --------
@@ -96,12 +96,12 @@ class CreepageCourse(Table):
     """Meaning of each course with `start = "shift"`."""
 
     longitudinal: Course | None = course(
-        f'longitudinal creepage xi_x; with start = "shift" {shifts["longitudinal"]}'
+        f'longitudinal creepage xi_x; with start = "shift", {shifts["longitudinal"]}'
     )
     lateral: Course | None = course(
-        f'lateral creepage xi_y; with start = "shift" {shifts["lateral"]}'
+        f'lateral creepage xi_y; with start = "shift", {shifts["lateral"]}'
     )
-    spin: Course | None = course(f'spin creepage phi, 1/mm; with start = "shift" {shifts["spin"]}')
+    spin: Course | None = course(f'spin creepage phi, 1/mm; with start = "shift", {shifts["spin"]}')
 
 
 class FrictionCourse(Table):
@@ -122,8 +122,8 @@ class FrictionCourse(Table):
 class Profiles(Table):
     """Profiles that are fixed to a body and move through the contact with it.
 
-    As in [gap] they are added to the separation: a bump is negative. The point x of a profile is at
-    the centre of the contact at the rolling distance x.
+    As in [gap], a profile adds to the separation: a bump is negative. The point x of the profile is
+    at the centre of the contact at the rolling distance x.
 
     Examples
     --------
@@ -204,17 +204,18 @@ class Transient(Table):
         "profiles that move through the contact", default=Profiles()
     )
     start: Literal["rest", "steady", "shift"] = entry(
-        "state before the first knot: pressed together without rolling (rest), or steady rolling; "
-        "with shift the bodies do not roll but shift",
+        "state before the first knot: pressed together without rolling (rest), or rolling "
+        "steadily (steady); with shift, the bodies are displaced without rolling",
         default="rest",
     )
     step: Positive | None = entry(
-        "longest step, mm; default: one element, for shifts a tenth of the distance between two "
-        "knots, for adaptive steps a quarter of the contact length",
+        "longest step, mm; the default is one element, a tenth of the distance between two "
+        "knots for shifts, or a quarter of the contact length for adaptive steps",
         default=None,
     )
     stepping: Literal["even", "adaptive"] = entry(
-        "steps of equal length (even), shorter before a knot, or as long as their error allows",
+        "steps of equal length, except before a knot (even), or steps as long as their error "
+        "allows (adaptive)",
         default="even",
     )
     tolerance: Real = entry(

@@ -58,11 +58,11 @@ def _check_ascending(save: tuple[int, ...]) -> tuple[int, ...]:
 class Wear(LawTable):
     """Wear: the law, its coefficients, and the revolutions to roll.
 
-    The law is Archard's, or one based on frictional work or on measured regimes. With a [transient]
-    the bodies wear over its rolling distance.
+    The law is Archard's law, or a law based on frictional work or on measured wear regimes. With
+    [transient], the bodies wear over the rolling distance of the transient.
 
-    Parameters of a law of another package are further keys. If it has parameters `mu`, `angle` (in
-    radians) or `speed` (rolling speed), they are taken from the scene.
+    The parameters of a law of another package are further keys. If the law has parameters `mu`,
+    `angle` (in radians) or `speed` (rolling speed), it receives them from the scene.
 
     Examples
     --------
@@ -81,26 +81,26 @@ class Wear(LawTable):
         "archard",
     )
     set: str | Sets | None = entry(
-        "name of the set of coefficients of a measured law",
+        "name of the coefficient set of a measured law",
         "a name, or { A = ..., B = ... }",
         None,
     )
     by: Literal["element", "contact"] = entry(
-        "area of a law of T-gamma/A: each element, or the complete contact",
+        "area A for laws that depend on T-gamma/A: each element, or the complete contact",
         default="element",
     )
     intensity: OptionalOrthotropicNotNegative = entry(
-        "wear intensities along the axes e1, e2, sum of both bodies, 1/MPa",
+        "wear intensities along the axes e1, e2 for the sum of both bodies, 1/MPa",
         default=None,
     )
     coefficient: SpecificWearRate = entry(
-        "specific wear rates k along the axes e1, e2, mm3/(N m); for the energy law mm3/J of the "
-        "work along each axis; sum of both bodies, or a value for each body",
+        "specific wear rates k along the axes e1, e2, mm3/(N m), or for the energy law, mm3/J "
+        "of the work along each axis; for the sum of both bodies, or for each body",
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
         None,
     )
     revolutions: Whole = entry(
-        "number of revolutions of body A, or of B if A is flat; not with [transient]",
+        "number of revolutions of body A, or of body B if A is flat; not with [transient]",
         "a whole number from 1 to 1e12; required without [transient]",
         0,
         ge=1,
@@ -115,25 +115,25 @@ class Wear(LawTable):
         )
     )
     temperature: Factors | None = entry(
-        "factor on the wear depth over the surface temperature, degrees C, linear between the "
-        "pairs and constant beyond; needs [heat]",
-        "pairs [temperature, factor], the temperatures ascending, the factors above 0",
+        "factor on the wear depth as a function of the surface temperature, degrees C; linear "
+        "between the pairs and constant beyond; requires [heat]",
+        "pairs [temperature, factor] with ascending temperatures and factors above 0",
         None,
         min_length=1,
     )
     stepping: Literal["adaptive", "every-revolution", "saved"] = entry(
-        "stepping: adaptive jumps over many revolutions, every revolution, or one jump to each "
-        "revolution of save without control of its error",
+        "adaptive jumps over many revolutions, every revolution, or one jump to each revolution "
+        "of save without error control",
         default="adaptive",
     )
     turns: Literal["each", "equal"] = entry(
-        "when worn material returns to the contact: after a turn of its body, or after a turn of A "
-        "for both bodies",
+        "return of the worn profiles to the contact: each after one revolution of its body, or "
+        "both after one revolution of A",
         '"each" or "equal" (the paper\'s, for bodies of equal circumference)',
         "each",
     )
     tolerance: Real = entry(
-        "error of the adaptive stepping over the wear depth",
+        "error of the adaptive stepping, divided by the wear depth",
         default=1e-3,
         gt=0,
         le=0.1,

@@ -92,14 +92,19 @@ class WearLaws(Table):
     table: (
         Annotated[tuple[tuple[NotNegative, NotNegative], ...], AfterValidator(_check_points)] | None
     ) = entry(
-        "wear rate over frictional work: pairs of W = T-gamma/A, N/mm2, and rate, ug/(m mm2) of "
-        "each body; linear from the origin through the points, and extrapolated beyond the last",
+        "wear rate of each body as a function of the frictional work: pairs of W = T-gamma/A, "
+        "N/mm2, and rate, ug/(m mm2); linear from the origin through the points, and "
+        "extrapolated beyond the last point",
         "a list of pairs [W, rate] with ascending W",
         None,
         min_length=1,
     )
-    A: LawOrTable | None = entry("law of body A; without a law it does not wear", default=None)
-    B: LawOrTable | None = entry("law of body B; without a law it does not wear", default=None)
+    A: LawOrTable | None = entry(
+        "law of body A; without a law, the body does not wear", default=None
+    )
+    B: LawOrTable | None = entry(
+        "law of body B; without a law, the body does not wear", default=None
+    )
     checks: ClassVar[tuple[Check, ...]] = (_check_table_is_used,)
 
 
@@ -112,8 +117,8 @@ class Sets(Table):
     'low'
     """
 
-    A: str | None = entry("set of coefficients of body A", "a name", None)
-    B: str | None = entry("set of coefficients of body B", "a name", None)
+    A: str | None = entry("coefficient set of body A", "a name", None)
+    B: str | None = entry("coefficient set of body B", "a name", None)
 
 
 def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:

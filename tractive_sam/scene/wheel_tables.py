@@ -59,8 +59,8 @@ class _ProfileTable(Table):
         default=None,
     )
     smoothing: Positive | None = entry(
-        "rms distance of a smoothing spline from the points of a file, mm; by default the profile "
-        "interpolates them",
+        "rms distance of a smoothing spline from the points of the file, mm; by default, the "
+        "profile interpolates the points",
         default=None,
     )
 
@@ -145,7 +145,7 @@ class WheelsetTable(Table):
     """
 
     inner: Positive = entry("distance of the backs of the wheels, mm", default=1360.0)
-    y: Real = entry("lateral position, to the right, mm", default=0.0)
+    y: Real = entry("lateral position, mm, positive to the right", default=0.0)
     yaw: Real = entry("yaw angle, mrad, clockwise from above", default=0.0, ge=-100, le=100)
     roll: _FreeOrReal = entry(
         'roll angle, mrad, positive if the right wheel is lower; "free": both wheels rest on the '

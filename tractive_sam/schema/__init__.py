@@ -1,4 +1,4 @@
-"""The engine that reads tables: types of keys, faults, documentation of keys, TOML.
+"""Reading of tables: types of keys, faults, documentation of keys, and TOML.
 
 It contains no physics: the tables of a scene, of a study and of a table design are built on it.
 """

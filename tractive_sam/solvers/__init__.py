@@ -1,4 +1,4 @@
-"""Methods that see nothing but a dimensionless problem and return an outcome.
+"""Solution methods: each receives only a dimensionless problem and returns an outcome.
 
 Each is a frozen record of its settings with a method `solve(problem, tolerance, start)`;
 `solve(scene, solver=...)` takes any object with that method. They combine: on nested meshes, in

@@ -1,30 +1,31 @@
 """Groups, datasets and dimensions of a results file.
 
-    /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: the programs,
-               and from which record on), digest (SHA-256 of the text), laws and law_records (laws
-               that replaced those of the scene, as text and as JSON with fingerprints), started
-               (where the worn bodies are from with which it began), measured (SHA-256 of the
-               numbers of its measured gap and profiles), datum (what the approach is counted
-               from: vertex; without it the nearest node)
+    /scene     the TOML text; attributes: status, message, a0, b0, p0, versions (JSON: versions of
+               the programs, each with its first record), digest (SHA-256 of the text), laws and
+               law_records (user-defined laws, as text and as JSON with fingerprints), started
+               (source of the worn bodies at the start), measured (SHA-256 of the numbers of the
+               measured gap and profiles), datum (datum of the approach: vertex; if it is missing,
+               the nearest node)
     /grid      x, y
-    /history   record, y, axis, body, block, position; a dataset for each column (record, its
-               dimensions), one of them the coordinate, revolution; attribute: own (JSON: columns
-               that are not the package's)
-    /fields    record, revolution, x, y; fields (record, x, y), of duty cycles (record, block, x,
-               y); attribute: own (JSON: fields that are not the package's)
-    /stress    of scenes with [subsurface]: a group <body>/<plane> with record, revolution and its
-               two axes, such as x and depth; components (record, x, depth); of duty cycles a group
-               more around it, block-0 and so on
-    /fatigue   of scenes with [fatigue]: a group for each body with record, revolution, depth (below
-               the present surface) and zeta (below the unworn one); utilisation, residual_shear,
-               path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)
-    /state     fields (x, y) of the last solved contact, from which rolling resumes; attribute:
-               record, its row in /history; arrays of any shape from which observers resume, under
-               names that begin with the name of the observer
+    /history   record, y, axis, body, block, position; a dataset for each column (record, further
+               dimensions), including the coordinate, revolution; attribute: own (JSON:
+               user-defined columns)
+    /fields    record, revolution, x, y; fields (record, x, y) or, for duty cycles, (record, block,
+               x, y); attribute: own (JSON: user-defined fields)
+    /stress    only with [subsurface]: a group <body>/<plane> with record, revolution and the two
+               axes of the plane, for example x and depth; components (record, x, depth); for duty
+               cycles, these groups are in the groups block-0, block-1 and so on
+    /fatigue   only with [fatigue]: a group for each body with record, revolution, depth (below the
+               present surface) and zeta (below the unworn surface); utilisation, residual_shear
+               and path_radius (record, y, depth), damage (record, y, zeta), worn (record, y)
+    /state     fields (x, y) of the last solved contact, from which a run resumes; attribute: record
+               (its row in /history); arrays of any shape from which observers resume, with names
+               that begin with the name of the observer
 
-A netCDF reader looks for the dimensions of a variable in the group of the variable: so /grid/x and
-/grid/y are hard linked into the groups that need them. The record of a row of /fields and /stress
-is its row in /history. All numbers have a checksum, and HDF5 adds checksums of its metadata.
+A netCDF reader looks for the dimensions of a variable in the group of the variable. /grid/x and
+/grid/y are therefore hard-linked into the groups that need them. The value record of a row of
+/fields or /stress is its row in /history. All numbers have a checksum, and HDF5 adds checksums of
+its metadata.
 """
 
 import hashlib
