@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from tractive_sam.kernels import fatigue
+from tractive_sam.kernels import critical_plane, enclosing, fatigue
 from tractive_sam.mechanics import (
     Crossland,
     DangVan,
@@ -57,10 +57,10 @@ def ball(points):
     squares = np.empty(n)
     if m == 2:
         support, weights = np.zeros(3, int), np.empty(3)
-        count, radius2 = fatigue.enclosing_circle(support, weights, points, squares)
+        count, radius2 = enclosing.enclosing_circle(support, weights, points, squares)
         return support[:count], weights[:count], radius2
     support, weights = np.empty(m + 2, int), np.empty(m + 2)
-    count, radius2 = fatigue.enclosing_ball(np.empty(m), support, weights, points, squares)
+    count, radius2 = enclosing.enclosing_ball(np.empty(m), support, weights, points, squares)
     return support[:count], weights[:count], radius2
 
 
@@ -116,7 +116,7 @@ def room(points):
 
 def plane(cycle, normal, sum_k, product_k, within=None):
     within = room(cycle.shape[1]) if within is None else within
-    return fatigue.evaluate_plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
+    return critical_plane.evaluate_plane(to_paths(cycle)[0], normal, sum_k, product_k, within)
 
 
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
@@ -128,7 +128,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
         normal /= np.linalg.norm(normal)
 
         def value(a, b, normal=normal, within=within, near=near, cycle=cycle):
-            fatigue.turn_normal(near, normal, a * difference, b * difference)
+            critical_plane.turn_normal(near, normal, a * difference, b * difference)
             found, held, at = plane(cycle[..., None], near, sum_k, product_k, within)
             return found, (frozenset(within[2][:held]), at)
 
@@ -137,7 +137,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
             continue
         here, held, at = plane(cycle[..., None], normal, sum_k, product_k, within)
         path = to_paths(cycle[..., None])[0]
-        step = fatigue.newton_step(path, here, held, at, sum_k, product_k, within)
+        step = critical_plane.newton_step(path, here, held, at, sum_k, product_k, within)
         v = {k: one / difference for k, (one, _) in around.items()}
         ga, gb = 0.5 * (v[1, 0] - v[-1, 0]), 0.5 * (v[0, 1] - v[0, -1])
         haa, hbb = v[1, 0] + v[-1, 0] - 2.0 * v[0, 0], v[0, 1] + v[0, -1] - 2.0 * v[0, 0]
@@ -145,7 +145,7 @@ def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
         second = (one / difference for one in (haa, hab, hbb))
         # The square of the difference, and rounding over it.
         np.testing.assert_allclose(
-            step, fatigue.solve_newton_step(here, ga, gb, *second), atol=1e-5
+            step, critical_plane.solve_newton_step(here, ga, gb, *second), atol=1e-5
         )
         number[held] += 1
     assert min(number.values()) > 5
@@ -208,9 +208,9 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     below_lines = line(0.3, [0.1, 0.5], points=15)
     for cycles in (random_cycles(4, 5), random_cycles(4), out_of_phase, below_lines):
         found = np.empty(cycles.shape[2])
-        fatigue.critical_plane(found, to_paths(cycles), sum_k, product_k)
+        critical_plane.critical_plane(found, to_paths(cycles), sum_k, product_k)
         searched = [find_critical_value(one, sum_k, product_k) for one in np.moveaxis(cycles, 2, 0)]
-        assert (found >= np.array(searched) * (1.0 - fatigue.ENOUGH)).all()
+        assert (found >= np.array(searched) * (1.0 - critical_plane.ENOUGH)).all()
         # The search ends .001 from a plane; where a maximum has a bend, values fall in proportion.
         np.testing.assert_allclose(searched, found, rtol=2e-3)
 
@@ -228,7 +228,9 @@ def test_cycles_that_do_no_harm_or_are_none_end_at_once():
             found = judge(cycles)
             assert np.isnan(found[1])
             # The cycle before is where the search begins: what is searched for to 1e-4.
-            np.testing.assert_allclose(found[::2], judge(cycles[..., ::2]), rtol=fatigue.ENOUGH)
+            np.testing.assert_allclose(
+                found[::2], judge(cycles[..., ::2]), rtol=critical_plane.ENOUGH
+            )
 
 
 @pytest.mark.parametrize("shape", [(6,), (5, 6), (12, 6), (6, 0, 3)])

@@ -9,7 +9,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.results import BodyFatigue, Grid
-from tractive_sam.rolling import damage, steps
+from tractive_sam.rolling import body_damage, steps
 
 LIFE = ts.Woehler(cycles=1e6, exponent=6.0)
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
@@ -21,11 +21,11 @@ def material(rate, utilisation=None):
     if utilisation is None:
         utilisation = 1.2 * np.exp(-((DEPTH - 0.1) ** 2) / 0.02)
     rows = np.tile(utilisation, (len(rate), 1))
-    zeta = damage.material_depths(DEPTH, 0.05)
+    zeta = body_damage.material_depths(DEPTH, 0.05)
     now = BodyFatigue("A", np.arange(len(rate)) * 1.0, DEPTH, rows, rows, rows, None, math.nan)
     now = now.with_damage(zeta, np.zeros((len(rate), zeta.size)), np.zeros(len(rate)))
     used = rows[None]
-    return damage.BodyDamage(now, used, used, np.asarray(rate, float), 1.0, 0.0 * now.damage)
+    return body_damage.BodyDamage(now, used, used, np.asarray(rate, float), 1.0, 0.0 * now.damage)
 
 
 def rolled(one, jumps, life=LIFE):
@@ -35,7 +35,7 @@ def rolled(one, jumps, life=LIFE):
         worn = one.fatigue.worn + jump * one.rate
         now = replace(one.fatigue, worn=worn)
         reached = now, one.utilisation, worn, one.rate, (1.0,)
-        one = damage.after_jump(one, *reached, (jump, before), life, revolution)
+        one = body_damage.after_jump(one, *reached, (jump, before), life, revolution)
         revolution, before = revolution + jump, jump
     return one
 
@@ -87,7 +87,7 @@ def test_long_jumps_are_the_sum_of_passes():
             shape = np.exp(-((DEPTH - 0.1) ** 2) / 0.02) * (1.2 - 0.3 * (n / 400) ** 0.5)
             now = replace(one.fatigue, utilisation=np.tile(shape, (2, 1)), worn=worn)
             reached = now, now.utilisation[None], worn, rate, (1.0,)
-            one = damage.after_jump(one, *reached, (jump, last), LIFE, n - jump)
+            one = body_damage.after_jump(one, *reached, (jump, last), LIFE, n - jump)
             last = jump
         return one
 
@@ -123,9 +123,9 @@ def test_jumps_are_judged_where_the_top_lies_above_all_places():
     suddenly = replace(one, utilisation_before=0.9 * one.utilisation)
     worn = one.fatigue.worn + 31 * one.rate
     reached = replace(one.fatigue, worn=worn), one.utilisation, worn, one.rate, (1.0,)
-    after = damage.after_jump(suddenly, *reached, (31, 9), steep, 10)
+    after = body_damage.after_jump(suddenly, *reached, (31, 9), steep, 10)
     left = after.fatigue.damage[after.fatigue.zeta[None] >= after.fatigue.worn[:, None]]
-    assert after.fatigue.damage_max[0] > left.max() / damage.NEAR
+    assert after.fatigue.damage_max[0] > left.max() / body_damage.BodyDamage.near_largest
     assert after.missed > 0.0
 
 

@@ -117,39 +117,15 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
         length, elements = scene.grid.half_length, scene.grid.elements
     if length and elements:
         return Grid.of(length, elements)
-    if scene.hertz is not None and math.isinf(scene.hertz.b):
-        half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
-        length = length or (MARGIN * max(half),)
-        number = 2 * int(0.5 * ACROSS_LINE * finer * length[0] / min(half)) + 1
-        return Grid.of(length, elements or (number,))
-    if scene.line:  # of flat bodies with a profile along x
-        length = length or (float(max(-measured[0][0], measured[0][-1])),)
-        return Grid.of(length, elements or (2 * int(0.5 * ACROSS_LINE * finer) + 1,))
+    if scene.line:
+        half, number = _line_extent(scene, measured, length, finer)
+        return Grid.of(half, elements or (number,))
     if scene.hertz is None:
-        half_length = length
-        if half_length is None:
-            x, y, _ = measured
-            half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
-            if half_length[0] >= ALONG:
-                cure = "it: a profile across the track does not determine the length of the contact"
-                raise SceneError([Fault("grid.half_length", "nothing", cure)])
-        across = 0.5 * min(half_length)
-        side = (2.0 * across / (ACROSS * finer),) * 2
+        half_length, side = _extent_of_gap(measured, length, finer)
     else:
         lateral = WORN_MARGIN if wears else MARGIN
         along = WORN_MARGIN if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
-        shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
-        contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
-        if scene.wheelset is not None:
-            contacts = [_Ellipse.of_overlap(patch) for patch in scene.wheel_rail.patches]
-            shifts = (0.0,) * len(contacts)
-        reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
-        half_length = length or (along * max(c.a for c in contacts), max(reach))
-        if scene.wheelset is not None:  # one mesh for all patches: small ones on fewer elements
-            contacts[1:] = [_Ellipse(3.0 * c.a, 3.0 * c.b) for c in contacts[1:]]
-        a, b = (min(getattr(c, axis) for c in contacts) for axis in "ab")
-        side = (2.0 * a / (ACROSS * finer), 2.0 * b / (ACROSS * finer))
-        side = tuple(min(one, 2.0 * min(side)) for one in side)
+        half_length, side = _extent_of_contacts(scene, (along, lateral), length, finer)
     elements = elements or tuple(
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
@@ -158,3 +134,53 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
         cure = "both half_length and elements where it is so long or so wide"
         raise SceneError([Fault("grid", given, cure)])
     return Grid(half_length, elements)
+
+
+def _line_extent(
+    scene: Scene, measured: Gap | None, length: tuple[float, ...] | None, finer: float
+) -> tuple[tuple[float, ...], int]:
+    """Return the half length, if `length` does not give it, and elements of a line contact."""
+    if scene.hertz is None:  # flat bodies with a profile along x
+        length = length or (float(max(-measured[0][0], measured[0][-1])),)
+        return length, 2 * int(0.5 * ACROSS_LINE * finer) + 1
+    half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+    length = length or (MARGIN * max(half),)
+    return length, 2 * int(0.5 * ACROSS_LINE * finer * length[0] / min(half)) + 1
+
+
+def _extent_of_gap(
+    measured: Gap | None, half_length: tuple[float, float] | None, finer: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the half lengths, if not given, and the element sides of the mesh of flat bodies."""
+    if half_length is None:
+        x, y, _ = measured
+        half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
+        if half_length[0] >= ALONG:
+            cure = "it: a profile across the track does not determine the length of the contact"
+            raise SceneError([Fault("grid.half_length", "nothing", cure)])
+    across = 0.5 * min(half_length)
+    return half_length, (2.0 * across / (ACROSS * finer),) * 2
+
+
+def _extent_of_contacts(
+    scene: Scene,
+    margin: tuple[float, float],
+    half_length: tuple[float, float] | None,
+    finer: float,
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the half lengths, if not given, and the element sides of the mesh of round bodies.
+
+    `margin` is the half length over the semi-axis, along x and y, of each contact of the scene.
+    """
+    shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
+    contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+    if scene.wheelset is not None:
+        contacts = [_Ellipse.of_overlap(patch) for patch in scene.wheel_rail.patches]
+        shifts = (0.0,) * len(contacts)
+    along, lateral = margin
+    reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
+    half_length = half_length or (along * max(c.a for c in contacts), max(reach))
+    if scene.wheelset is not None:  # one mesh for all patches: small ones on fewer elements
+        contacts[1:] = [_Ellipse(3.0 * c.a, 3.0 * c.b) for c in contacts[1:]]
+    sides = [2.0 * min(getattr(c, axis) for c in contacts) / (ACROSS * finer) for axis in "ab"]
+    return half_length, tuple(min(side, 2.0 * min(sides)) for side in sides)

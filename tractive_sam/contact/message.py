@@ -25,39 +25,52 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     steepness : float
         `solvers.uniqueness.steepness` there.
     """
-    scene, solver = model.scene, model.scene.solver
-    courses = scene.schedule.courses
     if status is Status.CONVERGED:
-        text = ""
-        if any(note.status is not Status.CONVERGED for note in outcome.trace):
-            text += f", by way of {', '.join(map(str, outcome.trace))}"
-        touching = outcome.pressure > 0.0
-        if not touching.any():
-            key = "transient.load.approach" if "load.approach" in courses else "load.approach"
-            text += f"; the bodies do not touch: {key} is less than the gap at every element"
-        across = [
-            int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1
-        ]
-        if 0 < min(across) < FewestElements.slip:
-            text += (
-                f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
-                "with grid.elements or lessen grid.half_length"
-            )
-        return text
+        return _remarks(outcome, model)
     if status is Status.OFF_GRID:
-        text = (
-            f"the contact reaches the edge of the mesh, {_half_length(model.grid)} mm: enlarge it, "
-            f"as by {describe_grid_entries(enlarge(model.grid))}"
+        return _at_edge(model)
+    return _failure(outcome, model, steepness)
+
+
+def _remarks(outcome: Outcome, model: Model) -> str:
+    """Return remarks on a solution: fallbacks, no contact, too few elements."""
+    text = ""
+    if any(note.status is not Status.CONVERGED for note in outcome.trace):
+        text += f", by way of {', '.join(map(str, outcome.trace))}"
+    touching = outcome.pressure > 0.0
+    if not touching.any():
+        courses = model.scene.schedule.courses
+        key = "transient.load.approach" if "load.approach" in courses else "load.approach"
+        text += f"; the bodies do not touch: {key} is less than the gap at every element"
+    across = [int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1]
+    if 0 < min(across) < FewestElements.slip:
+        text += (
+            f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
+            "with grid.elements or lessen grid.half_length"
         )
-        if scene.body.infinitely_long and model.measured is not None:
-            text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
-        return text
+    return text
+
+
+def _at_edge(model: Model) -> str:
+    """Return the message for a contact that reaches the edge of its mesh."""
+    text = (
+        f"the contact reaches the edge of the mesh, {_half_length(model.grid)} mm: enlarge it, "
+        f"as by {describe_grid_entries(enlarge(model.grid))}"
+    )
+    if model.scene.body.infinitely_long and model.measured is not None:
+        text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
+    return text
+
+
+def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
+    """Return the message for a solve that did not converge, with its probable cause."""
+    scene = model.scene
     reached = (
         f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
-        f"({', '.join(map(str, outcome.trace))}), tolerance {solver.tolerance:.1e}; "
+        f"({', '.join(map(str, outcome.trace))}), tolerance {scene.solver.tolerance:.1e}; "
     )
     forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(scene.load, key)]
-    forces += [f"transient.{key}" for key in courses if key.startswith("load.force")]
+    forces += [f"transient.{key}" for key in scene.schedule.courses if key.startswith("load.force")]
     if outcome.top is not None:
         return reached + _beyond_the_top(outcome.top, forces[0], model)
     if forces and outcome.status is Status.DIVERGED:

@@ -1,7 +1,7 @@
 """The numerical model of a scene: mesh, undeformed gap, rigid slip, units and operators."""
 
 from copy import copy
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 from functools import cached_property
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import Gap, lowest_separation, resample, sample_gap
 from tractive_sam.contact.mesh import choose_grid
+from tractive_sam.contact.units import Units
 from tractive_sam.contact.worn import Worn
 from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
@@ -24,26 +25,6 @@ from tractive_sam.solvers import (
     Solver,
     WearInPass,
 )
-
-
-@dataclass(frozen=True)
-class Units:
-    """Units in which the quantities of a problem are of order one (see `operators.elastic`).
-
-    Attributes
-    ----------
-    pressure : float
-        p*, MPa.
-    gap : float
-        g*, mm; for half-spaces p* l / E*, with l the mean semi-axis of the contact.
-    slip : float
-        s*, dimensionless; for half-spaces max(mu1, mu2)² p* / G.
-    """
-
-    pressure: float
-    gap: float
-    slip: float
-
 
 _OF_PATCH = ("_patch_gap", "opening", "undeformed_gap", "rigid_slip", "scaled_rigid_slip")
 """Cached properties that differ between the patches of a wheel."""

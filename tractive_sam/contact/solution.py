@@ -93,24 +93,14 @@ def state_of(
         Rolling resistance, N.
     """
     units = model.units
-    touching = outcome.pressure > 0.0
-    pressure = units.pressure * outcome.pressure
-    traction, gap = traction_of(model, outcome.traction), units.gap * outcome.gap
-    sliding, steepness, bound = touching, 0.0, None
-    if model.laws.friction is not None:
-        fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
-        sliding, allowed = problem.sliding(*fields)
-        bound = _traction_bound(model, outcome.pressure, allowed.radius)
-        if model.friction_law.falls:
-            steepness = outcome.steepness
-            steepness = steepness_of(problem, *fields) if steepness is None else steepness
+    sliding, bound, steepness = _friction_state(model, problem, outcome)
     contact = State(
         model.scene,
         model.grid,
-        pressure,
-        traction,
-        np.where(touching, slip, 0.0),
-        gap,
+        units.pressure * outcome.pressure,
+        traction_of(model, outcome.traction),
+        np.where(outcome.pressure > 0.0, slip, 0.0),
+        units.gap * outcome.gap,
         depth,
         units.gap * outcome.approach,
         *creepages,
@@ -131,3 +121,21 @@ def state_of(
         status = Status.OFF_GRID
         contact = replace(contact, status=status, note=message(status, outcome, model))
     return contact
+
+
+def _friction_state(
+    model: Model, problem: Problem, outcome: Outcome
+) -> tuple[np.ndarray, np.ndarray | None, float]:
+    """Return where a solution slides, the bound of its tractions in MPa, and the steepness.
+
+    The bound is None if it is the pressure, the steepness 0 unless friction falls with sliding.
+    """
+    if model.laws.friction is None:
+        return outcome.pressure > 0.0, None, 0.0
+    fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
+    sliding, allowed = problem.sliding(*fields)
+    bound = _traction_bound(model, outcome.pressure, allowed.radius)
+    if not model.friction_law.falls:
+        return sliding, bound, 0.0
+    steepness = outcome.steepness
+    return sliding, bound, steepness_of(problem, *fields) if steepness is None else steepness

@@ -15,7 +15,7 @@ import numpy as np
 
 from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.description import ShortArrays
-from tractive_sam.kernels import friction
+from tractive_sam.kernels import friction, friction_inverse
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.law import Law
 
@@ -457,9 +457,9 @@ class Linearisation:
         """
         here = self.state, self.direction, self.kappa, stiffness, own
         smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
-        friction.split(*here, rows, smooth, rough)
+        friction_inverse.split(*here, rows, smooth, rough)
         out = np.empty_like(rows)
-        friction.sweep_upwind(*here, rows, inverse(smooth), rough, out)
+        friction_inverse.sweep_upwind(*here, rows, inverse(smooth), rough, out)
         return out
 
     def inverse_of_step(
@@ -477,7 +477,7 @@ class Linearisation:
         shape = self.kappa.shape
         rough, share, behind, front = np.empty((4, *shape))
         up = np.empty((2, *shape))
-        friction.prepare_step(
+        friction_inverse.prepare_step(
             self.state,
             self.direction,
             self.kappa,
@@ -497,7 +497,7 @@ class Linearisation:
 
 @dataclass(frozen=True, eq=False)
 class InverseOfStep:
-    """Approximate inverse of the equations of a step, see `kernels.friction.prepare_step`.
+    """Approximate inverse of the equations of a step, see `kernels.friction_inverse.prepare_step`.
 
     Attributes
     ----------
@@ -530,7 +530,7 @@ class InverseOfStep:
         law, along = self.law, np.empty(self.share.shape)
         smooth, out = np.empty_like(rows), np.empty_like(rows)
         here = law.state, law.direction
-        friction.share_out(
+        friction_inverse.share_out(
             *here,
             law.kappa,
             self.stiffness,
@@ -543,7 +543,7 @@ class InverseOfStep:
             smooth,
         )
         smooth = inverse(smooth)
-        friction.gather(*here, self.share, self.rough, rows, smooth, out)
+        friction_inverse.gather(*here, self.share, self.rough, rows, smooth, out)
         return out
 
 

@@ -1,5 +1,6 @@
 """What `results` lets out, for `__init__.py` and for type checkers."""
 
+from .assembly import stack_values as stack_values
 from .column_table import COLUMNS as COLUMNS
 from .column_table import PARTS as PARTS
 from .column_table import REVOLUTION as REVOLUTION
@@ -17,10 +18,8 @@ from .grid import Grid as Grid
 from .grid import widen_field as widen_field
 from .heat import FlashTemperature as FlashTemperature
 from .history import DERIVED as DERIVED
-from .history import LABELS as LABELS
 from .history import RENAMED_COLUMNS as RENAMED_COLUMNS
 from .history import History as History
-from .history import stack_values as stack_values
 from .law_record import UNNAMED as UNNAMED
 from .law_record import LawRecord as LawRecord
 from .law_record import describe_laws as describe_laws
@@ -33,6 +32,7 @@ from .plane_stress import PlaneStress as PlaneStress
 from .quantity import BODIES as BODIES
 from .quantity import COORDINATE as COORDINATE
 from .quantity import DIMS as DIMS
+from .quantity import LABELS as LABELS
 from .quantity import Quantity as Quantity
 from .quantity import find_by_role as find_by_role
 from .quantity import index_by_name as index_by_name

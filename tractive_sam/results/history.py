@@ -1,10 +1,9 @@
 """A history: all records of a computation, in memory or on disk."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import product
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Self
 
 import numpy as np
 
@@ -12,23 +11,22 @@ from tractive_sam.description import text_table
 from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Frame
 from tractive_sam.optional import pandas, xarray
+from tractive_sam.results import exchange
+from tractive_sam.results.assembly import collect
 from tractive_sam.results.balance import balance_of
-from tractive_sam.results.column_table import PARTS, STRESSES, columns
-from tractive_sam.results.cycle import PREFIX
+from tractive_sam.results.block import block_parts
 from tractive_sam.results.describe import summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.figure_table import html_with_figure
-from tractive_sam.results.grid import Grid, widen_field
-from tractive_sam.results.heat import FlashTemperature
+from tractive_sam.results.grid import Grid
 from tractive_sam.results.law_record import LawRecord, describe_laws
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, find_by_role
+from tractive_sam.results.quantity import COORDINATE, Quantity, find_by_role
 from tractive_sam.results.record import Record
+from tractive_sam.results.recorded import Rows
+from tractive_sam.results.recorded_contact import contact_of
 from tractive_sam.results.state import State
-from tractive_sam.results.status import Cost, Status
-from tractive_sam.results.stored_fields import BOUND, FIELDS, HEAT_FIELDS, OUTSIDE, storable_fields
 from tractive_sam.scene import Scene, block_label
-from tractive_sam.schema import required
 
 DONE = "done"
 """The `History.status` of a complete computation."""
@@ -36,23 +34,8 @@ DONE = "done"
 RENAMED_COLUMNS = {"wear_rate": "worn_area"}
 """Current names of renamed columns."""
 
-LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
-"""Labels along the dimensions of columns that are not those of the mesh."""
-
 DERIVED = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves", "wall_seconds")
 """Numbers of `History.to_dict` that are not columns."""
-
-T_co = TypeVar("T_co", covariant=True)
-
-
-class Rows(Protocol[T_co]):
-    """Fields of several records, read one at a time from memory or from a file."""
-
-    def __len__(self) -> int:
-        """Number of records with fields."""
-
-    def __getitem__(self, row: int) -> T_co:
-        """Return the field of one record."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,32 +123,8 @@ class History:
         started: str = "",
     ) -> Self:
         """Collect records in memory; those of smaller meshes are widened to the last mesh."""
-        records = list(records)
-        with_fields = [record for record in records if record.fields]
-        names = records[0].columns if records else columns(scene)
-        coordinate = find_by_role(names.values(), COORDINATE)
-        return cls(
-            scene,
-            status,
-            message,
-            grid,
-            names,
-            {
-                name: stack_values(column, [r.values[name] for r in records], grid)
-                for name, column in names.items()
-            },
-            {
-                name: [_widened_field(record, name, grid) for record in with_fields]
-                for name in (dict.fromkeys(k for r in with_fields for k in r.fields) or FIELDS)
-            },
-            np.array([record.at for record in with_fields], int if coordinate.whole else float),
-            _by_plane(with_fields),
-            law_records=law_records or {},
-            started=started,
-            cycles=_cycles_by_body(with_fields),
-            stresses_of_blocks=tuple(_by_plane(with_fields, k) for k, _ in enumerate(scene.duty)),
-            own_fields={k: v for record in with_fields for k, v in record.own_fields.items()},
-        )
+        about: dict[str, Any] = {"law_records": law_records or {}, "started": started}
+        return cls(scene, status, message, grid, **collect(list(records), scene, grid), **about)
 
     def __repr__(self) -> str:
         return text_table("History", summarize_history(self))
@@ -493,31 +452,7 @@ class History:
         >>> round(float(light["P"][-1])), light.state(2).scene.load.normal
         (200, 200.0)
         """
-        k = self.place_of(which)
-        of_blocks = (PREFIX, PARTS.name)
-        columns = {k: column for k, column in self.columns.items() if not k.startswith(of_blocks)}
-        values = {}
-        for name in columns:
-            each = PREFIX + name
-            values[name] = self.values[each][:, k] if each in self.values else self.values[name]
-        fields = {name: _BlockRows(rows, k) for name, rows in self.fields.items()}
-        grid = self.grid.shifted(self.scene.duty[k].shift_y)
-        changes: dict[str, Any] = {"columns": columns, "values": values, "fields": fields}
-        changes["stresses"] = self.stresses_of_blocks[k] if self.stresses_of_blocks else {}
-        changes["stresses_of_blocks"] = ()
-        changes["law_records"] = self._law_records_of(self.scene.blocks[k])
-        return replace(self, scene=self.scene.blocks[k], grid=grid, **changes)
-
-    def _law_records_of(self, block: Scene) -> dict[str, LawRecord]:
-        """Return the laws of a block: a law that the scene names has the coefficients of the block.
-
-        A law that replaced the one of the scene is common to all blocks.
-        """
-        records, friction = dict(self.law_records), self.scene.friction
-        record = records.get("friction")
-        if record and friction and friction.named_law and record.frame == friction.frame:
-            records["friction"] = replace(record, frame=required(block.friction, "friction").frame)
-        return records
+        return replace(self, **block_parts(self, self.place_of(which)))
 
     def place_of(self, which: int | str) -> int:
         """Return the index of a block in the [[duty]] of the scene, from its index or its name.
@@ -543,45 +478,7 @@ class History:
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
         """Return the contact of a record, from its fields by the names of `FIELDS`."""
-        number = {name: float(self[name][row]) for name in self.of_dims()}
-        creeping = sum(
-            number[force] * number[creepage]
-            for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
-        )
-        solved = number["converged"] > 0.0
-        contact = State(
-            scene=self.scene,
-            grid=self.grid,
-            pressure=fields["pressure"],
-            traction=np.stack((fields["traction_x"], fields["traction_y"])),
-            slip=np.stack((fields["slip_x"], fields["slip_y"])),
-            gap=fields.get("gap", np.full(self.grid.elements, np.nan)),
-            wear=fields["wear"],
-            approach=number["approach"],
-            xi_x=number["xi_x"],
-            xi_y=number["xi_y"],
-            spin=number["spin"],
-            rolling_resistance=number["work_supplied"] + creeping,
-            sliding=fields.get("sliding", np.zeros(self.grid.elements)) > 0.0,
-            status=Status.CONVERGED if solved else _reason(self.status),
-            note="" if solved else self.message,
-            residual=number["residual"],
-            cost=Cost(number["operator_applications"], convolutions=number["convolutions"]),
-            revolution=int(number.get("revolution", 0)),
-            volumes=self._volumes(row),
-            frame=self.frame,
-            traction_bound=_complete_or_none(fields.get(BOUND.name)),
-            laws=self.law_records,
-        )
-        if all(name in fields for name in HEAT_FIELDS):
-            into_A = fields["heat_into_A"]
-            speed = required(self.scene.creepage.speed, "creepage.speed")
-            heat = -speed * (contact.traction * contact.slip).sum(axis=0)
-            warm = {"A": fields["temperature_A"], "B": fields["temperature_B"]}
-            flux = {"A": into_A, "B": heat - into_A}
-            temperatures = FlashTemperature(self.grid, contact.touching, warm, flux)
-            contact = replace(contact, heat=temperatures)
-        return contact if "sliding" in fields else contact.with_sliding_by_traction()
+        return contact_of(self, row, fields)
 
     @property
     def frame(self) -> Frame | None:
@@ -590,46 +487,16 @@ class History:
             return record.frame
         return None if self.scene.friction is None else self.scene.friction.frame
 
-    def _volumes(self, row: int) -> dict[str, float] | None:
-        """Return the worn volume of each body in a record; None if it was not recorded."""
-        volumes = self.values.get("worn_volume")
-        return None if volumes is None else dict(zip(BODIES, volumes[row].tolist(), strict=True))
-
     def to_dict(self) -> dict[str, Any]:
         """Return all columns except profiles, balances and totals as plain lists; None for nan."""
-        roles = {column.role for column in self.columns.values()}
-        rows: dict[str, Any] = {} if "stress_max" in roles else {name: {} for name in STRESSES}
-        for name, column in self.columns.items():
-            if column.dims[:1] == ("body",):
-                of_bodies = {
-                    body: self[name][:, BODIES.index(body)] for body in column.bodies(self.scene)
-                }
-                rows[name] = {body: values.tolist() for body, values in of_bodies.items()}
-            elif "y" not in column.dims:
-                rows[name] = self[name].tolist()
-        rows |= {name: getattr(self, name).tolist() for name in ("energy_balance", "wear_balance")}
-        reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
-        about = {"status": self.status, "message": self.message} | reference
-        return _without_nan(about | rows | self.totals)
+        return exchange.to_dict(self)
 
     def numbers(self) -> dict[str, np.ndarray]:
         """Return all columns except profiles as arrays of one number a record.
 
         Columns of a body, an axis or a position have names like "worn_mass A" and "p_max_at x".
         """
-        arrays = {}
-        for name, column in self.columns.items():
-            if "y" in column.dims:
-                continue
-            of_dims = {**LABELS, "block": self.block_names}
-            labels = [of_dims[dim] for dim in column.dims]
-            if column.dims[:1] == ("body",):
-                labels[0] = column.bodies(self.scene)
-            for place in product(*labels):
-                dims = zip(column.dims, place, strict=True)
-                at: tuple[Any, ...] = (..., *(of_dims[dim].index(label) for dim, label in dims))
-                arrays[" ".join((name, *place))] = self[name][at]
-        return arrays
+        return exchange.numbers(self)
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return `numbers` as a table along the coordinate; needs pandas, which comes with xarray.
@@ -661,111 +528,4 @@ class History:
         True
         """
         check_extra("xarray", "history.to_xarray")
-
-        def about(quantity: Quantity) -> dict[str, str]:
-            return {"units": quantity.unit, "long_name": quantity.long_name}
-
-        along = self.coordinate
-        data = {
-            name: ((along.name, *column.dims), self[name], about(column))
-            for name, column in self.columns.items()
-            if column is not along
-        }
-        quantities = {**storable_fields(self.scene), **self.own_fields}
-        for name, rows in self.fields.items():
-            blocks = () if not self.block_names else (len(self.block_names),)
-            values = np.empty((len(rows), *blocks, *self.grid.elements))
-            for row in range(len(rows)):
-                values[row] = rows[row]
-            dims = ("saved", *("block" for _ in blocks), "x", "y")
-            data[name] = (dims, values, about(quantities[name]))
-        labels = {name: list(values) for name, values in LABELS.items()}
-        if self.block_names:
-            labels["block"] = self.block_names
-        coordinates = labels | {
-            along.name: (along.name, self[along.name], about(along)),
-            "saved": ("saved", self.saved, about(along)),
-            "x": ("x", self.x, {"units": "mm"}),
-            "y": ("y", self.y, {"units": "mm"}),
-        }
-        attributes = {"title": self.title, "status": self.status, "message": self.message}
-        return xarray.Dataset(data, coordinates, attributes)
-
-
-@dataclass(frozen=True, eq=False)
-class _BlockRows:
-    """The fields of one block, read from the fields of all blocks."""
-
-    rows: Rows[np.ndarray]
-    block: int
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def __getitem__(self, row: int) -> np.ndarray:
-        return self.rows[row][self.block]
-
-
-def _widened_field(record: Record, name: str, grid: Grid) -> np.ndarray:
-    """Return a field of a record on a mesh that may be wider; nan if the record lacks it."""
-    if name not in record.fields:
-        return np.full_like(record.fields["pressure"], np.nan)
-    return widen_field(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
-
-
-def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:
-    """Return a stored bound of the traction; None if the file lacks it for a record."""
-    return None if bound is None or np.isnan(bound).any() else bound
-
-
-def _reason(ended: str) -> Status:
-    """Return why a contact was not solved, according to the status of its history."""
-    return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS
-
-
-def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
-    """Stack recorded values to an array, one row a record, on a mesh that may be wider."""
-    along = {"x": grid.elements[0], "y": grid.elements[1]}
-    if "block" in quantity.dims:
-        along["block"] = np.shape(values[0])[quantity.dims.index("block")] if len(values) else 0
-    shape = tuple(along[k] if k in along else len(LABELS[k]) for k in quantity.dims)
-    rows = np.empty((len(values), *shape), int if quantity.whole else float)
-    for row, value in zip(rows, values, strict=True) if shape else ():
-        if quantity.dims[0] == "body":
-            row[:] = np.nan
-            for body, of_body in value.items():
-                row[BODIES.index(body)] = of_body
-        else:
-            mesh = tuple(along[name] for name in quantity.dims if name in ("x", "y"))
-            row[:] = widen_field(np.asarray(value, float), mesh) if mesh else value
-    if not shape:
-        rows[:] = values
-    return rows
-
-
-def _by_plane(
-    records: Sequence[Record], block: int | None = None
-) -> dict[tuple[str, str], list["PlaneStress"]]:
-    """Return the stored stresses by body and plane."""
-    first = records[0].stress if records else ()
-    rows = {
-        (stress.body, str(stress.plane)): [record.stress[k] for record in records]
-        for k, stress in enumerate(first)
-        if stress.block == block
-    }
-    return dict(sorted(rows.items()))  # as a file has them
-
-
-def _cycles_by_body(records: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
-    """Return the stored fatigue by body."""
-    bodies = (cycle.body for cycle in records[0].cycles) if records else ()
-    return {body: [record.cycles[k] for record in records] for k, body in enumerate(bodies)}
-
-
-def _without_nan(value: Any) -> Any:
-    """Replace nan and inf in nested values by None."""
-    if isinstance(value, dict):
-        return {key: _without_nan(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        return exchange.to_dataset(self)

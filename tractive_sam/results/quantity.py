@@ -10,6 +10,9 @@ from tractive_sam.scene import Scene
 
 BODIES = ("A", "B")
 
+LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
+"""Labels along the dimensions of columns that are not those of the mesh."""
+
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """Dimensions that a user-defined column may have in addition to the record."""
 

@@ -1,13 +1,28 @@
 """The part of `History` that descriptions and balances read."""
 
 from collections.abc import Mapping, Sequence
-from typing import Protocol, Self
+from typing import Protocol, Self, TypeVar
 
 import numpy as np
 
+from tractive_sam.mechanics import Frame
 from tractive_sam.results.grid import Grid
+from tractive_sam.results.law_record import LawRecord
+from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantity import Quantity
 from tractive_sam.scene import Scene
+
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Rows(Protocol[T_co]):
+    """Fields of several records, read one at a time from memory or from a file."""
+
+    def __len__(self) -> int:
+        """Number of records with fields."""
+
+    def __getitem__(self, row: int) -> T_co:
+        """Return the field of one record."""
 
 
 class Recorded(Protocol):
@@ -38,12 +53,28 @@ class Recorded(Protocol):
         """Values of the columns, one row a record."""
 
     @property
+    def fields(self) -> Mapping[str, Rows[np.ndarray]]:
+        """Fields of the records that have them."""
+
+    @property
+    def own_fields(self) -> Mapping[str, Quantity]:
+        """Descriptions of the fields of user-defined observers."""
+
+    @property
+    def stresses_of_blocks(self) -> Sequence[Mapping[tuple[str, str], Rows[PlaneStress]]]:
+        """Stored stresses of each block of a duty cycle."""
+
+    @property
     def saved(self) -> np.ndarray:
         """Values of the coordinate of the records with fields."""
 
     @property
-    def law_records(self) -> Mapping[str, object]:
+    def law_records(self) -> Mapping[str, LawRecord]:
         """Laws that replaced those of the scene."""
+
+    @property
+    def frame(self) -> Frame | None:
+        """Scaled tribological frame of the friction law."""
 
     @property
     def provenance(self) -> tuple[tuple[int, Mapping[str, str]], ...]:

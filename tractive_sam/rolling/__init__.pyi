@@ -1,9 +1,10 @@
 """What `rolling` lets out, for `__init__.py` and for type checkers."""
 
 from .damage import Damage as Damage
-from .damage import stressed_volume as stressed_volume
 from .elastic_fields import ElasticFields as ElasticFields
+from .fatigue_columns import stressed_volume as stressed_volume
 from .forecast import Forecast as Forecast
+from .moment import Moment as Moment
 from .observer import Observer as Observer
 from .passage import Passage as Passage
 from .passage import ProfilePoint as ProfilePoint
@@ -20,5 +21,4 @@ from .registry import process_of as process_of
 from .registry import process_type as process_type
 from .registry import steps as steps
 from .stress import LargestStress as LargestStress
-from .transient import Moment as Moment
 from .transient import Transient as Transient

@@ -10,16 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions, wear_law_at
+from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions
 from tractive_sam.mechanics import Turns
-from tractive_sam.results import PARTS, Cost, Grid, State, Status
+from tractive_sam.results import PARTS, Cost, Grid, State
 from tractive_sam.rolling.process import Step, StepRecord
-
-CORRECTIONS = 20
-
-SHARPER = 1e-3
-"""Residual of the solver over that allowed for the wear of a pass: so small that it does not affect
-the error of a jump or of a correction."""
+from tractive_sam.rolling.wear_pass import solve_pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -374,7 +369,7 @@ def passage_at(
     solves = 0
     for k, block in enumerate(model.blocks):
         if rolled in (None, k):
-            contacts[k], taken = _solve_pass(
+            contacts[k], taken = solve_pass(
                 block, revolution, entering, contacts[k], tolerance, grown
             )
             solves += taken
@@ -382,76 +377,3 @@ def passage_at(
             contacts[k] = replace(contacts[k], cost=Cost())
     of_model = _from_model(model, tuple(contacts), rolled)
     return Passage(tuple(contacts), revolution, solves, **of_model)
-
-
-def _solve_pass(
-    model: Model,
-    revolution: int,
-    entering: np.ndarray,
-    start: State,
-    tolerance: float,
-    grown: np.ndarray | float,
-) -> tuple[State, int]:
-    """Return the contact after a pass, and the contacts solved for it; see `passage_at`.
-
-    The wear of a pass is part of the gap of that pass, and depends on its pressure, traction and
-    slip. With ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V).
-    The other methods solve the contact for a given wear and correct the wear until the contact
-    conditions hold with it; since a pass wears a thousandth of the approach, each correction gains
-    three digits.
-    """
-    law, dx = model.wear_law, model.grid.dx
-
-    def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        return law.depth(entering, pressure, traction, slip, dx)
-
-    if model.method.wears_in_pass:  # at the temperature of the pass before
-        last = replace(start, revolution=revolution)
-        law = law.under(wear_conditions(model, last, entering))
-        return replace(equilibrium(model, depth, start), revolution=revolution), 1
-
-    wear = entering + (start.wear - start.wear[-1]) * grown
-    contact, cost, solves = start, Cost(), 0
-    sharp = max(model.scene.solver.tolerance, SHARPER * tolerance)
-    for _ in range(CORRECTIONS):
-        contact = replace(equilibrium(model, wear, contact, sharp), revolution=revolution)
-        solves += 1
-        cost = cost + contact.cost
-        law = wear_law_at(model, contact)
-        corrected = depth(contact.pressure, contact.traction, contact.slip)
-        missed = _residual(model, contact, corrected - wear)
-        contact = _with_lag(replace(contact, wear=corrected), missed)
-        if not contact.converged or missed <= tolerance:
-            break
-        wear = corrected
-    else:
-        contact = replace(
-            contact,
-            status=Status.OUT_OF_ITERATIONS,
-            note=f"the wear within revolution {revolution} did not settle: its residual is "
-            f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
-            f"wear.{_given_key(model)} or the creepage",
-        )
-    return replace(contact, cost=cost), solves
-
-
-def _given_key(model: Model) -> str:
-    """Return the key by which the scene sets the amount of wear."""
-    wear = model.scene.wear
-    if not wear.together or wear.named_law:
-        return "law"
-    return "intensity" if wear.coefficient is None else "coefficient"
-
-
-def _with_lag(contact: State, missed: float) -> State:
-    """Return the contact with the residual due to its own wear, if that is larger."""
-    larger = contact.converged and missed > contact.residual
-    return replace(contact, residual=missed) if larger else contact
-
-
-def _residual(model: Model, contact: State, change: np.ndarray) -> float:
-    """Return the relative natural residual of the normal contact due to a change of the wear."""
-    if not contact.touching.any():
-        return 0.0
-    gap = np.where(contact.touching, change, 0.0) / model.units.gap
-    return float(np.linalg.norm(gap) / np.linalg.norm(contact.pressure / model.units.pressure))

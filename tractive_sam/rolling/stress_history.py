@@ -18,7 +18,7 @@ from tractive_sam.description import Row
 from tractive_sam.mechanics import Woehler
 from tractive_sam.results import BodyFatigue, State, widen_field
 from tractive_sam.rolling.courses import expected_steps
-from tractive_sam.rolling.damage import cycle_columns, shakedown_remark
+from tractive_sam.rolling.fatigue_columns import cycle_columns, shakedown_remark
 from tractive_sam.rolling.observer import Observer
 from tractive_sam.subsurface import Course, course_fatigue, cycle_depths
 

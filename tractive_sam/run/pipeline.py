@@ -21,7 +21,7 @@ from tractive_sam.contact import (
 )
 from tractive_sam.operators import one_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
-from tractive_sam.rolling import Observer
+from tractive_sam.rolling import Observer, Step, StoredStep
 from tractive_sam.run import argument_checks, memory, refined_runs
 from tractive_sam.run.argument_checks import read_measured_gap
 from tractive_sam.run.gap_notes import warn_of_gap
@@ -239,25 +239,38 @@ def roll(
         before = open_history(path) if resume and Path(path).exists() else None
         if before is not None and len(before):
             worn, started = check_start_of_file(before, path, started), before.started
-        model_of, gap = argument_checks.model_of(laws, solver, worn), read_measured_gap(scene)
+        gap = read_measured_gap(scene)
         stored = None if before is None else last_step(before, path, scene, laws, own, gap)
-        last = None if stored is None else stored[0]
-        datum = "vertex" if stored is None or before is None else before.datum
-        model_of = partial(model_of, profiles=argument_checks.read_profiles(scene), datum=datum)
+        model_of = partial(
+            argument_checks.model_of(laws, solver, worn),
+            profiles=argument_checks.read_profiles(scene),
+            datum="vertex" if stored is None else stored[1].history.datum,
+        )
         about = (own, began, started, tuple(observers))
         run = Recording(scene, gap, model_of, path, replaced, called, *about)
-        grid = None if last is None else last.grid
-        model = model_of(scene, run.measured, grid)
-        memory.check_roll(model, in_memory=path is None)
-        process = run.process_of(model)
-        if stored is None or before is None:
-            if scene.has("accuracy"):
-                return refined_runs.roll_to_accuracy(run)
-            return run.begin(*process.begin_fitted())[0]
-        check_measured(before, path, argument_checks.hash_measurements(model))
-        check_observers_in_file(before, path, process.following)
-        with report_damage(path, stored[1].row):
-            last = process.adopt(*stored)
-        if scene.has("accuracy"):
-            return refined_runs.resume_to_accuracy(run, last, before)
-        return run.resume(process, last, before)[0]
+        return _begin(run) if stored is None else _continue(run, path, *stored)
+
+
+def _begin(run: Recording) -> History:
+    """Roll from the first step."""
+    model = run.model_of(run.scene, run.measured)
+    memory.check_roll(model, in_memory=run.path is None)
+    process = run.process_of(model)
+    if run.scene.has("accuracy"):
+        return refined_runs.roll_to_accuracy(run)
+    return run.begin(*process.begin_fitted())[0]
+
+
+def _continue(run: Recording, path: str | PathLike, last: Step, stored: StoredStep) -> History:
+    """Roll from the last step of a results file."""
+    before = stored.history
+    model = run.model_of(run.scene, run.measured, last.grid)
+    memory.check_roll(model, in_memory=False)
+    process = run.process_of(model)
+    check_measured(before, path, argument_checks.hash_measurements(model))
+    check_observers_in_file(before, path, process.following)
+    with report_damage(path, stored.row):
+        last = process.adopt(last, stored)
+    if run.scene.has("accuracy"):
+        return refined_runs.resume_to_accuracy(run, last, before)
+    return run.resume(process, last, before)[0]

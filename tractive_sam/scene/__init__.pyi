@@ -4,6 +4,10 @@ from .bodies import Bodies as Bodies
 from .bodies import Body as Body
 from .catalogue import builtin_names as builtin_names
 from .commented_scene import commented_scene as commented_scene
+from .courses import CreepageCourse as CreepageCourse
+from .courses import FrictionCourse as FrictionCourse
+from .courses import LoadCourse as LoadCourse
+from .courses import Profiles as Profiles
 from .describe import describe_load as describe_load
 from .duty import Block as Block
 from .duty import BlockCreepage as BlockCreepage
@@ -45,10 +49,6 @@ from .tables import Load as Load
 from .tables import Mesh as Mesh
 from .tables import Solver as Solver
 from .tables import Subsurface as Subsurface
-from .transient import CreepageCourse as CreepageCourse
-from .transient import FrictionCourse as FrictionCourse
-from .transient import LoadCourse as LoadCourse
-from .transient import Profiles as Profiles
 from .transient import Transient as Transient
 from .wear import Wear as Wear
 from .wear_laws import BY_COEFFICIENT as BY_COEFFICIENT

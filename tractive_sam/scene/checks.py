@@ -17,7 +17,7 @@ from .observer import check_observers
 from .plausibility import pair_notes
 from .process import PROCESS_CHECKS
 from .readings import Pair
-from .transient import TRANSIENT_CHECKS
+from .transient_checks import TRANSIENT_CHECKS
 from .wear import Wear
 from .wheel_rail import WHEEL_CHECKS
 

@@ -19,8 +19,9 @@ from tractive_sam.schema import (
     entry,
 )
 
+from .courses import check_ascending
 from .schedule import NamedSchedule, Schedule
-from .transient import REVOLUTION_KEYS, check_ascending
+from .transient_checks import REVOLUTION_KEYS
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:

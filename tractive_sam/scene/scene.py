@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import warnings
 from collections.abc import Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
-
-import numpy as np
 
 from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
 from tractive_sam.schema import (
@@ -31,6 +27,7 @@ from .checks import SCENE_CHECKS, unequal_turns, warn_if_large
 from .contact_type import LineContact, PointContact
 from .duty import Block, Spectrum, block_scenes, check_blocks_on_mesh, cycle_notes
 from .fatigue import Fatigue
+from .fingerprint import hash_settings
 from .friction import Friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
@@ -236,11 +233,7 @@ class Scene(Document):
         The title has no influence. A gap file is represented by its name. Keys without a value do
         not count, so that a later version with further optional keys returns the same hash.
         """
-        settings = self.settings()
-        settings.pop("title")
-        settings.pop("load_history", None)
-        text = json.dumps(_canonical(settings), sort_keys=True)
-        return hashlib.sha256(text.encode()).hexdigest()
+        return hash_settings(self.settings(), without=("title", "load_history"))
 
     def replace(self, **changes: Any) -> Scene:
         """Return a new scene with entries changed by dotted key: ``**{"load.normal": 200.0}``.
@@ -379,23 +372,3 @@ class Scene(Document):
                     if isinstance(profile, dict) and isinstance(profile.get("file"), str):
                         profile["file"] = str(folder / profile["file"])
         return tables
-
-
-def _canonical(value: Any) -> Any:
-    """Return a value of JSON types that is equal for equal settings."""
-    match value:
-        case dict():
-            return {
-                key: _canonical(item)
-                for key, item in value.items()
-                if item is not None and not (isinstance(item, list | tuple) and not item)
-            }
-        case list() | tuple():
-            return [_canonical(item) for item in value]
-        case np.ndarray():
-            return [value.shape, hashlib.sha256(value.tobytes()).hexdigest()]
-        case float():
-            return value + 0.0  # no negative zero
-        case bool() | int():
-            return value
-    return str(value)

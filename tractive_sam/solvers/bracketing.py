@@ -61,48 +61,90 @@ class Bracketing:
         forces = problem.forces
         if not len(forces):
             return self.continuation.solve(problem, tolerance, start)
-        vector, target = forces.vectors[0], forces.target[0]
-        others = PrescribedForces(forces.vectors[1:], forces.target[1:])
-        rough = max(tolerance, self.rough)
-        now, taken = start, 0
-
-        def beyond(creepage: float) -> float:
-            """Force above its target under a creepage; zero where it is close."""
-            nonlocal now, taken
-            given = replace(
-                problem, rigid=problem.rigid + creepage * vector[:, None, None], forces=others
-            )
-            known = now is not None and now.creepage is not None
-            first = replace(now, creepage=now.creepage[1:]) if known else now
-            found = self.solver.solve(given, rough, first)
-            if not found.converged:
-                found = self.solve(given, rough, first).costing(found)
-            found = replace(found, creepage=np.append(creepage, found.creepage))
-            now = found.costing(now) if taken else found
-            taken += 1
-            if not found.converged:
-                raise _NotSolvedError
-            missed = vector @ found.traction.sum(axis=(1, 2)) - target
-            close = self.close * np.linalg.norm(vector) * np.hypot(*found.traction).sum()
-            return float(missed) if abs(missed) > close else 0.0
-
+        search = _Search(self, problem, tolerance, start)
         try:
-            here = 0.0 if start is None or start.creepage is None else float(start.creepage[0])
-            missed = beyond(here)
-            side = np.sign(missed)
-            step = side * self.first
-            while missed and np.sign(missed) == side:
-                if forces.diverged(now.creepage, forces.elastic_slip(now.slip, now.creepage)):
-                    now = replace(now, status=Status.DIVERGED, residual=1.0)
-                    raise _NotSolvedError
-                before, here = here, here + step
-                missed, step = beyond(here), self.growth * step
-            if missed:
-                scipy.optimize.brentq(beyond, before, here, disp=False)
-            last = self.solver.solve(problem, tolerance, now)
-            taken += 1
-            now = last.costing(now)
+            self._approach(search, start)
+            last = self.solver.solve(problem, tolerance, search.known)
+            search.add(last)
         except _NotSolvedError:
-            pass  # its outcome has the reason
-        note = Note("newton between creepages", now.status, f" after {taken} problems")
-        return replace(now, trace=(note,))
+            pass  # the outcome has the reason
+        found = search.outcome
+        note = Note("newton between creepages", found.status, f" after {search.taken} problems")
+        return replace(found, trace=(note,))
+
+    def _approach(self, search: "_Search", start: Start | Outcome | None) -> None:
+        """Solve under creepages until the force is close to the prescribed one."""
+        here = 0.0 if start is None or start.creepage is None else float(start.creepage[0])
+        before, missed = here, search.force_missed(here)
+        side = np.sign(missed)
+        step = side * self.first
+        while missed and np.sign(missed) == side:
+            search.check_creepage()
+            before, here = here, here + step
+            missed, step = search.force_missed(here), self.growth * step
+        if missed:
+            scipy.optimize.brentq(search.force_missed, before, here, disp=False)
+
+
+class _Search:
+    """The problems solved under given creepages, each from the outcome of the one before.
+
+    Attributes
+    ----------
+    known : Start or Outcome, optional
+        Where the next problem begins: the last outcome, at first the initial guess.
+    outcome : Outcome
+        The last outcome, with the cost of all problems before.
+    taken : int
+        Number of problems solved.
+    """
+
+    outcome: Outcome
+
+    def __init__(
+        self,
+        method: Bracketing,
+        problem: Problem,
+        tolerance: float,
+        start: Start | Outcome | None,
+    ):
+        forces = problem.forces
+        self.method, self.problem, self.rough = method, problem, max(tolerance, method.rough)
+        self.vector, self.target = forces.vectors[0], forces.target[0]
+        self.others = PrescribedForces(forces.vectors[1:], forces.target[1:])
+        self.known, self.taken = start, 0
+
+    def add(self, found: Outcome) -> None:
+        """Add an outcome, which begins the next problem."""
+        self.outcome = self.known = found.costing(self.outcome) if self.taken else found
+        self.taken += 1
+
+    def force_missed(self, creepage: float) -> float:
+        """Return the force above its target under a creepage; zero where it is close.
+
+        Raises
+        ------
+        _NotSolvedError
+            If the problem was not solved.
+        """
+        rigid = self.problem.rigid + creepage * self.vector[:, None, None]
+        given = replace(self.problem, rigid=rigid, forces=self.others)
+        first = self.known
+        if first is not None and first.creepage is not None:
+            first = replace(first, creepage=first.creepage[1:])
+        found = self.method.solver.solve(given, self.rough, first)
+        if not found.converged:
+            found = self.method.solve(given, self.rough, first).costing(found)
+        self.add(replace(found, creepage=np.append(creepage, found.creepage)))
+        if not found.converged:
+            raise _NotSolvedError
+        missed = self.vector @ found.traction.sum(axis=(1, 2)) - self.target
+        size = np.linalg.norm(self.vector) * np.hypot(*found.traction).sum()
+        return float(missed) if abs(missed) > self.method.close * size else 0.0
+
+    def check_creepage(self) -> None:
+        """Raise an error if the creepages run away: no creepage gives the force."""
+        forces, now = self.problem.forces, self.outcome
+        if forces.diverged(now.creepage, forces.elastic_slip(now.slip, now.creepage)):
+            self.outcome = replace(now, status=Status.DIVERGED, residual=1.0)
+            raise _NotSolvedError

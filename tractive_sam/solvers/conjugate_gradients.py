@@ -6,6 +6,7 @@ iterations on any mesh.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,86 +41,124 @@ class ConjugateGradients:
         start : Start or Outcome, optional
             First guess; where its pressure is zero no contact is assumed at first.
         """
-        applications = preconditionings = 0
-
-        def apply(field: np.ndarray) -> np.ndarray:
-            nonlocal applications
-            applications += 1
-            return problem.operators.normal(field[None])[0]
-
-        def precondition(field: np.ndarray) -> np.ndarray:
-            nonlocal preconditionings
-            preconditionings += 1
-            return problem.operators.normal_inverse(field[None])[0]
-
-        under_load = problem.load is not None
-        p = _first_guess(problem) if start is None else np.maximum(start.pressure, 0.0)
-        p = _scale_to_load(problem, p)
-        lift = apply(p)
-        response = active = direction = gap_before = product_before = None
-        status = Status.OUT_OF_ITERATIONS
+        pressure = _first_guess(problem) if start is None else np.maximum(start.pressure, 0.0)
+        at, status = _Iteration(problem, pressure), Status.OUT_OF_ITERATIONS
         for taken in range(self.iterations + 1):
-            gap = problem.gap + lift
-            contact = p > 0.0
-            # Under a load the approach is the one that the elements in contact have on average.
-            delta = _mean(gap, contact) if under_load else problem.approach
-            gap = gap - delta
-            residual = natural_residual(p, gap)
+            residual = natural_residual(at.pressure, at.gap)
             if residual <= tolerance:
                 status = Status.CONVERGED
                 break
-            if taken == self.iterations:
+            if taken == self.iterations or not at.advance():
                 break
-            was, active = active, contact | (gap < 0.0)
-            unchanged = was is not None and np.array_equal(was, active)
-            # The gap of the elements in contact, and of those that overlap, is the gradient.
-            step = np.where(active, precondition(np.where(active, gap, 0.0)), 0.0)
-            if under_load:
-                # The part of the step that would change the load belongs to the approach.
-                if not unchanged:
-                    response = np.where(active, precondition(active.astype(float)), 0.0)
-                step -= response * (step.sum() / response.sum())
-            product = np.vdot(gap, step)
-            if direction is None:
-                direction = step
-            else:
-                # Polak-Ribiere: forgets directions of a contact area that has changed.
-                beta = max(0.0, (product - np.vdot(gap_before, step)) / product_before)
-                direction = step + beta * np.where(active, direction, 0.0)
-                if under_load and not unchanged:
-                    # Those of the former area must not change the load on this one.
-                    direction -= response * (direction.sum() / response.sum())
-            change = apply(direction)
-            # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
-            if not (curvature := np.vdot(direction, change)) > 0.0:
-                break
-            # To the least energy along the direction.
-            length = np.vdot(gap, direction) / curvature
-            p = p - length * direction
-            if p.min() < 0.0:
-                # Elements that would pull leave; then what was summed up no longer is the lift.
-                p = _scale_to_load(problem, np.maximum(p, 0.0))
-                lift = apply(p)
-            else:
-                lift = lift - length * change
-            product_before, gap_before = product, gap
         return Outcome(
             status,
-            float(residual),
+            residual,
             taken,
-            Cost(applications, preconditionings),
-            pressure=_scale_to_load(problem, closed(p, gap)),
-            gap=gap,
-            approach=float(delta),
+            Cost(at.applications, at.preconditionings),
+            pressure=_scale_to_load(problem, closed(at.pressure, at.gap)),
+            gap=at.gap,
+            approach=at.approach,
             trace=(Note("conjugate gradients", status),),
         )
+
+
+class _Iteration:
+    """State of the iteration: a pressure with its lift, approach and gap, and the last search.
+
+    Attributes
+    ----------
+    applications, preconditionings : int
+        Work done.
+    """
+
+    def __init__(self, problem: NormalProblem, pressure: np.ndarray):
+        self.problem, self.under_load = problem, problem.load is not None
+        self.applications = self.preconditionings = 0
+        self._active = np.zeros(pressure.shape, bool)
+        self._response = np.zeros_like(pressure)
+        self._last: _Search | None = None
+        self._set_pressure(pressure)
+
+    def _set_pressure(self, pressure: np.ndarray) -> None:
+        """Begin at a pressure, which is scaled to the load."""
+        self.pressure = _scale_to_load(self.problem, pressure)
+        self._set_lift(self._apply(self.pressure))
+
+    def _set_lift(self, lift: np.ndarray) -> None:
+        """Set the lift by the pressure, and the approach and the gap that follow from it."""
+        self._lift, self.approach = lift, self.problem.approach
+        gap = self.problem.gap + lift
+        if self.under_load:
+            # The approach is the one that the elements in contact have on average.
+            self.approach = _mean(gap, self.pressure > 0.0)
+        self.gap = gap - self.approach
+
+    def advance(self) -> bool:
+        """Move to the least energy along a new direction; return whether there is such a point."""
+        active = (self.pressure > 0.0) | (self.gap < 0.0)
+        unchanged = np.array_equal(active, self._active)
+        self._active = active
+        if self.under_load and not unchanged:
+            self._response = self._precondition(active.astype(float))
+        # The gap of the elements in contact, and of those that overlap, is the gradient.
+        step = self._precondition(self.gap)
+        if self.under_load:
+            step = self._without_load(step)
+        direction, product = step, np.vdot(self.gap, step)
+        if (last := self._last) is not None:
+            # Polak-Ribiere: forgets directions of a contact area that has changed.
+            beta = max(0.0, (product - np.vdot(last.gap, step)) / last.product)
+            direction = step + beta * np.where(active, last.direction, 0.0)
+            if self.under_load and not unchanged:
+                # Those of the former area must not change the load on this one.
+                direction = self._without_load(direction)
+        self._last = _Search(direction, self.gap, product)
+        return self._minimise_along(direction)
+
+    def _minimise_along(self, direction: np.ndarray) -> bool:
+        """Move to the least energy along a direction; return whether it has a curvature."""
+        change = self._apply(direction)
+        # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
+        if not (curvature := np.vdot(direction, change)) > 0.0:
+            return False
+        length = np.vdot(self.gap, direction) / curvature
+        self.pressure = self.pressure - length * direction
+        if self.pressure.min() < 0.0:
+            # Elements that would pull leave; then what was summed up no longer is the lift.
+            self._set_pressure(np.maximum(self.pressure, 0.0))
+        else:
+            self._set_lift(self._lift - length * change)
+        return True
+
+    def _apply(self, field: np.ndarray) -> np.ndarray:
+        """Return the lift by a pressure."""
+        self.applications += 1
+        return self.problem.operators.normal(field[None])[0]
+
+    def _precondition(self, gap: np.ndarray) -> np.ndarray:
+        """Return an approximate pressure of the active elements for their gap."""
+        self.preconditionings += 1
+        gap = np.where(self._active, gap, 0.0)
+        return np.where(self._active, self.problem.operators.normal_inverse(gap[None])[0], 0.0)
+
+    def _without_load(self, step: np.ndarray) -> np.ndarray:
+        """Return a step without the part that would change the load: it belongs to the approach."""
+        return step - self._response * (step.sum() / self._response.sum())
+
+
+class _Search(NamedTuple):
+    """A search direction, and the gap that it began at with its product with the step."""
+
+    direction: np.ndarray
+    gap: np.ndarray
+    product: float
 
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:
     """Return |p - max(0, p - gap)| / |p|, zero exactly if Signorini's conditions hold."""
     size = np.linalg.norm(pressure)
     distance = np.linalg.norm(np.minimum(pressure, gap))
-    return distance / size if size > 0.0 else float(distance > 0.0)
+    return float(distance / size if size > 0.0 else distance > 0.0)
 
 
 def _mean(values: np.ndarray, where: np.ndarray) -> float:

@@ -144,22 +144,7 @@ class Newton:
             before = at.residual
             at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded)
             cost = cost + spent
-        # What is beyond a bound, or remains where the gap is open, is part of the residual.
-        pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
-        bound = problem.bound(pressure).radius
-        return Outcome(
-            status,
-            float(at.residual),
-            taken,
-            cost,
-            pressure=pressure,
-            gap=at.gap,
-            traction=problem.project(at.traction, bound, physical=True),
-            slip=at.slip,
-            approach=float(at.approach),
-            creepage=at.creepage,
-            trace=(Note("newton" if problem.is_pressure_fixed else "coupled newton", status),),
-        )
+        return _outcome(problem, at, status, taken, cost)
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
         """Return the first iterate of a problem."""
@@ -318,3 +303,23 @@ class Newton:
                 return trials[-1]
             length *= 0.5
         return min(trials, key=lambda one: one.merit)
+
+
+def _outcome(problem: Problem, at: Iterate, status: Status, taken: int, cost: Cost) -> Outcome:
+    """Return the outcome at an iterate, with pressure and tractions within their bounds."""
+    # What is beyond a bound, or remains where the gap is open, is part of the residual.
+    pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
+    bound = problem.bound(pressure).radius
+    return Outcome(
+        status,
+        float(at.residual),
+        taken,
+        cost,
+        pressure=pressure,
+        gap=at.gap,
+        traction=problem.project(at.traction, bound, physical=True),
+        slip=at.slip,
+        approach=float(at.approach),
+        creepage=at.creepage,
+        trace=(Note("newton" if problem.is_pressure_fixed else "coupled newton", status),),
+    )

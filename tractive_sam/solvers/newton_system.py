@@ -69,7 +69,12 @@ class Iterate:
             self.traction, self.slip, self.bound, self.seen, None if fixed else self.active
         )
         self.elastic_slip = forces.elastic_slip(self.slip, creepage)
+        self._set_residual(problem)
+        self.merit = self.merit_by(ratio)
 
+    def _set_residual(self, problem: Problem) -> None:
+        """Set the residual, the resultants that are missed, and the sizes that weight them."""
+        forces = problem.forces
         # Resultants, given and missed, count as if spread evenly over the contact.
         elements = max(np.count_nonzero(self.active), 1)
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
@@ -87,14 +92,13 @@ class Iterate:
         rounded = ROUNDING * np.sqrt(self.pressure.size) * np.abs(self.response[-2:]).max()
         self.residual = relative(defect, drag) if defect > rounded else 0.0
         self.ratio = 1.0
-        if not fixed:
+        if not problem.is_pressure_fixed:
             self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
             self._normal += self.load_missed**2 / elements
             # No less than of a pressure that has the load: to have none is no solution.
             size = max(np.linalg.norm(self.pressure), (problem.load or 0.0) / np.sqrt(elements))
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
-        self.merit = self.merit_by(ratio)
 
     def _project(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
         """Return pressure and traction moved back into their admissible sets."""

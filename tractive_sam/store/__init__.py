@@ -9,11 +9,10 @@ from tractive_sam.store.errors import (
     StorageError,
 )
 from tractive_sam.store.gap import read_gap
-from tractive_sam.store.layout import FORMAT_VERSION
 from tractive_sam.store.lock import hold_lock
 from tractive_sam.store.netcdf import netcdf_format, read_netcdf, write_netcdf
 from tractive_sam.store.reader import open_history, read_state
-from tractive_sam.store.versions import versions
+from tractive_sam.store.versions import FORMAT_VERSION, versions
 from tractive_sam.store.volume import Image, check_volume, write_surface, write_volume
 from tractive_sam.store.write_access import is_written, lock_path
 from tractive_sam.store.writer import HistoryWriter, check_results, results_writer

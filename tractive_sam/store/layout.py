@@ -30,9 +30,7 @@ its metadata.
 
 import hashlib
 import json
-import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 import h5py
 import numpy as np
@@ -58,25 +56,23 @@ from tractive_sam.results import (
     storable_fields,
 )
 from tractive_sam.results import columns as columns_of
-from tractive_sam.scene import Plane, Scene, block_label
+from tractive_sam.scene import Scene, block_label
+from tractive_sam.store.datasets import (
+    COMPRESSED,
+    create_labels,
+    create_rows,
+    create_scale,
+    describe,
+    stress_path,
+)
 from tractive_sam.store.texts import create_text, decode_text, set_text
-from tractive_sam.store.versions import versions
-
-FORMAT = "tractive-sam history"
-FORMAT_VERSION = 2
-"""Increased when readers of the version before would misread the file. Version 1 is still read, see
-`legacy_format`. A new column needs no new version: a missing column reads as nan."""
+from tractive_sam.store.versions import FORMAT, FORMAT_VERSION, versions
 
 RUNNING = ("running", "the computation has not ended yet, or was killed")
 """Status and message of a run that has not ended."""
 
 REFERENCE = {"a0": "a", "b0": "b", "p0": "p0"}
 """Attributes for other readers: the Hertz solution of the unworn contact."""
-COMPRESSED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
-
-CHUNK_BYTES = 4096
-"""Least size of a chunk: a page of the disk. The checksum of a chunk of zeros is zero, so the
-loss of a page that contains a whole chunk with its checksum would not be noticed."""
 
 DESCRIPTION = ("units", "long_name")
 """Attributes for other readers, texts of variable length: this package never reads them."""
@@ -140,7 +136,7 @@ def create_layout(
     grid.attrs["centre"] = mesh.centre
     for name, centres, along in (("x", mesh.x, "rolling"), ("y", mesh.y, "lateral")):
         about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
-        _create_scale(grid, name, centres, about)
+        create_scale(grid, name, centres, about)
     # A record may replace columns that have a role by other columns.
     fixed_columns = {
         name: quantity
@@ -150,7 +146,7 @@ def create_layout(
     history = file.create_group("history")
     _create_history(history, grid, fixed_columns)
     if names := [block_label(scene, k) for k in range(len(scene.duty))]:
-        _create_labels(history, "block", names, "block of the duty cycle")
+        create_labels(history, "block", names, "block of the duty cycle")
     stored_fields = {
         name: quantity for name, quantity in storable_fields(scene).items() if quantity is not BOUND
     }
@@ -181,7 +177,7 @@ def set_scene(file: h5py.File, scene: Scene) -> None:
             dataset.attrs[name] = value
     for name, of_hertz in REFERENCE.items():
         dataset.attrs[name] = np.nan if hertz is None else getattr(hertz, of_hertz)
-    _describe(dataset, Quantity("scene", "1", "the scene that was computed, as TOML"))
+    describe(dataset, Quantity("scene", "1", "the scene that was computed, as TOML"))
     set_text(dataset, "digest", digest(text))
 
 
@@ -232,11 +228,6 @@ def _add_own(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
     set_text(group, OWN, json.dumps(described))
 
 
-def stress_path(body: str, plane: Plane | str, block: int | None = None) -> str:
-    """Return the path within /stress of a plane of a body."""
-    return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
-
-
 def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:
     """Create the missing columns, and describe the user-defined ones."""
     missing = [column for dimension, column in columns.items() if dimension not in history]
@@ -245,9 +236,9 @@ def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks
         for dimension in (dimension for dimension in column.dims if dimension not in history):
             labels = LABELS.get(dimension) or [str(k + 1) for k in range(blocks)]
             about = "component" if dimension in ("axis", "position") else dimension
-            _create_labels(history, dimension, labels, about)
+            create_labels(history, dimension, labels, about)
         scales = tuple(history[dimension] for dimension in ("record", *column.dims))
-        _create_rows(history, column.name, column, scales, coordinate=coordinate)
+        create_rows(history, column.name, column, scales, coordinate=coordinate)
     # A coordinate may be a column of the package without being the coordinate of the scene.
     own = [
         column
@@ -264,46 +255,37 @@ def _create_plane(
 ) -> None:
     """Create the datasets of the stress on a plane."""
     group.attrs["position"] = plane.position
-    record = _create_scale(group, "record", np.empty(0, int), ROW)
-    _create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    record = create_scale(group, "record", np.empty(0, int), ROW)
+    create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     axes = []
     for name, centres in plane.axes.items():
         if name in grid:
             group[name] = grid[name]
         else:
-            _create_scale(
+            create_scale(
                 group, name, centres, Quantity(name, "mm", "depth below the surface of the body")
             )
         axes.append(group[name])
     for name, quantity in STRESS.items():
-        _create_rows(group, name, quantity, (record, *axes), coordinate=coordinate.name)
+        create_rows(group, name, quantity, (record, *axes), coordinate=coordinate.name)
 
 
 def _create_cycle(
     group: h5py.Group, file: h5py.File, fatigue: BodyFatigue, coordinate: Quantity
 ) -> None:
     """Create the datasets of the fatigue of a body, and those from which a run resumes."""
-    record = _create_scale(group, "record", np.empty(0, int), ROW)
-    _create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    record = create_scale(group, "record", np.empty(0, int), ROW)
+    create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     group["y"] = file["grid/y"]
     about = Quantity("depth", "mm", "depth below the present surface")
-    _create_scale(group, "depth", fatigue.depth, about)
+    create_scale(group, "depth", fatigue.depth, about)
     if fatigue.zeta.size:
         about = Quantity("zeta", "mm", "depth below the unworn surface")
-        _create_scale(group, "zeta", fatigue.zeta, about)
+        create_scale(group, "zeta", fatigue.zeta, about)
     for name, quantity in FATIGUE_FIELDS.items():
         if all(axis in group for axis in quantity.dims):
             scales = (record, *(group[axis] for axis in quantity.dims))
-            _create_rows(group, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
-
-
-def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
-    """Add a further array from which the run resumes."""
-    chunks = tuple(max(1, n) for n in values.shape)
-    about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
-    _describe(
-        state.create_dataset(name, data=values, **about), Quantity(name, "", "to continue from")
-    )
+            create_rows(group, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
 
 
 def _link_axes(
@@ -321,12 +303,12 @@ def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> N
     """Create the datasets of the last state."""
     first, *axes = _link_axes(state, grid, history)
     for name, quantity in FIELDS.items():
-        _create_rows(state, name, quantity, (first, *axes), rows=len(first))
+        create_rows(state, name, quantity, (first, *axes), rows=len(first))
 
 
 def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
     """Create the datasets of the columns."""
-    _create_scale(history, "record", np.empty(0, int), ROW)
+    create_scale(history, "record", np.empty(0, int), ROW)
     history["y"] = grid["y"]
     _create_columns(history, columns)
 
@@ -339,74 +321,16 @@ def _create_fields(
     quantities: Mapping[str, Quantity],
 ) -> None:
     """Create the datasets of the stored fields."""
-    record = _create_scale(fields, "record", np.empty(0, int), ROW)
+    record = create_scale(fields, "record", np.empty(0, int), ROW)
     axes = _link_axes(fields, grid, history)
-    _create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
+    create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     scales = (record, *axes)
     for name, quantity in quantities.items():
-        _create_rows(fields, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
+        create_rows(fields, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
 
 
 def _create_field(fields: h5py.Group, quantity: Quantity, coordinate: Quantity) -> None:
     """Create a further field; its value is nan in earlier records."""
     scales = tuple(fields[name] for name in ("record", "block", "x", "y") if name in fields)
     rows, along = len(fields["record"]), coordinate.name
-    _create_rows(fields, quantity.name, quantity, scales, rows, coordinate=along, **COMPRESSED)
-
-
-def _create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
-    """Create a dimension scale of texts for other readers.
-
-    Some of them do not support texts of fixed length. So these texts have a variable length, and
-    this package never reads them.
-    """
-    dataset = group.create_dataset(name, data=values)
-    dataset.make_scale(name)
-    _describe(dataset, Quantity(name, "1", about))
-
-
-def _create_scale(
-    group: h5py.Group, name: str, values: np.ndarray, quantity: Quantity
-) -> h5py.Dataset:
-    """Create a dimension scale that can grow."""
-    chunk = max(len(values), CHUNK_BYTES // 8)
-    dataset = group.create_dataset(
-        name, data=values, maxshape=(None,), chunks=(chunk,), fletcher32=True
-    )
-    dataset.make_scale(name)
-    return _describe(dataset, quantity)
-
-
-def _create_rows(
-    group: h5py.Group,
-    name: str,
-    quantity: Quantity,
-    dimensions: tuple[h5py.Dataset, ...],
-    rows: int = 0,
-    coordinate: str = "",
-    **filters: str | int | bool,
-) -> h5py.Dataset:
-    """Create a dataset with one row for each record, initially with a number of rows."""
-    shape = tuple(len(scale) for scale in dimensions[1:])
-    min_rows = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
-    dataset = group.create_dataset(
-        name,
-        shape=(rows, *shape),
-        dtype=int if quantity.whole else float,
-        maxshape=(None,) * len(dimensions),
-        chunks=(1 if filters else max(min_rows, rows), *shape),
-        fillvalue=-1 if quantity.whole else np.nan,
-        fletcher32=True,
-        **filters,
-    )
-    for dimension, scale in zip(dataset.dims, dimensions, strict=True):
-        dimension.attach_scale(scale)
-    if coordinate not in ("", name):
-        dataset.attrs["coordinates"] = coordinate
-    return _describe(dataset, quantity)
-
-
-def _describe(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
-    """Store the unit and the description of a dataset."""
-    dataset.attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
-    return dataset
+    create_rows(fields, quantity.name, quantity, scales, rows, coordinate=along, **COMPRESSED)

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.output_file import describe_os_error
-from tractive_sam.store import layout
 from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import (
@@ -19,6 +18,7 @@ from tractive_sam.store.hdf5_guard import (
     numeric_dataset,
 )
 from tractive_sam.store.texts import decode_text
+from tractive_sam.store.versions import FORMAT, FORMAT_VERSION
 
 GROUPS = ("grid", "history", "fields", "stress", "state")
 
@@ -95,10 +95,10 @@ class ResultsFile:
         if kind.startswith("creep-force"):
             cure = f"tractive-sam show {self.path}, or tractive-sam table {self.path} --figure"
             raise ResultsError(f"{self.path} is a creep-force table, not a results file: {cure}")
-        if kind != layout.FORMAT:
+        if kind != FORMAT:
             cure = "name a results file (.h5)"
             raise ResultsError(f"{self.path} is an HDF5 file, but not of tractive-sam; {cure}")
-        if self.version > layout.FORMAT_VERSION:
+        if self.version > FORMAT_VERSION:
             message = f"{self.path} has format {self.version}; a newer tractive-sam can read it"
             raise ResultsError(message)
         kinds = {"scene": h5py.Dataset} | dict.fromkeys(GROUPS, h5py.Group)

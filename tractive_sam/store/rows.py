@@ -20,7 +20,7 @@ from tractive_sam.results import (
     stack_values,
     widen_field,
 )
-from tractive_sam.store import layout
+from tractive_sam.store import datasets
 
 SCALES = ("y", "axis", "body", "block", "position")
 """Members of /history that have no row for each record."""
@@ -61,7 +61,7 @@ def read_grid(file: h5py.File) -> Grid:
 
 def _field_groups(record: Record) -> list[str]:
     """Return the names of the fields of a record and the groups of its stress and fatigue."""
-    planes = [layout.stress_path(plane.body, plane.plane, plane.block) for plane in record.stress]
+    planes = [datasets.stress_path(plane.body, plane.plane, plane.block) for plane in record.stress]
     return [*record.fields, *planes, *(plane.body for plane in record.cycles)]
 
 
@@ -69,7 +69,9 @@ def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Recor
     """Add the fields, stress and fatigue of records that have the same groups."""
     _append_group(file["fields"], rows, records, [record.fields for record in records], OUTSIDE)
     for planes in zip(*(record.stress for record in records), strict=True):
-        group = file["stress"][layout.stress_path(planes[0].body, planes[0].plane, planes[0].block)]
+        group = file["stress"][
+            datasets.stress_path(planes[0].body, planes[0].plane, planes[0].block)
+        ]
         values = [plane.components | {VON_MISES.name: plane.by(VON_MISES)} for plane in planes]
         unknown = dict.fromkeys(values[0], np.nan)  # outside a narrower mesh
         _append_group(group, rows, records, values, unknown)
@@ -130,7 +132,7 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
         if name in group and name not in of_mesh and group[name].shape != values.shape:
             del group[name]  # for example because the mesh has grown
         if name not in group:
-            layout.add_state(group, name, values)
+            datasets.add_state(group, name, values)
         dataset = _open_dataset(group, name)
         padded = widen_field(values, dataset.shape, OUTSIDE.get(name, 0.0))
         dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(padded))

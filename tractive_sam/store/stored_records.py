@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.results import COMPONENTS, FATIGUE_FIELDS, BodyFatigue, PlaneStress
 from tractive_sam.scene import Plane
-from tractive_sam.store.layout import stress_path
+from tractive_sam.store.datasets import stress_path
 from tractive_sam.store.opening import open_results
 
 

@@ -3,6 +3,11 @@
 import platform
 from importlib.metadata import PackageNotFoundError, version
 
+FORMAT = "tractive-sam history"
+FORMAT_VERSION = 2
+"""Increased when readers of the version before would misread the file. Version 1 is still read, see
+`legacy_format`. A new column needs no new version: a missing column reads as nan."""
+
 PACKAGES = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
 
 

@@ -1,0 +1,212 @@
+"""Approximate inverses of the linearised friction law: by an upwind sweep, and in a step.
+
+Fields and names are those of `kernels.friction`.
+"""
+
+import numpy as np
+
+from tractive_sam.kernels.compiled import compiled
+from tractive_sam.kernels.friction import OPEN, SLIP, STICK
+
+
+@compiled
+def split(state, direction, kappa, stiffness, own, row, smooth, rough):
+    """Divide a residual between the two halves of the upwind-sweep preconditioner.
+
+    A local term gamma competes with the elastic one, of the size of the element's slip of itself,
+    d = t.D t: of leading elements half the bound w (``stiffness``) on their response to the opening
+    ahead, and of those that slip 1/kappa - 1, which counts 1 + w times since a row is divided by
+    that (`operators.stencil.FrictionSlip`). The circulant inverse takes the share 2 d/(2 d + gamma)
+    (``smooth``); of an element that slips, the rest (``rough``, a scalar along t) is left to the
+    sweep.
+
+    The row of an element that slips is one number, D one of 2 x 2: as a vector the row goes along
+    D t, what a traction along t makes of slip. Along t itself its part in the weaker direction of
+    slip would be taken for traction there, too large by mu1²/mu2² (`sweep_upwind`).
+    """
+    nx, ny = state.shape
+    trace = own[0] + own[2]
+    for i in range(nx):
+        for j in range(ny):
+            sticks, slips = state[i, j] == STICK, state[i, j] == SLIP
+            w, k, r0, r1 = stiffness[i, j], kappa[i, j], row[0, i, j], row[1, i, j]
+            t0, t1 = -direction[1, i, j], direction[0, i, j]
+            d0, d1 = own[0] * t0 + own[1] * t1, own[1] * t0 + own[2] * t1
+            # Elastic over elastic and local: the circulant cannot know of a local term, and given
+            # all of a row that is nearly local it would make far too much of it. Times kappa, so
+            # that one division does.
+            local = 0.5 * w * k + (1.0 + w) * (1.0 - k)
+            whole = 2.0 * k * (t0 * d0 + t1 * d1) + local
+            part = (1.0 + w) / (k * whole if slips else trace + 0.5 * w)
+            of_stick = trace * part if sticks else 0.0
+            of_slip = (t0 * r0 + t1 * r1) * part if slips else 0.0
+            rough[i, j] = local * of_slip
+            of_slip *= 2.0 * k
+            smooth[0, i, j] = of_slip * d0 + of_stick * r0
+            smooth[1, i, j] = of_slip * d1 + of_stick * r1
+
+
+@compiled
+def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, out):
+    """Integrate from the leading edge of every row, where the traction is zero.
+
+    ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
+    element to the next. An element that slips keeps only the part along t, whose slip is that of
+    the whole: t.D (t tau) = t.D (ahead + smooth). Its local term gamma holds it back:
+    2 t.D (t tau - ahead - smooth) + gamma tau = rough. The part along its direction, and all of an
+    open one, is what ``row`` says.
+    """
+    nx, ny = state.shape
+    ahead = np.zeros((2, ny))
+    for i in range(nx - 1, -1, -1):
+        for j in range(ny):
+            r0, r1 = row[0, i, j], row[1, i, j]
+            if state[i, j] == OPEN:
+                ahead[0, j] = ahead[1, j] = 0.0
+                out[0, i, j], out[1, i, j] = r0, r1
+                continue
+            a = ahead[0, j] + smooth[0, i, j]
+            b = ahead[1, j] + smooth[1, i, j]
+            if state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
+                d0 = 2.0 * (own[0] * t0 + own[1] * t1)
+                d1 = 2.0 * (own[1] * t0 + own[2] * t1)
+                w, k = stiffness[i, j], kappa[i, j]
+                # Implicit: where gamma outweighs d, the traction is rough/gamma. Times kappa.
+                whole = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
+                tau = k * (d0 * a + d1 * b + rough[i, j]) / whole
+                # What is known of the traction along its direction is no part of the sum: worth as
+                # many iterations, and it leads astray where the coefficients are far apart.
+                a, b = tau * t0, tau * t1
+                out_of = t1 * r0 - t0 * r1
+                out[0, i, j], out[1, i, j] = a + out_of * t1, b - out_of * t0
+            else:
+                out[0, i, j], out[1, i, j] = a, b
+            ahead[0, j], ahead[1, j] = a, b
+
+
+@compiled
+def prepare_step(
+    state, direction, kappa, across, contact, stiffness, own, ahead, rough, share, behind, front, up
+):
+    """Set the factors of an approximate inverse of the rows of a step (`share_out`, `gather`).
+
+    As in `split`, of rows in the displacement itself. A local term gamma competes with d, the
+    displacement of the element by itself: of A + gamma an inverse is nearly
+
+        q C q + gamma/(d + gamma)²,    q = d/(d + gamma),
+
+    C the circulant inverse of A: right for any gamma where A is d, and never far off, whether gamma
+    is the same everywhere or not.
+
+    The slip opposed is a mean of faces (`turn`): a tridiagonal matrix along x takes the rows of
+    slipping elements back to the slip of the leading faces. Those of elements that stick are known.
+
+    Parameters
+    ----------
+    rough, share : ndarray, shape (n_x, n_y)
+        Set to the factor of a row in its local part, and to q.
+    behind, front : ndarray, shape (n_x, n_y)
+        Set to the coefficients of the neighbours in the tridiagonal matrix.
+    up : ndarray, shape (2, n_x, n_y)
+        Set to the inverse pivot, and to the coefficient that elimination leaves in front.
+    """
+    nx, ny = state.shape
+    back = 0.5 * ahead
+    for i in range(nx):
+        b = back if i else 0.0
+        for j in range(ny):
+            rough[i, j] = share[i, j] = behind[i, j] = front[i, j] = 0.0
+            up[0, i, j], up[1, i, j] = 1.0, 0.0
+            if state[i, j] == OPEN:
+                continue
+            w, k, d = stiffness[i, j], kappa[i, j], 0.5 * (own[0] + own[2])
+            t0, t1 = -direction[1, i, j], direction[0, i, j]
+            if state[i, j] == SLIP:
+                d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
+            # A leading element answers with about half the trace that its stiffness is. Times
+            # kappa, by which the row is divided.
+            gamma = 0.5 * w * k + (1.0 + w) * (1.0 - k)
+            whole = k * d + gamma
+            share[i, j] = k * d / whole
+            rough[i, j] = (1.0 + w) * gamma / (whole * whole)
+            if state[i, j] != SLIP or ahead <= 0.0:
+                continue
+            turned = across[1, 0, i, j] * t0 + across[1, 1, i, j] * t1
+            here, before = 1.0 - b, 0.0
+            if i + 2 < nx and contact[i + 1, j] > 0.0 and contact[i + 2, j] > 0.0:
+                before = -0.5 * b * here
+                b, here = 0.5 * b * (1.0 + b), 1.0 - b * b
+            diagonal = across[0, 0, i, j] * t0 + across[0, 1, i, j] * t1 + turned * here
+            if i and state[i - 1, j] != OPEN:
+                behind[i, j] = turned * b
+            else:
+                diagonal += turned * b
+            if before != 0.0 and state[i + 1, j] != OPEN:
+                front[i, j] = turned * before
+            if behind[i, j] != 0.0 and state[i - 1, j] == SLIP:
+                diagonal -= behind[i, j] * up[1, i - 1, j]
+            up[0, i, j] = 1.0 / diagonal
+            if front[i, j] != 0.0 and state[i + 1, j] == SLIP:
+                up[1, i, j] = front[i, j] / diagonal
+            b = back if i else 0.0
+
+
+@compiled
+def share_out(state, direction, kappa, stiffness, share, behind, front, up, row, along, smooth):
+    """Divide a residual of a step between the circulant inverse and the local terms.
+
+    ``smooth`` is set to the part of the circulant inverse, and ``along`` to the rows over kappa,
+    of elements that slip along t and as slip of the leading faces (`prepare_step`).
+    """
+    nx, ny = state.shape
+    for i in range(nx):
+        for j in range(ny):
+            smooth[0, i, j] = smooth[1, i, j] = 0.0
+            if state[i, j] == STICK:
+                q = share[i, j] * (1.0 + stiffness[i, j])
+                smooth[0, i, j], smooth[1, i, j] = q * row[0, i, j], q * row[1, i, j]
+            elif state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
+                scale = (1.0 + stiffness[i, j]) / kappa[i, j]
+                value = scale * (t0 * row[0, i, j] + t1 * row[1, i, j])
+                if behind[i, j] != 0.0:
+                    if state[i - 1, j] == SLIP:
+                        value -= behind[i, j] * along[i - 1, j]
+                    else:
+                        scale = behind[i, j] * (1.0 + stiffness[i - 1, j])
+                        value -= scale * (t0 * row[0, i - 1, j] + t1 * row[1, i - 1, j])
+                if front[i, j] != 0.0 and state[i + 1, j] == STICK:
+                    scale = front[i, j] * (1.0 + stiffness[i + 1, j])
+                    value -= scale * (t0 * row[0, i + 1, j] + t1 * row[1, i + 1, j])
+                along[i, j] = value * up[0, i, j]
+    for i in range(nx - 1, -1, -1):
+        for j in range(ny):
+            if state[i, j] == SLIP:
+                if up[1, i, j] != 0.0:
+                    along[i, j] -= up[1, i, j] * along[i + 1, j]
+                value = share[i, j] * along[i, j]
+                smooth[0, i, j] = -direction[1, i, j] * value
+                smooth[1, i, j] = direction[0, i, j] * value
+
+
+@compiled
+def gather(state, direction, share, rough, row, smooth, out):
+    """Combine both parts of a step: for slipping elements the part along t (see `share_out`).
+
+    The part along its direction, and all of an open one, is what ``row`` says.
+    """
+    nx, ny = state.shape
+    for i in range(nx):
+        for j in range(ny):
+            q, r0, r1 = share[i, j], row[0, i, j], row[1, i, j]
+            if state[i, j] == STICK:
+                r0 = q * smooth[0, i, j] + rough[i, j] * r0
+                r1 = q * smooth[1, i, j] + rough[i, j] * r1
+            elif state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
+                tau = q * (t0 * smooth[0, i, j] + t1 * smooth[1, i, j])
+                tau += rough[i, j] * (t0 * r0 + t1 * r1)
+                out_of = t1 * r0 - t0 * r1
+                r0, r1 = tau * t0 + out_of * t1, tau * t1 - out_of * t0
+            out[0, i, j], out[1, i, j] = r0, r1

@@ -1,0 +1,125 @@
+"""Courses of keys at the knots of a distance, and profiles that move with the bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Annotated, Any, ClassVar
+
+from pydantic import AfterValidator, Field
+
+from tractive_sam.schema import InnerTable, Positive, Real, Table, entry
+
+from .gap import Gap
+
+
+def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the knots; raise a ValueError if they descend, or if three are equal."""
+    if any(late < early for early, late in pairwise(places)):
+        raise ValueError("ascending numbers; two equal numbers are a jump")
+    if any(first == last for first, _, last in zip(places, places[1:], places[2:], strict=False)):
+        raise ValueError("each number at most twice: two equal numbers are a jump")
+    return places
+
+
+def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
+    """Return the numbers; raise a ValueError unless they ascend."""
+    if any(late <= early for early, late in pairwise(places)):
+        raise ValueError("ascending numbers")
+    return places
+
+
+NotBelowZero = Annotated[Real, Field(ge=0)]
+Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_check_knots)]
+Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(check_ascending)]
+Course = tuple[Real, ...]
+PositiveCourse = tuple[Positive, ...]
+
+
+def course(meaning: str, allowed: str = "a list of numbers, one for each knot") -> Any:
+    """Define the field of a course."""
+    return entry(meaning, allowed, None)
+
+
+class LoadCourse(Table):
+    """Courses of keys of [load].
+
+    Examples
+    --------
+    >>> ts.LoadCourse(force_x=[0.0, 0.1]).force_x
+    (0.0, 0.1)
+    """
+
+    normal: PositiveCourse | None = course(
+        "normal load P, N or N/mm",
+        "a list of numbers above 0, one for each knot; for separated bodies use load.approach",
+    )
+    approach: Course | None = course(
+        "approach of the bodies, mm, from the first touch of the unworn bodies without moving "
+        "profiles; at values up to 0, bodies without profiles are separated"
+    )
+    force_x: Course | None = course("prescribed tangential force Q_x on body A, N or N/mm")
+    force_y: Course | None = course("prescribed tangential force Q_y on body A, N or N/mm")
+
+
+class CreepageCourse(Table):
+    """Courses of keys of [creepage]; with `start = "shift"`, courses of the shifts.
+
+    Examples
+    --------
+    >>> ts.CreepageCourse(longitudinal=[0.0, -0.003]).spin is None
+    True
+    """
+
+    shifts: ClassVar[Mapping[str, str]] = {
+        "longitudinal": "the shift of A over B in x, mm",
+        "lateral": "the shift of A over B in y, mm",
+        "spin": "the rotation of A over B, radians",
+    }
+    """Meaning of each course with `start = "shift"`."""
+
+    longitudinal: Course | None = course(
+        f'longitudinal creepage xi_x; with start = "shift", {shifts["longitudinal"]}'
+    )
+    lateral: Course | None = course(
+        f'lateral creepage xi_y; with start = "shift", {shifts["lateral"]}'
+    )
+    spin: Course | None = course(f'spin creepage phi, 1/mm; with start = "shift", {shifts["spin"]}')
+
+
+class FrictionCourse(Table):
+    """Courses of keys of [friction].
+
+    Examples
+    --------
+    >>> ts.FrictionCourse(mu=[0.4, 0.1]).mu
+    (0.4, 0.1)
+    """
+
+    mu: PositiveCourse | None = course(
+        "friction coefficient mu1; mu2 changes by the same factor",
+        "a list of numbers above 0, one for each knot",
+    )
+
+
+class Profiles(Table):
+    """Profiles that are fixed to a body and move through the contact with it.
+
+    As in [gap], a profile adds to the separation: a bump is negative. The point x of the profile is
+    at the centre of the contact at the rolling distance x.
+
+    Examples
+    --------
+    >>> bump = {"x": [-1, 0, 1], "y": [-9, 9], "separation": [[0, 0], [-1e-3, -1e-3], [0, 0]]}
+    >>> ts.Profiles(A=bump).B is None
+    True
+    """
+
+    A: InnerTable[Gap | None] = entry("profile of the upper body", default=None)
+    B: InnerTable[Gap | None] = entry("profile of the lower body", default=None)
+
+    @property
+    def given(self) -> dict[str, Gap]:
+        """The given profiles, by the names of their tables."""
+        profiles = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
+        return {table: profile for table, profile in profiles.items() if profile is not None}

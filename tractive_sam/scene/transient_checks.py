@@ -1,0 +1,136 @@
+"""Checks between [transient] and the other tables of a scene."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from tractive_sam.schema import Check, Fault, ValidEntries
+
+from .wear_laws import BY_COEFFICIENT
+
+
+def _check_transient_has_friction(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a transient without friction."""
+    if entries["transient"] is not None and entries["friction"] is None:
+        yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
+
+
+def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
+    """Report tables and keys that [transient] excludes."""
+    if entries["transient"] is None:
+        return
+    if entries["accuracy"] is not None:
+        cure = "a [grid] in place of [accuracy], whose error bars hold for steady states only"
+        yield Fault("transient", "together with [accuracy]", cure)
+    if entries["friction"] is not None and entries["friction.layer"]:
+        given = f"{entries['friction.layer']:g}, with [transient]"
+        yield Fault(
+            "friction.layer", given, "0: an interfacial layer is not modelled in a transient"
+        )
+    if entries["solver.method"] in ("uzawa", "anderson"):
+        given = f'solver.method = "{entries["solver.method"]}"'
+        yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
+
+
+def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
+    """Report falling friction at shifts, jumps and loads at rest, which have no sliding speed."""
+    transient, friction = entries["transient"], entries["friction"]
+    if transient is None or friction is None or friction.share is None:
+        return
+    falls = f'with friction.law = "{friction.law}"'
+    why = "the law depends on the sliding speed, and a shift or a jump has no speed"
+    if not transient.rolls:
+        yield Fault("transient.start", f'"shift" {falls}', f'"rest" or "steady": {why}')
+        return
+    for place, keys in transient.jumps:
+        cure = f"knots a short distance apart: {why}"
+        yield Fault("transient.distance", f"a jump of {keys} at {place:g} mm {falls}", cure)
+    for force in ("load.force_x", "load.force_y"):
+        first = transient.courses.get(force, (entries[force],))[0]
+        if transient.start == "rest" and first:
+            key = f"transient.{force}" if force in transient.courses else force
+            cure = f'0 at the first knot, or transient.start = "steady": {why}'
+            yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
+    if friction.memory and friction.strength is not None:
+        cure = "nothing: a transient with friction.memory cannot have a strength"
+        yield Fault("friction.strength", "with friction.memory and [transient]", cure)
+
+
+REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
+"""Keys of [wear] that only apply to revolutions."""
+
+
+def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report keys and laws of [wear] that do not fit a transient, and missing revolutions."""
+    transient, wear = entries["transient"], entries["wear"]
+    if wear is None:
+        return
+    if entries["process"] is not None:
+        return
+    if transient is None:
+        if "wear.revolutions" not in entries.given:
+            cure = "a whole number from 1, or a [transient] with a distance over which it wears"
+            yield Fault("wear.revolutions", "nothing", cure)
+        return
+    for key in REVOLUTION_KEYS:
+        if f"wear.{key}" in entries.given:
+            cure = "nothing: the wear accumulates over transient.distance"
+            yield Fault(f"wear.{key}", "with [transient]", cure)
+    laws = set() if wear.named_law else set(wear.laws.values())
+    for law in sorted(law for law in laws if law and law not in BY_COEFFICIENT):
+        if not transient.rolls:
+            cure = (
+                "archard or energy: other laws depend on the rolling distance, and shifts have none"
+            )
+        elif law == "brr" or (law != "jendel" and wear.by == "contact"):
+            cure = 'a law with by = "element": T-gamma of the contact holds for steady rolling only'
+        else:
+            continue
+        yield Fault("wear.law", f"{law} with [transient]", cure)
+    radii = (abs(entries[f"body.{name}.radius_x"]) for name in "AB")
+    turn = 2.0 * math.pi * min(radii)
+    distance = transient.distance[-1] - transient.distance[0]
+    if transient.rolls and distance > turn:
+        cure = f"at most {turn:.5g} mm, one turn: after it worn material returns to the contact"
+        yield Fault("transient.distance", f"{distance:g} mm with [wear]", cure)
+
+
+def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
+    """Report courses of loads without the key itself, and of a creepage with its force."""
+    if entries["transient"] is None:
+        return
+    for key in ("normal", "approach"):
+        if entries[f"transient.load.{key}"] is not None and entries[f"load.{key}"] is None:
+            cure = f"load.{key} as well: the mesh and the units follow from it"
+            yield Fault(f"transient.load.{key}", f"a course, and no load.{key}", cure)
+    for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
+        forced = [k for k in (f"load.{force}", f"transient.load.{force}") if entries[k] is not None]
+        crept = f"transient.creepage.{creepage}"
+        if forced and entries[crept] is not None:
+            yield Fault(crept, f"with {forced[-1]}", "a force or a creepage, not both")
+        if f"transient.load.{force}" in forced and f"creepage.{creepage}" in entries.given:
+            given = f"with transient.load.{force}"
+            yield Fault(f"creepage.{creepage}", given, "a force or a creepage, not both")
+
+
+def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
+    """Report steps longer than the contact."""
+    transient, hertz = entries["transient"], entries["body"].hertz(entries["load"])
+    if transient is None or not transient.rolls or transient.step is None or hertz is None:
+        return
+    length = 2.0 * hertz.a
+    if entries["gap"] is None and transient.step > length and math.isfinite(length):
+        cure = f"at most {length:.4g} mm: in a longer step all material leaves the contact"
+        yield Fault("transient.step", f"{transient.step:g}", cure)
+
+
+TRANSIENT_CHECKS: tuple[Check, ...] = (
+    _check_transient_has_friction,
+    _check_transient_excludes,
+    _check_sliding_speed_exists,
+    _check_wear_of_transient,
+    _check_keys_of_courses,
+    _check_step_length,
+)
+"""Checks between [transient] and the other tables."""

@@ -1,0 +1,90 @@
+"""Datasets of a results file: scales, rows of records, and their description."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import h5py
+import numpy as np
+
+from tractive_sam.results import Quantity
+from tractive_sam.scene import Plane
+
+COMPRESSED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+"""Filters of fields."""
+
+CHUNK_BYTES = 4096
+"""Least size of a chunk: a page of the disk. The checksum of a chunk of zeros is zero, so the
+loss of a page that contains a whole chunk with its checksum would not be noticed."""
+
+
+def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
+    """Create a dimension scale of texts for other readers.
+
+    Some of them do not support texts of fixed length. So these texts have a variable length, and
+    this package never reads them.
+    """
+    dataset = group.create_dataset(name, data=values)
+    dataset.make_scale(name)
+    describe(dataset, Quantity(name, "1", about))
+
+
+def create_scale(
+    group: h5py.Group, name: str, values: np.ndarray, quantity: Quantity
+) -> h5py.Dataset:
+    """Create a dimension scale that can grow."""
+    chunk = max(len(values), CHUNK_BYTES // 8)
+    dataset = group.create_dataset(
+        name, data=values, maxshape=(None,), chunks=(chunk,), fletcher32=True
+    )
+    dataset.make_scale(name)
+    return describe(dataset, quantity)
+
+
+def create_rows(
+    group: h5py.Group,
+    name: str,
+    quantity: Quantity,
+    dimensions: tuple[h5py.Dataset, ...],
+    rows: int = 0,
+    coordinate: str = "",
+    **filters: str | int | bool,
+) -> h5py.Dataset:
+    """Create a dataset with one row for each record, initially with a number of rows."""
+    shape = tuple(len(scale) for scale in dimensions[1:])
+    min_rows = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
+    dataset = group.create_dataset(
+        name,
+        shape=(rows, *shape),
+        dtype=int if quantity.whole else float,
+        maxshape=(None,) * len(dimensions),
+        chunks=(1 if filters else max(min_rows, rows), *shape),
+        fillvalue=-1 if quantity.whole else np.nan,
+        fletcher32=True,
+        **filters,
+    )
+    for dimension, scale in zip(dataset.dims, dimensions, strict=True):
+        dimension.attach_scale(scale)
+    if coordinate not in ("", name):
+        dataset.attrs["coordinates"] = coordinate
+    return describe(dataset, quantity)
+
+
+def describe(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
+    """Store the unit and the description of a dataset."""
+    dataset.attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
+    return dataset
+
+
+def stress_path(body: str, plane: Plane | str, block: int | None = None) -> str:
+    """Return the path within /stress of a plane of a body."""
+    return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
+
+
+def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
+    """Add a further array from which the run resumes."""
+    chunks = tuple(max(1, n) for n in values.shape)
+    about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
+    describe(
+        state.create_dataset(name, data=values, **about), Quantity(name, "", "to continue from")
+    )
