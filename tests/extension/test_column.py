@@ -145,3 +145,37 @@ def test_what_is_no_quantity_is_refused():
 def test_a_value_of_another_shape_is_reported():
     with pytest.raises(ValueError, match="column rows"):
         ts.roll(DISCS, columns=[new("rows", of=lambda contact: contact.pressure)])
+
+
+BLOCKS = (
+    {"revolutions": 1, "load": {"normal": 100.0}},
+    {"revolutions": 3, "load": {"normal": 200.0}},
+)
+PEAK = ts.Quantity("peak", "MPa", "peak", lambda c: c.p_max, over_blocks="largest")
+PEAK_AT = ts.Quantity(
+    "peak_at", "mm", "place", lambda c: c.p_max_at, ("axis",), over_blocks="mean", place_of="peak"
+)
+OVER_BLOCKS = (
+    *(PEAK, PEAK_AT),
+    ts.Quantity("least", "MPa", "least peak", lambda c: c.p_max, over_blocks="smallest"),
+    ts.Quantity("sum", "MPa", "sum of peaks", lambda c: c.p_max, over_blocks="sum"),
+    ts.Quantity("mean", "MPa", "mean peak", lambda c: c.p_max),
+)
+
+
+def test_it_states_how_a_duty_cycle_combines_its_blocks(tmp_path):
+    scene = DISCS.replace(duty=BLOCKS, **{"wear.revolutions": 4})
+    history = ts.roll(scene, tmp_path / "duty.h5", columns=OVER_BLOCKS)
+    of_blocks = history["block_peak"][0]
+    assert of_blocks.max() > 1.1 * of_blocks.min()
+    assert history["peak"][0] == of_blocks.max()
+    assert history["least"][0] == of_blocks.min()
+    assert history["sum"][0] == pytest.approx(of_blocks.sum(), rel=1e-12)
+    assert history["mean"][0] == pytest.approx(of_blocks @ [0.25, 0.75], rel=1e-12)
+    np.testing.assert_array_equal(history["peak_at"][0], history["block_peak_at"][0][1])
+    assert ts.open_history(tmp_path / "duty.h5").columns["peak_at"].place_of == "peak"
+
+
+def test_an_unknown_combination_is_refused():
+    with pytest.raises(ValueError, match="over_blocks"):
+        ts.Quantity("peak", "MPa", "peak", over_blocks="median")

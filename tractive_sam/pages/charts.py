@@ -45,7 +45,7 @@ def charts(history: History) -> list[dict[str, Any]]:
     free = {
         name: one
         for name, one in history.columns.items()
-        if _of_cycle(history, one).role not in HIDDEN and not name.endswith("_error")
+        if _of_cycle(history, one).role not in HIDDEN and not one.error_of
         if not {"y", "position"} & set(one.dims)
     }
     groups: list[tuple[str, dict[str, Quantity]]] = []
@@ -118,7 +118,7 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         known = line[np.isfinite(line)]
         if known.size < 2 or np.ptp(known) <= max(noise, 1e-9 * np.abs(known).max()):
             continue
-        if one.name.removeprefix(PREFIX).endswith("_at") and jumps(known):
+        if one.place_of and jumps(known):
             continue
         name = html_symbol(one.symbol) or as_html(one.name)
         kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.results.column_table import PARTS
 from tractive_sam.results.cycle import PREFIX
 from tractive_sam.results.law_record import LawRecord
 from tractive_sam.results.recorded import Recorded, Rows
@@ -15,8 +14,8 @@ from tractive_sam.schema import required
 
 def block_parts(history: Recorded, k: int) -> dict[str, Any]:
     """Return what the history of one block has in place of the parts of the history of all."""
-    scene, of_blocks = history.scene, (PREFIX, PARTS.name)
-    columns = {name: c for name, c in history.columns.items() if not name.startswith(of_blocks)}
+    scene = history.scene
+    columns = {name: c for name, c in history.columns.items() if "block" not in c.dims}
     values = {}
     for name in columns:
         each = history.values.get(PREFIX + name)

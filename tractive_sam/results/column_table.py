@@ -5,7 +5,7 @@ show`, and the labels of figures. A new column needs one line here.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
@@ -90,26 +90,26 @@ _SCALARS = (
                                "distance R_x",
              attrgetter("approach"), symbol=r"\delta"),
     Quantity("p_max", "MPa", "peak contact pressure", attrgetter("p_max"),
-             symbol=r"p_\mathrm{max}"),
+             symbol=r"p_\mathrm{max}", over_blocks="largest"),
     Quantity("p_95", "MPa", "pressure above which 5 % of the load is carried",
-             attrgetter("p_95"), symbol="p_{95}"),
+             attrgetter("p_95"), symbol="p_{95}", over_blocks="largest"),
     Quantity("half_width_x", "mm", "half-width of the contact in the rolling direction; its "
                                    "edge may lie between elements",
-             attrgetter("half_width_x"), symbol="a"),
+             attrgetter("half_width_x"), symbol="a", over_blocks="largest"),
     Quantity("half_width_y", "mm", "half-width of the contact in the lateral direction; its "
                                    "edge may lie between elements",
-             attrgetter("half_width_y"), symbol="b"),
+             attrgetter("half_width_y"), symbol="b", over_blocks="largest"),
     Quantity("area", "mm2", "contact area within these edges", attrgetter("area"), symbol="A",
              per_length=True),
     Quantity("wear_max", "mm", "largest wear depth, both bodies together",
-             _deepest, symbol=r"w_\mathrm{max}"),
+             _deepest, symbol=r"w_\mathrm{max}", over_blocks="largest"),
     Quantity("stick_fraction", "1", "fraction of the contact area that sticks",
              attrgetter("stick_fraction"), format=".3f"),
     Quantity("xi_x", "1", "longitudinal creepage", attrgetter("xi_x"), symbol=r"\xi_x"),
     Quantity("xi_y", "1", "lateral creepage", attrgetter("xi_y"), symbol=r"\xi_y"),
     Quantity("spin", "1/mm", "spin creepage", attrgetter("spin"), symbol=r"\varphi"),
     Quantity("residual", "1", "relative residual of the contact conditions",
-             attrgetter("residual"), format=".0e"),
+             attrgetter("residual"), format=".0e", over_blocks="largest"),
     Quantity("dissipation", "N", "frictional work per unit rolling distance, from traction and "
                                  "slip",
              attrgetter("dissipation"), per_length=True),
@@ -122,13 +122,13 @@ _SCALARS = (
     Quantity("worn_area", "mm2", "cross-section worn off both bodies in a pass",
              attrgetter("worn_area"), per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
-             attrgetter("cost.applications")),
+             attrgetter("cost.applications"), over_blocks="sum"),
     Quantity("convolutions", "1", "convolutions of all solutions, in units of one tangential "
                                   "application",
-             attrgetter("cost.convolutions")),
+             attrgetter("cost.convolutions"), over_blocks="sum"),
     Quantity("jump", "1", "number of revolutions in the next step", format="d"),
     Quantity("converged", "1", "1 if the contact conditions hold to the tolerance",
-             partial(read_number, "converged"), format="d"),
+             partial(read_number, "converged"), format="d", over_blocks="smallest"),
     Quantity("solves", "1", "contacts solved for this record", format="d"),
     Quantity("seconds", "s", "time spent on this record"),
     _of_step("shift_x", "mm", "shift of A relative to B in x since the start, including creepage",
@@ -154,7 +154,7 @@ _SCALARS = (
 
 _OTHERS = (
     Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
-             attrgetter("p_max_at"), ("axis",)),
+             attrgetter("p_max_at"), ("axis",), place_of="p_max"),
     Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; for "
                                    "shifts, the largest along x",
              partial(read_component, "wear", 0), ("y",)),
@@ -172,10 +172,11 @@ _OTHERS = (
     Quantity("creepage_found", "1", "creepages (x, y) that the prescribed forces require",
              attrgetter("creepage_found"), ("axis",), needs=("finds_creepage",)),
     _of_heat("temperature_max", "degC", "largest temperature of the surfaces in contact",
-             partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}"),
+             partial(read_heat, "temperature_max"), symbol=r"T_\mathrm{max}",
+             over_blocks="largest"),
     _of_heat("temperature_max_at", "mm", "position (x, y) of the largest temperature",
              partial(read_heat, "temperature_max_at", none=(math.nan, math.nan)),
-             ("axis",)),
+             ("axis",), place_of="temperature_max"),
     _of_heat("temperature_mean", "degC", "mean temperature of the surfaces in contact",
              partial(read_heat, "temperature_mean"), symbol=r"T_\mathrm{mean}"),
     _of_heat("heat_share", "1", "fraction of the frictional heat that flows into body A",
@@ -228,6 +229,7 @@ COLUMNS = (
         "largest relative error bar of the quantities that accuracy.tolerance limits",
         partial(read_error_bar, "relative"),
         needs=("accuracy",),
+        over_blocks="largest",
     ),
 )
 """Columns of each revolution. A column that an earlier results file lacks is nan."""
@@ -256,9 +258,23 @@ ROLLED = Quantity(
 """Recorded for duty cycles, as is `SHARE`."""
 
 
-def _in_place_of(package: Quantity, user: Quantity) -> Quantity:
-    """Return a user-defined column that replaces one of the package, under its conditions."""
-    return replace(user, needs=package.needs, when=package.when, bodies_of=package.bodies_of)
+def _in_place_of(package: Quantity, replacing: Mapping[str, Quantity]) -> Quantity:
+    """Return the user-defined column with the role of one of the package, under its conditions.
+
+    If none has this role, it is the column of the package.
+    """
+    if package.role not in replacing:
+        return package
+    user_names = {one.name: replacing[one.role].name for one in COLUMNS if one.role in replacing}
+    return replace(
+        replacing[package.role],
+        needs=package.needs,
+        when=package.when,
+        bodies_of=package.bodies_of,
+        over_blocks=package.over_blocks,
+        place_of=user_names.get(package.place_of, ""),
+        error_of=user_names.get(package.error_of, ""),
+    )
 
 
 def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
@@ -267,7 +283,7 @@ def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
     replacing = {column.role: column for column in own if column.role not in ("", COORDINATE)}
     coordinates = [column for column in own if column.role == COORDINATE]
     chosen = [column for column in coordinates if column.applies(scene)] + [
-        _in_place_of(column, replacing[column.role]) if column.role in replacing else column
+        _in_place_of(column, replacing)
         for column in COLUMNS
         if column.applies(scene) and not (coordinates and column.role == COORDINATE)
     ]

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.results.column_table import PARTS
 from tractive_sam.results.column_table import columns as columns_of
 from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.record import Record
@@ -19,36 +18,6 @@ from tractive_sam.scene import Scene
 
 PREFIX = "block_"
 """Prefix of columns with a value for each block."""
-
-LARGEST = (
-    "p_max",
-    "p_95",
-    "half_width_x",
-    "half_width_y",
-    "wear_max",
-    "residual",
-    "relative_error",
-    "fi_surf",
-    "temperature_max",
-    "utilisation",
-    "utilisation_interior",
-    "utilisation_surface",
-    "stress_max",
-    "stress_interior",
-    "stress_surface",
-)
-"""Names or roles of columns for which the cycle has the largest value of its blocks."""
-
-LEAST = (
-    "converged",
-    "shakedown_lower",
-    "shakedown_upper",
-    "shakedown_interior",
-    "shakedown_surface",
-)
-"""Names of columns for which the cycle has the smallest value of its blocks."""
-
-SUMS = ("operator_applications", "convolutions")
 
 
 def cycle_record(
@@ -110,8 +79,7 @@ def _block_quantities(
 ) -> Iterator[tuple[str, Quantity]]:
     """Yield the columns with a value for each block."""
     for name, quantity in list(names.items()):
-        common = name in process_values or name.startswith(PREFIX) or name == PARTS.name
-        if not common and "y" not in quantity.dims:
+        if name not in process_values and not {"block", "y"} & set(quantity.dims):
             yield name, quantity
 
 
@@ -124,8 +92,8 @@ def _combine_blocks(
 ) -> Any:
     """Return the value of a cycle from the values of its blocks."""
     each = [_value_or_nan(record, quantity) for record in records]
-    if name.endswith("_at"):  # the place of the extreme value
-        of = names[name.removesuffix("_at")]
+    if quantity.place_of:
+        of = names[quantity.place_of]
         return _place_of_extreme(of, each, [record.values[of.name] for record in records])
     if quantity.dims[:1] == ("body",):
         return {
@@ -144,21 +112,21 @@ def _value_or_nan(record: Record, quantity: Quantity) -> Any:
 
 def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
     """Combine the values of the blocks to that of the cycle."""
-    kinds = {quantity.name, quantity.role}
-    if kinds.intersection(LARGEST):
-        value = each.max(axis=0)
-    elif kinds.intersection(LEAST):
-        value = each.min(axis=0)
-    elif quantity.name in SUMS:
-        value = each.sum(axis=0)
-    else:  # a mean that is exact for equal values
-        value = each[0] + np.tensordot(weights, each - each[0], axes=1)
+    match quantity.over_blocks:
+        case "largest":
+            value = each.max(axis=0)
+        case "smallest":
+            value = each.min(axis=0)
+        case "sum":
+            value = each.sum(axis=0)
+        case _:  # a mean that is exact for equal values
+            value = each[0] + np.tensordot(weights, each - each[0], axes=1)
     return value if quantity.dims not in ((), ("body",)) else float(value)
 
 
 def _place_of_extreme(of: Quantity, places: Sequence[Any], values: Sequence[Any]) -> Any:
     """Return the place of the block that has the extreme value of the cycle."""
-    extreme = min if {of.name, of.role}.intersection(LEAST) else max
+    extreme = min if of.over_blocks == "smallest" else max
     if of.dims[:1] == ("body",):
         return {
             body: places[extreme(range(len(values)), key=lambda k: values[k][body])][body]

@@ -22,11 +22,11 @@ CLOSED = 5e-3
 def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
     """Yield the name, the number with its error bar as text, and the quantity of each column."""
     for name, quantity in history.of_dims().items():
-        if not (name.endswith("_error") or np.isnan(history[name]).all()):
+        if not (quantity.error_of or np.isnan(history[name]).all()):
             text = format_number(history[name][row], error_bar(history, name, row))
             yield name, text, quantity
     for name, quantity in history.of_dims("body").items():
-        for body in quantity.bodies(history.scene) if not name.endswith("_error") else ():
+        for body in quantity.bodies(history.scene) if not quantity.error_of else ():
             k = BODIES.index(body)
             value, bar = history[name][row, k], error_bar(history, name, row, k)
             yield (

@@ -41,37 +41,37 @@ _position = partial(_fatigue, dims=("body", "position"))
 # fmt: off
 FATIGUE_COLUMNS = (
     _shakedown("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
-               symbol=r"\lambda_-", format=".3f"),
+               symbol=r"\lambda_-", format=".3f", over_blocks="smallest"),
     _shakedown("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
-               symbol=r"\lambda_+", format=".3f"),
+               symbol=r"\lambda_+", format=".3f", over_blocks="smallest"),
     _shakedown("shakedown_interior", "1", "load factor up to which elastic shakedown is certain "
                                           "inside the body",
-               format=".3f"),
+               format=".3f", over_blocks="smallest"),
     _shakedown("shakedown_surface", "1", "load factor up to which elastic shakedown is certain "
                                          "at the surface",
-               format=".3f"),
+               format=".3f", over_blocks="smallest"),
     _shakedown("shakedown_lower_at", "mm",
                "position (x is nan, y, depth) that determines shakedown_lower",
-               dims=("body", "position")),
+               dims=("body", "position"), place_of="shakedown_lower"),
     Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
              _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
-             needs=("fatigue.shear_yield_stress", "friction")),
+             needs=("fatigue.shear_yield_stress", "friction"), over_blocks="largest"),
     _fatigue("utilisation", "1", "largest ratio of the equivalent stress of the cycle to its limit",
-             symbol="u", format=".3f"),
+             symbol="u", format=".3f", over_blocks="largest"),
     _fatigue("utilisation_interior", "1", "largest utilisation inside the body",
-             format=".3f"),
+             format=".3f", over_blocks="largest"),
     _fatigue("utilisation_surface", "1", "largest utilisation at the surface",
-             format=".3f"),
+             format=".3f", over_blocks="largest"),
     _position("utilisation_at", "mm", "position of the largest utilisation (x only in a "
-                                      "transient, y, depth)"),
+                                      "transient, y, depth)", place_of="utilisation"),
     _fatigue("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
              symbol="D", format=".3g"),
     _position("damage_at", "mm", "position of the largest damage (x only in a transient, y, "
-                                 "depth below the unworn surface)"),
+                                 "depth below the unworn surface)", place_of="damage"),
     _fatigue("damage_error", "1", "error of the damage due to the length of jumps, the order of "
                                   "blocks and the points of stress paths; with [accuracy], also "
                                   "due to the mesh", _bars_of_damage,
-             format=".1g"),
+             format=".1g", error_of="damage"),
     _fatigue("initiation", "1", "revolution at which the damage reached 1", format=".4g"),
     _fatigue("fatigue_life", "1", "revolutions, or repetitions of a transient, until a crack "
                                   "starts under the stress of this record, without wear",

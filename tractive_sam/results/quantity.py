@@ -16,6 +16,9 @@ LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """Dimensions that a user-defined column may have in addition to the record."""
 
+OVER_BLOCKS = ("mean", "largest", "smallest", "sum")
+"""How the record of a duty cycle combines the values of its blocks."""
+
 
 def _always(_scene: Scene) -> bool:
     """Return True for any scene."""
@@ -59,6 +62,11 @@ class Quantity:
     role : str
         Role of the column, independent of its name: a user-defined column replaces the column of
         the package with its role.
+    over_blocks : str
+        How a duty cycle combines the values of its blocks, one of `OVER_BLOCKS`; the mean is
+        weighted with their revolutions.
+    place_of, error_of : str
+        Name of the column whose place, or whose error bar, this column contains.
 
     Examples
     --------
@@ -81,6 +89,9 @@ class Quantity:
     when: Callable[[Scene], bool] = field(default=_always, compare=False)
     bodies_of: str = field(default="", compare=False)
     role: str = ""
+    over_blocks: str = "mean"
+    place_of: str = ""
+    error_of: str = ""
 
     def __post_init__(self) -> None:
         """Raise an error for text or formats that would break the lines of an output.
@@ -97,6 +108,11 @@ class Quantity:
         if not re.fullmatch(r"[-+ z#]*\d{0,2},?(\.\d{1,2})?[deEfFgG%]?", self.format, re.ASCII):
             allowed = "a format of numbers such as .4g, of at most 99 places"
             raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
+        if self.over_blocks not in OVER_BLOCKS:
+            raise ValueError(
+                f"over_blocks of the column {self.name} is {self.over_blocks!r}; allowed: "
+                f"{', '.join(OVER_BLOCKS)}"
+            )
 
     def applies(self, scene: Scene) -> bool:
         """Return whether the history of a scene has this quantity."""

@@ -26,6 +26,8 @@ def error_bar_column(of: Quantity) -> Quantity:
         of,
         name=f"{of.name}_error",
         long_name=f"error bar of {of.name}",
+        over_blocks="mean",
+        error_of=of.name,
         of=partial(_read_error_bars if of.dims else read_error_bar, of.name),
         symbol="",
         needs=(*of.needs, "accuracy"),
@@ -36,8 +38,10 @@ def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
     """Return the columns of the largest stress in each body by a criterion, and its error bar."""
     name, unit, text = criterion.name, criterion.unit, f"largest {criterion.long_name}"
     stressed = partial(Quantity, needs=("subsurface",), bodies_of="subsurface")
-    of_body = partial(stressed, unit=unit, dims=("body",), symbol=criterion.symbol)
-    of_position = partial(stressed, unit="mm", dims=("body", "position"))
+    of_body = partial(
+        stressed, unit=unit, dims=("body",), symbol=criterion.symbol, over_blocks="largest"
+    )
+    of_position = partial(stressed, unit="mm", dims=("body", "position"), place_of=f"{name}_max")
     largest, interior, surface, position = (
         column(f"{name}_{part}", long_name=meaning, role=f"stress_{part}")
         for column, part, meaning in (

@@ -37,5 +37,5 @@ def builtin_text(name: str) -> str:
     """
     names = builtin_names()
     if name not in names:
-        raise SceneError([Fault("(scene)", shorten(name), suggest_name(name, names))])
+        raise SceneError([Fault(Fault.SCENE, shorten(name), suggest_name(name, names))])
     return (resources.files(__package__) / "builtin" / f"{name}.toml").read_text(encoding="utf-8")

@@ -31,12 +31,21 @@ class Fault:
     given: str
     allowed: str
 
+    FILE: ClassVar = "(file)"
+    SCENE: ClassVar = "(scene)"
+    """Keys of faults of a document as a whole."""
+
     def __str__(self) -> str:
         return f"{self.key}: given {self.given}; allowed: {self.allowed}"
 
     def under(self, table: str) -> Fault:
-        """Return the fault with the name of the outer table before its key."""
-        return replace(self, key=f"{table}.{self.key}")
+        """Return the fault with the name of the outer table before its key.
+
+        A fault of a document as a whole becomes one of the table that names the document.
+        """
+        return replace(
+            self, key=table if self.key in (self.FILE, self.SCENE) else f"{table}.{self.key}"
+        )
 
     def at(self, array: str, place: int) -> Fault:
         """Return the fault of an entry under `array` with its place in this array of tables."""

@@ -15,9 +15,6 @@ from tractive_sam import input_file
 
 from .faults import Fault, SceneError, shorten
 
-FILE = "(file)"
-"""Key of the faults of a file as a whole."""
-
 
 def parse(text: str) -> dict[str, Any]:
     """Read TOML.
@@ -51,11 +48,11 @@ def parse_file(path: Path, most: int = 2**26) -> dict[str, Any]:
     try:
         text = input_file.read_text(path, most)
     except UnicodeDecodeError:
-        raise SceneError([Fault(FILE, shorten(str(path)), "a text file in UTF-8")]) from None
+        raise SceneError([Fault(Fault.FILE, shorten(str(path)), "a text file in UTF-8")]) from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         reason = getattr(error, "strerror", None) or str(error)
         allowed = f"a readable file ({reason.lower()})"
-        raise SceneError([Fault(FILE, shorten(str(path)), allowed)]) from None
+        raise SceneError([Fault(Fault.FILE, shorten(str(path)), allowed)]) from None
     return parse(text)
 
 
@@ -91,7 +88,7 @@ def _syntax_fault(text: str, message: str) -> Fault:
     """Return the fault with its line; the parser's message ends in "(at line 3, column 5)"."""
     reason, line = re.sub(r" \(at .*\)$", "", message), re.search(r"\(at line (\d+)", message)
     if not line:
-        return Fault(FILE, "text that is not TOML", f"TOML ({reason})")
+        return Fault(Fault.FILE, "text that is not TOML", f"TOML ({reason})")
     number, lines = int(line[1]), text.split("\n")
     content = lines[number - 1] if number <= len(lines) else ""
     hint = ""
@@ -99,4 +96,4 @@ def _syntax_fault(text: str, message: str) -> Fault:
         hint = "; a decimal point, perhaps?"
     elif re.search(r"=\s*[-+]?infinity\b", content, re.IGNORECASE):
         hint = "; inf, perhaps?"
-    return Fault(FILE, f"line {number}, {shorten(content)}", f"TOML ({reason}){hint}")
+    return Fault(Fault.FILE, f"line {number}, {shorten(content)}", f"TOML ({reason}){hint}")

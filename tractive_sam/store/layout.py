@@ -95,6 +95,9 @@ DESCRIBED = (
 )
 """Attributes of a user-defined quantity that are stored."""
 
+RELATIONS = ("place_of", "error_of")
+"""Those that are stored if there is one: earlier versions do not know them."""
+
 
 def package_columns() -> set[str]:
     """Return the names of the columns that the package defines."""
@@ -224,7 +227,10 @@ def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
 def _add_own(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
     """Store the description of user-defined quantities, so that any reader understands the file."""
     described = json.loads(decode_text(group.attrs[OWN])) if OWN in group.attrs else []
-    described += [{key: getattr(quantity, key) for key in DESCRIBED} for quantity in quantities]
+    for quantity in quantities:
+        relations = {key: getattr(quantity, key) for key in RELATIONS}
+        stored = {key: getattr(quantity, key) for key in DESCRIBED}
+        described.append(stored | {key: name for key, name in relations.items() if name})
     set_text(group, OWN, json.dumps(described))
 
 

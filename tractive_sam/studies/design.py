@@ -182,7 +182,7 @@ class Study(Document):
         """Return the tables with their relative files resolved from a folder."""
         if "body" in tables:
             cure = 'scene = "FILE.toml", or them in [scene]; tractive-sam run computes a scene'
-            raise SceneError([Fault("(file)", "the tables of a scene", cure)])
+            raise SceneError([Fault(Fault.FILE, "the tables of a scene", cure)])
         match tables:
             case {"set": list(settings)}:
                 tables["set"] = [_setting_from(folder, one) for one in settings]
@@ -253,7 +253,7 @@ def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
         changed = found.replace(**dict.fromkeys(without)) if without else found
         return changed.with_set(settings) if settings else changed
     except SceneError as error:
-        raise SceneError(map(_move_fault, error.faults)) from None
+        raise SceneError(fault.under("scene") for fault in error.faults) from None
 
 
 def _check_keys(without: Iterable[str]) -> None:
@@ -263,11 +263,6 @@ def _check_keys(without: Iterable[str]) -> None:
             Scene.find_field(key)
         except SceneError as error:
             raise SceneError(replace(fault, key="without") for fault in error.faults) from None
-
-
-def _move_fault(fault: Fault) -> Fault:
-    """Return a fault of the scene as a fault of the study."""
-    return replace(fault, key="scene") if fault.key.startswith("(") else fault.under("scene")
 
 
 def _find_scene(scene: Scene | Mapping[str, Any] | str) -> Scene:
