@@ -1,11 +1,12 @@
-"""Is the order of blocks within damage_error? Random duty cycles rolled as their mean.
+"""Is the effect of the block order within damage_error? Random duty cycles rolled as their mean.
 
     python benchmarks/block_order.py [--cases 18] [--seeds 1 2 3]
 
-Discs on a coarse mesh with two to four random blocks of load, creepage and place, of one to six
-revolutions each. Jumps roll whole cycles as their mean; every revolution rolls the blocks in their
-order. The difference of the damage of both is compared with `damage_error` of the jumps, for each
-body. The median of their ratio shows whether the error bar is useful: 1 is the smallest bar.
+The scenes are discs on a coarse mesh with two to four random blocks. Each block has a random load,
+creepage and lateral position, and one to six revolutions. Adaptive jumps cover complete cycles and
+use the mean over the blocks; the reference computes every revolution in order. For each body, the
+difference of the damage is compared with `damage_error` of the jumps. The median of their ratio
+shows whether the error bar is useful: 1 would be the smallest possible bar.
 
 Page: docs/theory/fatigue.md
 """
@@ -21,11 +22,11 @@ import tractive_sam as ts
 
 STEEL = {"young": 208e3, "poisson": 0.3, "radius_x": 30.0}
 GRID = {"half_length": [0.5, 0.96], "elements": [17, 33]}
-"""Holds contacts of up to 400 N that are shifted by up to 0.15 mm."""
+"""Mesh for contacts of up to 400 N that are shifted by up to 0.15 mm."""
 
 
 def blocks(chance: random.Random) -> list[dict]:
-    """Random blocks of a duty cycle."""
+    """Return random blocks of a duty cycle."""
     return [
         {
             "revolutions": chance.randint(1, 6),
@@ -41,7 +42,7 @@ def blocks(chance: random.Random) -> list[dict]:
 
 
 def case(chance: random.Random) -> ts.Scene:
-    """A random scene of whole cycles."""
+    """Return a random scene of complete cycles."""
     duty = blocks(chance)
     cycle = sum(block["revolutions"] for block in duty)
     revolutions = cycle * max(1, round(chance.uniform(12, 90) / cycle))
@@ -68,7 +69,7 @@ def case(chance: random.Random) -> ts.Scene:
 
 
 def compare(scene: ts.Scene) -> list[dict]:
-    """Return the difference of jumps and every revolution, a row for each body."""
+    """Return the differences between jumps and every revolution, one row for each body."""
     jumps = ts.roll(scene)
     each = ts.roll(scene.with_set(["wear.stepping=every-revolution"]))
     rows = []

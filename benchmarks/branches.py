@@ -1,10 +1,10 @@
-"""When does falling friction have several solutions, and does the warning come there?
+"""When does falling friction have several solutions, and does the warning then appear?
 
-Random line contacts with an exponential law, each solved from rest and from great speed. More
-solutions are sought from both: the traction of one element near a border of stick and slip is
-changed by 5 or 15 %, and Newton's method starts from there. `steepness` belongs to the solution;
-from 1 on the package warns. Then random steps of a transient from steady rolling, each solved from
-rest and from great speed.
+Random line contacts with an exponential law are solved from rest and from high speed. More
+solutions are sought from both: the traction of one element near the stick-slip boundary is changed
+by 5 or 15 %, and Newton's method starts from there. `steepness` is a property of the solution; if
+it is at least 1, the package warns. Random steps of a transient from steady rolling are then also
+solved from rest and from high speed.
 
     python benchmarks/branches.py [--scenes 30] [--steps 60]
 
@@ -27,7 +27,7 @@ from tractive_sam.solvers import steepness
 
 
 def line_scene(seed: int, slip: str, start: str) -> ts.Scene:
-    """Return a random line contact, 31 to 91 elements, with a half speed of 1 to 8 mm/s."""
+    """Return a random line contact with 31 to 91 elements and a half speed of 1 to 8 mm/s."""
     rng = np.random.default_rng(seed)
     half_speed = float(np.exp(rng.uniform(0.0, math.log(8.0))))
     steel = {"shear": 82e3, "poisson": 0.28, "radius_x": 1000.0, "radius_y": math.inf}
@@ -55,7 +55,7 @@ def steepness_of(contact: ts.State) -> float:
 
 
 def forces(contact: ts.State) -> set[float]:
-    """Return Q_x/P of the solutions that are found from a solution."""
+    """Return Q_x/P of the solutions that are found from a given solution."""
     share = np.hypot(*contact.traction) / np.maximum(contact.pressure, 1e-9)
     border = np.flatnonzero(contact.sliding[1:, 0] != contact.sliding[:-1, 0])
     near = {k for at in border for k in range(max(at - 2, 0), at + 4)} or {int(share.argmax())}
@@ -72,9 +72,9 @@ def forces(contact: ts.State) -> set[float]:
 
 
 def step_row(seed: int, slip: str, load: float = 178.9) -> dict | None:
-    """Solve a step from both sides; None where one of them, or what it begins with, is not solved.
+    """Solve a step from rest and from high speed; None if a solution or the state before it fails.
 
-    A half speed of 3 to 10,000 mm/s, half of the laws with a memory; creepages that change by up
+    The half speed is 3 to 10,000 mm/s, half of the laws have a memory, and creepages change by up
     to a factor of three, after up to two other steps.
     """
     rng = np.random.default_rng(seed)
@@ -107,7 +107,7 @@ def step_row(seed: int, slip: str, load: float = 178.9) -> dict | None:
 
 
 def show_steps(count: int) -> None:
-    """Print how many of the steps that warn, and of the others, have two solutions."""
+    """Print how many steps with and without the warning have two solutions."""
     rows = [step_row(seed, slip) for slip in ("upwind", "auto") for seed in range(count)]
     rows, table = [row for row in rows if row], []
     for slip in ("upwind", "auto"):

@@ -1,8 +1,8 @@
-"""What the first run of a command costs: CPU seconds with and without compiled kernels.
+"""Cost of the first run of a command: CPU seconds with and without compiled kernels.
 
-Each command runs twice, with an empty cache of kernels and with the one that this leaves behind.
-Seconds are those of the process, user and system together; the byte code of modules
-is there, as after an installation.
+Each command runs twice, first with an empty cache of kernels and then with the cache that the first
+run created. Seconds are user and system time of the process. The bytecode of the modules exists, as
+after an installation.
 
 Page: docs/changelog.md
 """
@@ -59,14 +59,14 @@ finally:
 
 
 def write_contact(folder: str) -> None:
-    """Write the scene `spheres` without stress in the bodies."""
+    """Write the scene `spheres` without subsurface stress."""
     scene = files("tractive_sam.scene") / "builtin" / "spheres.toml"
     text = scene.read_text("utf-8").partition("[subsurface]")[0]
     (Path(folder) / "contact.toml").write_text(text, "utf-8")
 
 
 def measured(arguments: list[str], cache: str, folder: str, byte_code: str) -> tuple[float, list]:
-    """CPU seconds of a command, and the name and seconds of each kernel that it compiled."""
+    """Return the CPU seconds of a command, and name and seconds of each compiled kernel."""
     path = Path(folder) / "measured.json"
     environment = {**os.environ, "NUMBA_CACHE_DIR": cache, "PYTHONPYCACHEPREFIX": byte_code}
     environment.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -83,7 +83,7 @@ def main():
 
 
 def measure_all(byte_code: str) -> None:
-    """Measure every command, print and write the results."""
+    """Measure every command, and print and write the results."""
     rows, kernels = [], {}
     for name, arguments in COMMANDS.items():
         with tempfile.TemporaryDirectory() as cache:

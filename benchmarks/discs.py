@@ -1,4 +1,4 @@
-"""The twin discs, and their every-revolution run, which the benchmarks of wear share."""
+"""The twin discs and their every-revolution run, shared by the benchmarks of wear."""
 
 from pathlib import Path
 from time import process_time
@@ -12,17 +12,18 @@ SAVED = (0, 50, 250, 1000, 4000, 15000)
 """Revolutions that the paper shows."""
 
 REFERENCES = Path(__file__).parent / "references"
-"""Every-revolution runs: minutes to hours, so they are stored, and continued if more are needed.
+"""Stored runs of every revolution, which take minutes to hours; they are continued if needed.
 
-Delete them when the contact or the slip come to be computed otherwise."""
+Delete them if the computation of the contact or of the slip changes.
+"""
 
 EVERY = 'wear.stepping="every-revolution"'
 PAPER = (EVERY, 'solver.method="uzawa"', 'solver.slip="upwind"')
-"""The paper's scheme to the letter."""
+"""The exact scheme of the paper."""
 
 
 def discs(revolutions: int, *settings: str, angle: float = 0.0) -> ts.Scene:
-    """The scene `twin-discs` without its stresses."""
+    """Return the scene `twin-discs` without stress."""
     saved = sorted({*(n for n in SAVED if n <= revolutions), revolutions})
     rolled = [f"wear.revolutions={revolutions}", f"wear.save={saved}"]
     scene = ts.Scene.builtin("twin-discs").replace(subsurface=None)
@@ -30,7 +31,7 @@ def discs(revolutions: int, *settings: str, angle: float = 0.0) -> ts.Scene:
 
 
 def timed(scene: ts.Scene) -> tuple[ts.History, float]:
-    """A history and the seconds it took, of this process, on its one thread."""
+    """Return a history and its CPU seconds in this process, on one thread."""
     began = process_time()
     history = ts.roll(scene)
     assert history.finished, history.message
@@ -47,7 +48,7 @@ def every_revolution(revolutions: int, angle: float = 0.0) -> ts.History:
 
 
 def kept_reference(angle: float) -> ts.History | None:
-    """The run of every revolution, where it was rolled before."""
+    """Return the stored run of every revolution, if there is one."""
     if not _path(angle).exists():
         return None
     kept = ts.open_history(_path(angle))
@@ -59,7 +60,7 @@ def _path(angle: float) -> Path:
 
 
 def errors(history: ts.History, reference: ts.History, revolution: int) -> dict[str, float]:
-    """Relative errors against a run of every revolution, at one that both recorded."""
+    """Return relative errors at a revolution that both this history and the reference recorded."""
     i, k = (int(np.flatnonzero(h["revolution"] == revolution)[0]) for h in (history, reference))
     found = {
         name: float(history[name][i] / reference[name][k] - 1)
@@ -70,9 +71,10 @@ def errors(history: ts.History, reference: ts.History, revolution: int) -> dict[
 
 
 def roughness(pressure: np.ndarray) -> float:
-    """Ripple of the load of the rows, relative, away from the rim: its largest third difference.
+    """Return the relative ripple of the row loads inside the contact.
 
-    A rippled pressure changes from row to row; a smooth one is a parabola over four rows.
+    It is the largest third difference: a rippled pressure changes from row to row, whereas a smooth
+    pressure is a parabola over four rows.
     """
     carried = pressure.sum(axis=0)
     inside = np.flatnonzero(carried)[6:-6]

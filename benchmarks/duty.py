@@ -1,12 +1,13 @@
 """Duty cycles of 2, 5 and 10 blocks: jumps against every revolution, order, and killed runs.
 
-Twin discs on a coarse mesh, blocks of random load, creepage and place from one seed. Over 3,000
-revolutions the profile of adaptive jumps is compared with that of every revolution, block by block;
-contacts are counted against those of a single load. The order of blocks is turned round at a wear
-of a cycle that halves, over as much depth. With `--kills 40` a run of a spectrum is killed that
-often and compared with one that was not. With `--cores` the gain of blocks on threads is estimated:
-how much of a contact runs without the lock of the interpreter, which threads share, and after how
-many contacts a process more has paid for its start.
+The scenes are twin discs on a coarse mesh, with blocks of random load, creepage and lateral
+position from a single seed. The profile of adaptive jumps after 3,000 revolutions is compared with
+a computation of every revolution in order; the number of contacts is compared with a single load.
+The blocks are also computed in reverse order, at equal total depth, with a wear per cycle that is
+halved repeatedly. With `--kills 40`, a run of a spectrum is killed 40 times and compared with an
+uninterrupted run. With `--cores`, the gain of computing blocks on threads is estimated: the part of
+a contact that runs without the lock of the interpreter, and the number of contacts after which an
+additional process pays for its start.
 
 Page: docs/howto/duty.md
 """
@@ -49,7 +50,7 @@ KILLED = "from tests.test_resume import KILLED_BY_ITSELF; exec(KILLED_BY_ITSELF)
 
 
 def blocks(count: int) -> list[dict]:
-    """Blocks of one revolution each."""
+    """Return blocks of one revolution each."""
     chance = random.Random(count)
     return [
         {
@@ -63,7 +64,7 @@ def blocks(count: int) -> list[dict]:
 
 
 def adaptive(count: int, single: int) -> dict:
-    """Jumps against every revolution."""
+    """Compare jumps with every revolution."""
     scene = DISCS.replace(duty=blocks(count))
     jumps = ts.roll(scene)
     letter = ts.roll(scene.replace(**{"wear.stepping": "every-revolution"}))
@@ -83,7 +84,7 @@ def adaptive(count: int, single: int) -> dict:
 
 
 def order() -> list[dict]:
-    """The difference of two orders over the depth, at a wear of a cycle that halves."""
+    """Compare two orders of blocks for a wear per cycle that is halved repeatedly."""
     rows = []
     first, second = blocks(2)
     for intensity, cycles in ((8e-6, 10), (4e-6, 20), (2e-6, 40), (1e-6, 80)):
@@ -101,7 +102,7 @@ def order() -> list[dict]:
 
 
 def killed(times: int) -> float:
-    """How far the profile of a run that was killed so often is from that of one that was not."""
+    """Compare the profiles of a run that was killed repeatedly and of a complete run."""
     scene = DISCS.replace(duty=blocks(5), **{"wear.tolerance": 3e-5})
     whole = ts.roll(scene)["wear_profile"][-1]
     with tempfile.TemporaryDirectory() as name:
@@ -120,7 +121,7 @@ def killed(times: int) -> float:
 
 
 def free_seconds() -> list[float]:
-    """Time in transforms and kernels from now on, which hold no lock: a list that grows."""
+    """Return a list that collects the seconds in transforms and kernels, which hold no lock."""
     spent: list[float] = []
 
     def timed(call: Callable) -> Callable:
@@ -143,7 +144,7 @@ def free_seconds() -> list[float]:
 
 
 def cores() -> list[dict]:
-    """Return the part of a contact that may run on threads, over meshes; in CPU seconds."""
+    """Return the part of a contact that may run on threads, for several meshes, in CPU seconds."""
     command = [
         sys.executable,
         "-c",

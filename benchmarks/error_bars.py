@@ -1,11 +1,11 @@
-"""Do the error bars of [accuracy] hold? Random scenes, each against a much finer mesh.
+"""Do the error bars of [accuracy] hold? Random scenes, each compared with a much finer mesh.
 
-A Latin hypercube over aspect ratio 0.2 to 5, creepages and spin of any direction from stick to full
-slip, friction 0.05 to 1 with a ratio of 1 to 4 at any angle, Poisson's ratios 0 to 0.49, and for
-two scenes in three moduli of different bodies up to ten times apart. Every fourth scene has
-different bodies and a thousandth to a hundredth of the creepage of full slip, in one half of those
-as spin only. Every scene is solved to a tolerance, and again on a mesh with up to 4 x 4 elements
-for each one.
+The scenes form a Latin hypercube: aspect ratios from 0.2 to 5, creepages and spin in any direction
+from stick to full slip, friction from 0.05 to 1 with a ratio of 1 to 4 at any angle, and Poisson's
+ratios from 0 to 0.49. In two scenes of three, the moduli of the bodies differ by up to a factor of
+ten. Every fourth scene has different bodies and a thousandth to a hundredth of the creepage of full
+slip; in half of these, this is spin alone. Every scene is solved to a tolerance, and again on a
+mesh with up to 4 x 4 elements for each element of the first mesh.
 
     python benchmarks/error_bars.py [--scenes 100] [--tolerance 3e-3] [--seed 2]
 
@@ -29,13 +29,15 @@ from tractive_sam.subsurface import stress_maxima
 
 LOAD, STEEL = 1000.0, 208e3
 FINER, MOST = 4, 150_000
-"""Levels by which the second mesh is finer, if it has no more elements than that."""
+"""Number of levels by which the second mesh is finer, unless it would have more elements than
+this.
+"""
 
 NAMES = ("Qx", "Qy", "Mz", "approach", "p_max")
 
 
 def random_scenes(count: int, seed: int) -> list[ts.Scene]:
-    """Scenes of the hypercube."""
+    """Yield the scenes of the hypercube."""
     rows = qmc.LatinHypercube(11, rng=seed).random(count)
     return [_scene(*row, gentle=k % 4 == 3, spin=k % 8 == 7) for k, row in enumerate(rows)]
 
@@ -82,7 +84,7 @@ def _scene(
 
 
 def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
-    """A row for every quantity of a scene: value, error bar, error, whether it holds."""
+    """Return a row for every quantity of a scene: value, error bar, error, and its verdict."""
     scene = scene.replace(**{"accuracy.tolerance": tolerance})
     began = perf_counter()
     contact = ts.solve(scene, throw=False)

@@ -1,15 +1,16 @@
 """Twin discs of wheel and rail steel: measured and predicted frictional work.
 
-Lewis & Dwyer-Joyce 2004 (Proc. IMechE J 218, 467-478) ran discs of wheel steel R8T on rail steel
-UIC60 900A, dry, at 1500 MPa and 400 rpm, and print the heat that friction made over the slip (their
-table 3; here as transcribed in github.com/thiernodms/KPFASTSIMUSFD, commit 452fbd1). Their mass
-losses are published in figures only; what is printed of them are the constants of the regression
-through these tests, the USFD law (Braghin et al. 2006, Wear 261, 1253-1264), without its scatter.
+Lewis & Dwyer-Joyce 2004 (Proc. IMechE J 218, 467-478) tested dry discs of wheel steel R8T on rail
+steel UIC60 900A at 1500 MPa and 400 rpm. Their table 3 gives the frictional heat for each slip
+(here from the transcription github.com/thiernodms/KPFASTSIMUSFD, commit 452fbd1). The mass losses
+are published only in figures. The constants of a regression through these tests are published as
+the USFD law (Braghin et al. 2006, Wear 261, 1253-1264), without the scatter.
 
-So the work is compared, which the contact predicts, and the law is read at both. The one
-coefficient of the prediction is that of friction: the mean of the tests in full slip, 3 % and more,
-with their least and largest. Discs of 47 mm and a track of 10 mm are those of the machine; they are
-not in the transcription, and are checked by its half width and its flash temperatures.
+The comparison is therefore for the frictional work, which follows from the contact, and the law is
+evaluated for the measured and for the predicted work. The only coefficient of the prediction is the
+friction coefficient: the mean of the tests in full slip (3 % and more), with its minimum and
+maximum. The diameter of 47 mm and the track width of 10 mm are properties of the machine. They are
+not in the transcription; the published half-width and flash temperatures confirm them.
 
     python benchmarks/experiment.py
 
@@ -43,7 +44,7 @@ SCENE = ts.Scene(
 
 
 def flash() -> np.ndarray:
-    """Mean flash temperature of a band source on both discs, K, by the formula that they print."""
+    """Return the mean flash temperature of a band source on both discs, K, as published."""
     diffusivity = SPEED * HALF_WIDTH / (2.0 * PECLET)
     conductivity = diffusivity * HEAT_CAPACITY
     flux = HEAT / (2.0 * HALF_WIDTH * TRACK)
@@ -51,7 +52,7 @@ def flash() -> np.ndarray:
 
 
 def predicted(mu: float, slip: float) -> float:
-    """T-gamma/A of the discs, N/mm²."""
+    """Return T-gamma/A of the discs, N/mm²."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ts.SceneWarning)  # 20 % of slip is meant
         scene = SCENE.replace(**{"friction.mu": mu, "creepage.longitudinal": -slip})

@@ -1,9 +1,9 @@
-"""Random scenes whose friction falls with sliding: which are solved, and at what cost.
+"""Random scenes with friction that falls with sliding: solved scenes and their cost.
 
-Each is solved as it is and with friction that stays as at rest, on the same mesh, from nothing to
-1e-8. A scene is refused where a prescribed force is beyond the top of its traction curve, or what
-friction can carry, with a message. Costs are
-applications of operators, coarser meshes by their share.
+Each scene is solved with its law and with constant friction as at rest, on one mesh, without an
+initial guess, to 1e-8. A scene is rejected with a message if a prescribed force exceeds the maximum
+of its traction curve or the limit of friction. Costs are applications of operators; applications on
+coarser meshes count in proportion to their elements.
 
     python benchmarks/falling.py [--scenes 200] [--first 0]
 
@@ -25,11 +25,12 @@ LAW = ("law", "kinetic", "half_speed", "memory")
 
 
 def falling_scene(seed: int) -> Scene:
-    """A scene with a falling law, the same for the same seed.
+    """Return a scene with a falling law; it depends only on the seed.
 
-    Aspect ratios 0.2-5, mu 0.1-0.6 that falls to 0.2-0.95 of it at sliding speeds of 10 mm/s to
-    10 m/s, V 0.1-100 m/s, creepage 0.03-30 times full slip, half with spin, orthotropic, a layer or
-    a memory, a third with a strength or dissimilar bodies, a tenth with a prescribed force.
+    Aspect ratios are 0.2-5, mu is 0.1-0.6 and falls to 0.2-0.95 of its value at sliding speeds of
+    10 mm/s to 10 m/s, V is 0.1-100 m/s, and creepage is 0.03-30 times full slip. Half of the scenes
+    have spin, are orthotropic, or have a layer or a memory; a third have a strength or dissimilar
+    bodies; a tenth have a prescribed force.
     """
     rng = np.random.default_rng(seed)
 
@@ -80,13 +81,13 @@ def falling_scene(seed: int) -> Scene:
 
 
 def constant(scene: Scene) -> Scene:
-    """The same with friction as at rest."""
+    """Return the scene with constant friction as at rest."""
     changes = {f"friction.{key}": None for key in LAW}
     return scene.replace(**changes | {"friction.mu": scene.friction.mu, "friction.static": None})
 
 
 def solved(scene: Scene) -> tuple[str, float, str]:
-    """Return the outcome of a solve, its applications and the note of the contact."""
+    """Return the outcome of a solution, its applications and the note of the contact."""
     contact = equilibrium(Model(scene))
     outcome = "converged" if contact.converged else "not converged"
     if any(why in contact.note for why in ("top of the traction curve", "what friction can carry")):

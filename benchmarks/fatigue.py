@@ -1,15 +1,15 @@
-"""Will it crack or wear? Damage of the twin discs, with and without wear, and what it costs.
+"""Do the twin discs crack or wear? Damage with and without wear, and its cost.
 
     python benchmarks/fatigue.py             # the twin discs: a CSV, half an hour
     python benchmarks/fatigue.py bounds      # shakedown of 200 random scenes: is lower <= upper?
     python benchmarks/fatigue.py laws        # line contacts and ellipses, against closed forms
 
-The discs roll 15,000 revolutions at beta = 0, 45 and 90, on the paper's mesh and on ones of half
-and of twice as many elements along each axis, at two tolerances of the stepping. The material: k =
-300 MPa, Dang Van with a = 1/3 and 250 MPa at 1e7 cycles, exponent 10. "without wear" is the damage
-that the unworn contact would do in as many revolutions. Rows are written as they come, those first
-that are worth their time, and what the code as it is has written is not computed again; seconds are
-those of the process.
+The discs roll 15,000 revolutions at beta = 0, 45 and 90, on the mesh of the paper and on meshes
+with half and twice as many elements along each axis, at two tolerances of the stepping. The
+material has k = 300 MPa and Dang Van's criterion with a = 1/3, 250 MPa at 1e7 cycles, and the
+exponent 10. "without wear" is the damage of the unworn contact after all revolutions. Rows are
+written as they are computed, the most informative first. Rows that the present code has already
+written are not computed again. Seconds are CPU seconds of the process.
 
 Page: docs/theory/fatigue.md
 """
@@ -45,13 +45,13 @@ CASES = tuple(
     )
     for beta in (45, 0, 90)
 )
-"""In the order in which they are worth their time."""
+"""In the order of their information."""
 
 MESHES = (51, 101, 201, 401)
 
 
 def discs(beta: float, mesh: tuple[int, int], tolerance: float) -> ts.Scene:
-    """The twin discs with a material."""
+    """Return the twin discs with a material."""
     settings = [
         f"friction.angle={beta}",
         f"grid.elements={list(mesh)}",
@@ -63,7 +63,7 @@ def discs(beta: float, mesh: tuple[int, int], tolerance: float) -> ts.Scene:
 
 
 def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
-    """Return one roll, with its cost against the same roll without fatigue."""
+    """Return the results of one run, with its cost relative to a run without fatigue."""
     scene = discs(beta, mesh, tolerance)
     began = process_time()
     plain_contacts = int(ts.roll(scene)["solves"].sum())
@@ -101,14 +101,14 @@ def row(beta: float, mesh: tuple[int, int], tolerance: float) -> dict:
 
 
 def _inside(history: ts.History, body: str) -> float:
-    """Damage of a revolution one element or more below the unworn surface."""
+    """Return the damage of a revolution at least one element below the unworn surface."""
     k = "AB".index(body)
     life = ts.Laws.of(history.scene).life
     return float(life.damage(history["utilisation_interior"][:1, k])[0])
 
 
 def bounds(count: int = 200) -> None:
-    """Shakedown of random scenes from both sides."""
+    """Compute both shakedown limits of random scenes."""
     rows = []
     for number, scene in enumerate(random_scenes(count, 5)):
         hertz = scene.hertz
@@ -135,7 +135,7 @@ def bounds(count: int = 200) -> None:
 
 
 def laws() -> None:
-    """Errors over the mesh: shakedown of lines in full slip, orthogonal shear of a sphere."""
+    """Return errors for several meshes: shakedown of lines in full slip, shear of a sphere."""
     rows = []
     for elements in MESHES:
         scene = ts.Scene.builtin("cylinders").replace(subsurface=None)
@@ -158,7 +158,7 @@ def laws() -> None:
 
 
 def closed_forms() -> list[dict]:
-    """p0/k up to which lines in full slip shake down, inside and at the surface."""
+    """Return p0/k up to which lines in full slip shake down, inside and at the surface."""
     rows = []
     x, depths = np.linspace(-4.0, 4.0, 1601)[:, None], np.linspace(0.3, 0.6, 61)
     for mu in (0.0, 0.1, 0.2, 0.3, 0.31, 0.315, 0.32, 0.33, 0.367):
@@ -171,12 +171,12 @@ def closed_forms() -> list[dict]:
         inside = max(residual_shear(cycles(np.array([z])))[0] for z in depths)
         surface = residual_shear(cycles(np.zeros(1)))[0]
         rows.append({"mu": mu, "inside": 1.0 / inside, "surface": 1.0 / surface})
-    show("The same by the closed form", rows)
+    show("Closed form", rows)
     return rows
 
 
 def between() -> list[dict]:
-    """Integral of utilisation^10 over the depth of lines in full slip, by few depths."""
+    """Integrate utilisation^10 over the depth of lines in full slip, from few depths."""
     near = np.geomspace(1e-7, 1.0, 150)
     sides = [side + sign * near for side in (-1.0, 1.0) for sign in (-1.0, 1.0)]
     x = np.unique(np.concatenate((np.linspace(-4.0, 4.0, 801), *sides, (-1.0, 1.0))))[:, None]
@@ -213,7 +213,7 @@ def _written() -> list[dict]:
 
 
 def _code() -> str:
-    """Of the package: the same as long as no line of it changes."""
+    """Return a hash of the package, which changes with each of its lines."""
     files = sorted(Path(ts.__file__).parent.rglob("*.py"))
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:8]
 

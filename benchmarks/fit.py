@@ -2,9 +2,9 @@
 
 Page: docs/howto/fit.md
 
-The eight measured powers are those of experiment.py. Repeats of synthetic tests draw normal noise;
-the interval of 95 % should cover the truth in 92 to 98 % of them. One process needs about seven
-minutes.
+The eight measured powers are the values in experiment.py. Synthetic tests are repeated with normal
+noise; the 95 % interval should contain the true value in 92 to 98 % of them. The script takes about
+seven minutes on one process.
 
     python benchmarks/fit.py            # all
     python benchmarks/fit.py powers     # one of powers, exact, repeats, cost
@@ -46,7 +46,7 @@ WEAR = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4}
 
 
 def creep(scene: ts.Scene, power: np.ndarray, **more) -> dict:
-    """Return a fit of friction and layer to the work of friction per distance, N/mm."""
+    """Return a fit of friction and layer to the frictional work per distance, N/mm."""
     columns = {"creepage.longitudinal": -SLIP, "t_gamma": power}
     data = {"values": columns, "vary": "creepage.longitudinal", "observe": "t_gamma"}
     start = [{"key": "friction.layer", "start": 1e-6}]
@@ -56,14 +56,14 @@ def creep(scene: ts.Scene, power: np.ndarray, **more) -> dict:
 
 
 def power_of(scene: ts.Scene, mu: float, layer: float) -> np.ndarray:
-    """Work of friction per distance of each slip, N/mm, shape (8,)."""
+    """Return the frictional work per distance for each slip, N/mm, shape (8,)."""
     scene = scene.replace(**{"friction.mu": mu, "friction.layer": layer})
     scenes = (scene.replace(**{"creepage.longitudinal": -slip}) for slip in SLIP)
     return np.array([ts.solve(one).t_gamma for one in scenes])
 
 
 def powers() -> None:
-    """Fit friction and layer to the measured powers, beside a grid of chi-square."""
+    """Fit friction and layer to the measured powers, and compare with a grid of chi-square."""
     measured = HEAT * 1e3 / (SPEED * TRACK)
     found = ts.fit(creep(SCENE, measured, curve=0))
     scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False, curve=0))
@@ -129,7 +129,7 @@ def worn(masses: np.ndarray, profile: np.ndarray, y: np.ndarray) -> dict:
 
 
 def exact() -> None:
-    """Fit data without noise, from other first values: relative errors."""
+    """Fit data without noise from other initial values, and return relative errors."""
     rows = []
     found = ts.fit(creep(LINE, power_of(LINE, *FRICTION.values()), mesh_check=False, curve=0))
     rows += _errors(found, FRICTION)
@@ -166,7 +166,7 @@ def _errors(found: ts.FitResult, truth: dict[str, float]) -> list[dict]:
 
 
 def repeats() -> None:
-    """Count how often the interval covers the truth."""
+    """Count how often the intervals contain the true values."""
     rng = np.random.default_rng(1)
     power = power_of(LINE, *FRICTION.values())
     history = ts.roll(DISCS, progress=False)
@@ -207,7 +207,7 @@ def repeats() -> None:
 
 
 def cost() -> None:
-    """Count contacts of a creep curve with and without exact derivatives, and rolls of a test."""
+    """Count contacts of a creep curve with and without exact derivatives, and runs of a test."""
     measured = HEAT * 1e3 / (SPEED * TRACK)
     design = creep(SCENE, measured, mesh_check=False, curve=0)
     rows = [_cost("creep curve, mu exact", ts.fit(design))]

@@ -1,15 +1,15 @@
-"""Random hard scenes, to find where each method fails: which converge, at what cost.
+"""Random hard scenes: which methods converge, and at what cost.
 
-Half of the scenes have bodies of equal material, whose tractions do not change the pressure; the
-others have any. Each method is options for a residual of 1e-8 from nothing; `uzawa` and `anderson`
-get `BUDGET` iterations for every correction of the load and take no prescribed tangential forces.
-`alternating` is what the coupled methods are to replace: the normal problem under the lift of the
-last tractions, then the tangential one under the pressure found. Costs are applications of
-operators and their approximate inverses.
+Half of the scenes have bodies of equal material, so that the tractions do not change the pressure;
+the others have arbitrary materials. Each method solves to a residual of 1e-8 without an initial
+guess. `uzawa` and `anderson` have `BUDGET` iterations for every correction of the load and do not
+accept prescribed tangential forces. `alternating` solves the normal problem with the last tractions
+and then the tangential problem with the new pressure; the coupled methods replace it. Costs are
+applications of operators and of their approximate inverses.
 
-Two families more, a sixth as many of each, have dissimilar bodies throughout: *gentle* ones creep
-and spin at 0.1 to 1 % of full slip, or combine creepages of any size; *lines* roll freely, or with
-hardly any force, at mu from 1e-4.
+Two further families, with a sixth as many scenes each, have dissimilar bodies throughout. Scenes of
+the family *gentle* have creepage and spin of 0.1 to 1 % of full slip, or a combination of creepages
+of any size. Scenes of the family *line* roll freely, or with hardly any force, at mu from 1e-4.
 
     python benchmarks/hard_scenes.py [--scenes 600] [--first 0] [--methods auto,newton]
 
@@ -39,12 +39,12 @@ DRIVES = ("creepage", "creepage", "spin", "both", "force")
 
 
 def hard_scene(seed: int) -> tuple[Scene, dict]:
-    """A hard scene and its parameters, the same for the same seed.
+    """Return a hard scene and its parameters, which depend only on the seed.
 
-    Aspect ratios a/b 0.05-20, mu 0.001-2, mu1/mu2 up to 10 (every tenth one up to 100), creepage
-    and spin from 1e-8 to 100 times full slip, Poisson's ratios 0-0.4999, E_A/E_B 1e-3-1e3, gaps
-    smooth, rough, worn and with steps, contacts from a few elements on, and
-    prescribed tangential forces.
+    Aspect ratios a/b are 0.05-20, mu is 0.001-2, mu1/mu2 is up to 10 (every tenth up to 100),
+    creepage and spin are 1e-8 to 100 times full slip, Poisson's ratios are 0-0.4999, and E_A/E_B is
+    1e-3-1e3. Gaps are smooth, rough, worn or stepped, contacts have a few elements or more, and
+    tangential forces may be prescribed.
     """
     rng = np.random.default_rng(seed)
 
@@ -116,7 +116,7 @@ def hard_scene(seed: int) -> tuple[Scene, dict]:
 
 
 def gentle_scene(seed: int) -> tuple[Scene, dict]:
-    """Dissimilar bodies at small creepage, small spin or combined creepages."""
+    """Return dissimilar bodies with small creepage, small spin or combined creepages."""
     rng = np.random.default_rng([seed, 1])
     aspect, mu = 10.0 ** rng.uniform(-0.7, 0.7), 10.0 ** rng.uniform(-2.0, 0.0)
     drive = ("creepage", "spin", "both")[seed % 3]
@@ -146,7 +146,7 @@ def gentle_scene(seed: int) -> tuple[Scene, dict]:
 
 
 def line_scene(seed: int) -> tuple[Scene, dict]:
-    """Unlike cylinders that transmit no force, or next to none, with little friction."""
+    """Return dissimilar cylinders that transmit almost no force, with little friction."""
     rng = np.random.default_rng([seed, 2])
     mu, poisson = 10.0 ** rng.uniform(-4.0, -1.0), rng.uniform(0.0, 0.45, 2)
     force = 0.0 if seed % 2 == 0 else mu * 100.0 * 10.0 ** rng.uniform(-6.0, -1.0)
@@ -201,7 +201,7 @@ def _rigid(scene: Scene) -> float:
 
 
 def _gap(rng, kind: str, half_length, hertz) -> dict:
-    """A separation whose features are of the size of the approach."""
+    """Return a separation with features of the size of the approach."""
     x, y = (np.linspace(-1.05 * length, 1.05 * length, 64) for length in half_length)
     X, Y = np.meshgrid(x / half_length[0], y / half_length[1], indexing="ij")
     height = hertz.approach * rng.uniform(0.1, 1.0)
@@ -227,7 +227,7 @@ def _gap(rng, kind: str, half_length, hertz) -> dict:
 
 
 def by_library(method: str, scene: Scene, model: Model):
-    """What a user of `solver.method` gets."""
+    """Solve with the option `solver.method` of the package."""
     model = Model(scene.replace(**{"solver.method": method}), model.measured)
     contact = equilibrium(model)
     cost = contact.cost.applications + contact.cost.preconditioner
@@ -238,7 +238,7 @@ def by_library(method: str, scene: Scene, model: Model):
 
 
 def by_projection(solver: Solver, scene: Scene, model: Model):
-    """Uzawa's or Anderson's method on pressure and tractions at once."""
+    """Solve for pressure and tractions together by the method of Uzawa or Anderson."""
     if len(model.forces):
         return None  # solves for given creepages only
     try:
@@ -250,7 +250,7 @@ def by_projection(solver: Solver, scene: Scene, model: Model):
 
 
 def alternating(scene: Scene, model: Model):
-    """Normal and tangential problem by turns, each under what the other one gave last."""
+    """Solve the normal and the tangential problem alternately, each with the other's result."""
     gap = model.undeformed_gap / model.units.gap
     first, cost, error = None, 0.0, np.inf
     for _ in range(100):
@@ -261,7 +261,7 @@ def alternating(scene: Scene, model: Model):
         now = NAMED["auto"].alike.solve(model.problem(gap + lift), 1e-9, first)
         cost += now.cost.applications + now.cost.preconditioner
         if not now.converged:
-            return False, error, cost, "", "a problem by itself not solved"
+            return False, error, cost, "", "normal or tangential problem not solved"
         if not model.elasticity.coupled:
             return True, now.residual, cost, "", ""
         if first is not None:
@@ -285,7 +285,7 @@ METHODS: dict[str, Callable] = {
 
 
 def campaign(family: str, seeds: range, methods: list[str]) -> Iterator[dict]:
-    """Every method on every scene of a family, a row each."""
+    """Solve every scene of a family by every method, and return one row each."""
     for seed in seeds:
         scene, parameters = FAMILIES[family](seed)
         for name in methods:
@@ -305,7 +305,7 @@ def campaign(family: str, seeds: range, methods: list[str]) -> Iterator[dict]:
 
 
 def summary(rows: list[dict], of: Callable[[dict], bool]) -> list[dict]:
-    """Success and cost of each method on some of the scenes."""
+    """Return the success and cost of each method for some of the scenes."""
     table = []
     for name in METHODS:
         mine = [row for row in rows if row["method"] == name and of(row)]

@@ -1,9 +1,10 @@
-"""Cost of the flash temperature compared with its contact, all in one run.
+"""Cost of the flash temperature relative to its contact, all in one run.
 
-The fast discs, mostly sliding: times of one core over that of their contact, from nothing to the
-tolerance of the scene, of sharing the heat between alike and unlike bodies, and of the tables of
-kernels that the first contact on a mesh at a speed needs; and applications of elastic operators
-with friction that depends on temperature over those with friction that does not.
+The scene is the fast discs, which mostly slide. Times are for one core, relative to the solution of
+the contact without an initial guess to the tolerance of the scene. They are given for the heat
+partition between equal and different bodies, and for the tables of coefficients, which the first
+contact on a mesh at a speed requires. For friction that depends on temperature, the number of
+operator applications is given relative to constant friction.
 
     python benchmarks/heat.py
 
@@ -18,14 +19,14 @@ from tractive_sam.scene import Scene
 
 ELEMENTS = (31, 61, 121, 241)
 SPEEDS = {20.0: 0.2, 20e3: 200.0}
-"""Of rolling, mm/s, and the Peclet number V a/(2 kappa) that it is near."""
+"""Rolling speeds, mm/s, and the approximate Peclet number V a/(2 kappa)."""
 
 CERAMIC = {"conductivity": 3.0, "density": 6000.0, "heat_capacity": 500.0}
 FALLS = [[60.0, 1.0], [160.0, 0.6]]
 
 
 def row(elements: int, speed: float) -> dict:
-    """One mesh at one speed."""
+    """Return the costs for one mesh and one speed."""
     discs = Scene.builtin("hot-discs")
     a, b = discs.hertz.a, discs.hertz.b
     grid = {"half_length": (1.1 * a, 1.1 * b), "elements": (elements, elements)}
@@ -55,9 +56,9 @@ def row(elements: int, speed: float) -> dict:
 
 
 def main() -> None:
-    """All meshes at both speeds."""
+    """Print and write the costs for all meshes and speeds."""
     rows = [row(elements, speed) for speed in SPEEDS for elements in ELEMENTS]
-    show("Times over that of the contact; applications if friction depends on heat", rows)
+    show("Times relative to the contact; applications if friction depends on temperature", rows)
     print(write("heat", rows))
 
 

@@ -1,17 +1,20 @@
-"""Do results stay the same where only the description of a scene changes? Random small scenes.
+"""Are results independent of the description of a scene? Random small scenes.
 
-Each scene, of any kind, is computed as it is, and
+Each scene is computed in its original form, and
 
-- mirrored in y; with bodies exchanged; with lengths, and stresses, in other units; with the axes of
-  friction exchanged: the same discrete problem, so that results differ by tolerance and rounding;
-- a transient with half its step: results differ by the error of the step;
-- a transient or a roll with other records stored: adaptive jumps then differ, transients do not.
+- mirrored in y; with exchanged bodies; with other units of length and stress; with exchanged
+  friction axes: these changes do not alter the discrete problem, so results differ by tolerance and
+  rounding;
+- with half the step, for a transient: results differ by the error of the step;
+- with other stored records, for a transient or a run: adaptive jumps then differ, transients do
+  not.
 
-Differences are the largest of a group of quantities, over its natural scale: friction times load
-for forces, friction times the largest pressure for tractions, else the largest value. A scene whose
-difference is above the bound of its change is listed, and the script ends with status 1.
+A difference is the largest difference of a group of quantities, divided by a natural scale:
+friction times load for forces, friction times the largest pressure for tractions, and the largest
+value for other quantities. Scenes with a difference above its bound are listed, and the script then
+ends with status 1.
 
-The rows of a run that was cut are in `results/invariance.part.csv`; the same command continues.
+The rows of an interrupted run are in `results/invariance.part.csv`; the command continues this run.
 
     python benchmarks/invariance.py [--scenes 400] [--seed 1] [--kinds steady,heat]
 
@@ -42,12 +45,12 @@ TOLERANCE = 1e-10
 
 
 def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
-    """A number of any magnitude between two."""
+    """Return a random number with a uniform logarithm between two limits."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
 def meshed(scene: ts.Scene, rng: np.random.Generator, least: int = 12, most: int = 26) -> ts.Scene:
-    """A scene on a small mesh, with a sharp tolerance."""
+    """Return a scene on a small mesh, with a small tolerance."""
     half = scene.grid.half_length if scene.grid else None
     hertz = scene.hertz
     if half is None:
@@ -58,7 +61,7 @@ def meshed(scene: ts.Scene, rng: np.random.Generator, least: int = 12, most: int
 
 
 def moderate(rng: np.random.Generator, **tables) -> ts.Scene:
-    """A scene of the hypercube of `error_bars`, its curvature shared by both bodies."""
+    """Return a scene of the hypercube of `error_bars`, with curvature shared by both bodies."""
     scene = random_scenes(1, int(rng.integers(2**31)))[0]
     bodies = scene.entries()["body"]
     share = float(rng.choice([1.0, 0.5, 0.4, 0.7, 1.25]))
@@ -70,7 +73,7 @@ def moderate(rng: np.random.Generator, **tables) -> ts.Scene:
 
 
 def steady(rng: np.random.Generator) -> ts.Scene:
-    """Creepages and spin; one scene in three with stress below the surface."""
+    """Return a scene with creepages and spin; one scene in three has subsurface stress."""
     scene = moderate(rng)
     if rng.random() < 1 / 3:
         planes = ("y=0", "x=0.5a", "y=0.3b")
@@ -79,17 +82,17 @@ def steady(rng: np.random.Generator) -> ts.Scene:
 
 
 def gentle(rng: np.random.Generator) -> ts.Scene:
-    """Dissimilar bodies at small creepage."""
+    """Return dissimilar bodies at small creepage."""
     return meshed(gentle_scene(int(rng.integers(10**6)))[0], rng)
 
 
 def hard(rng: np.random.Generator) -> ts.Scene:
-    """Return extremes of geometry, moduli and friction; gaps are rough, worn or have a step."""
+    """Return extremes of geometry, moduli and friction; gaps are rough, worn or stepped."""
     return meshed(hard_scene(int(rng.integers(10**6)))[0], rng)
 
 
 def forced(rng: np.random.Generator) -> ts.Scene:
-    """Prescribed tangential forces, one or both."""
+    """Return a scene with one or two prescribed tangential forces."""
     scene = moderate(rng)
     most = 0.9 * min(scene.friction.mu) * scene.load.normal
     turned, which = rng.uniform(0.0, 2.0 * np.pi), rng.integers(3)
@@ -104,7 +107,7 @@ def forced(rng: np.random.Generator) -> ts.Scene:
 
 
 def gap(rng: np.random.Generator) -> ts.Scene:
-    """A measured gap, rough, worn or with steps."""
+    """Return a scene with a measured gap that is rough, worn or stepped."""
     scene = moderate(rng)
     half = tuple(1.3 * length for length in scene.grid.half_length)
     kind = str(rng.choice(["rough", "worn", "steps"]))
@@ -114,7 +117,7 @@ def gap(rng: np.random.Generator) -> ts.Scene:
 
 
 def line(rng: np.random.Generator) -> ts.Scene:
-    """Unlike cylinders under a force, or creeping; half of them wear."""
+    """Return dissimilar cylinders with a prescribed force or creepage; half of them wear."""
     scene = meshed(line_scene(int(rng.integers(10**6)))[0], rng, 15, 60)
     full = scene.friction.mu[0] * scene.hertz.p0 / scene.material.shear
     if rng.random() < 0.5:
@@ -126,13 +129,13 @@ def line(rng: np.random.Generator) -> ts.Scene:
 
 
 def falling(rng: np.random.Generator) -> ts.Scene:
-    """Friction that falls, with memory, layer and strength."""
+    """Return a scene with falling friction, memory, layer and strength."""
     scene = meshed(falling_scene(int(rng.integers(10**6))), rng)
     return scene.replace(**{"friction.start": str(rng.choice(["rest", "sliding"]))})
 
 
 def thermal(rng: np.random.Generator) -> dict:
-    """How a body conducts heat."""
+    """Return random thermal properties of a body."""
     return {
         "conductivity": log_uniform(rng, 5.0, 200.0),
         "density": log_uniform(rng, 2e3, 8e3),
@@ -141,7 +144,7 @@ def thermal(rng: np.random.Generator) -> dict:
 
 
 def heat(rng: np.random.Generator) -> ts.Scene:
-    """Flash temperature, with friction and wear that depend on it."""
+    """Return a scene with flash temperature, and with friction and wear that depend on it."""
     scene = moderate(rng)
     bodies = scene.entries()["body"]
     for body in bodies.values():
@@ -157,7 +160,7 @@ def heat(rng: np.random.Generator) -> ts.Scene:
 
 
 def wear_table(rng: np.random.Generator, scene: ts.Scene, revolutions: int) -> dict:
-    """Any wear law, as fast as wears a few per cent of the approach away."""
+    """Return a random wear law that removes a few per cent of the approach."""
     mu, hertz = max(scene.friction.mu), scene.hertz
     creep = max(abs(scene.creepage.longitudinal), abs(scene.creepage.lateral))
     creep = max(creep, abs(scene.creepage.spin) * hertz.a, mu * hertz.p0 / scene.material.shear)
@@ -187,7 +190,7 @@ def wear_table(rng: np.random.Generator, scene: ts.Scene, revolutions: int) -> d
 
 
 def wear(rng: np.random.Generator) -> ts.Scene:
-    """Wear by every revolution, any law."""
+    """Return a scene with wear in every revolution, with a random law."""
     scene = moderate(rng)
     bodies = scene.entries()["body"]
     bodies["A"]["hardness"], bodies["B"]["hardness"] = rng.uniform(0.3, 3.0, 2)
@@ -196,14 +199,14 @@ def wear(rng: np.random.Generator) -> ts.Scene:
 
 
 def adaptive(rng: np.random.Generator) -> ts.Scene:
-    """Wear by adaptive jumps over many revolutions."""
+    """Return a scene with wear in adaptive jumps over many revolutions."""
     scene = wear(rng)
     table = wear_table(rng, scene, int(rng.integers(100, 400)))
     return scene.replace(wear=table)
 
 
 def duty(rng: np.random.Generator) -> ts.Scene:
-    """Blocks of other loads, creepages, friction and places; some with fatigue."""
+    """Return blocks with different loads, creepages, friction and positions; some have fatigue."""
     scene = wear(rng)
     count, cycles = int(rng.integers(2, 4)), int(rng.integers(2, 5))
     blocks = []
@@ -232,7 +235,7 @@ def duty(rng: np.random.Generator) -> ts.Scene:
 
 
 def fatigue_table(rng: np.random.Generator, scene: ts.Scene) -> dict:
-    """Any criterion, yield and limit near the stress of the contact."""
+    """Return a random criterion, with yield stress and limit near the stress of the contact."""
     p0 = scene.hertz.p0
     criteria = {"dang-van": 0.3, "crossland": 0.3, "findley": 0.4, "fatemi-socie": 0.5}
     table: dict = {"shear_yield": 0.25 * p0, "limit": 0.2 * p0, "exponent": rng.uniform(3.0, 8.0)}
@@ -244,24 +247,24 @@ def fatigue_table(rng: np.random.Generator, scene: ts.Scene) -> dict:
 
 
 def fatigue(rng: np.random.Generator) -> ts.Scene:
-    """Shakedown, utilisation and damage, half of them with wear."""
+    """Return a scene with shakedown, utilisation and damage; half of the scenes have wear."""
     scene = wear(rng) if rng.random() < 0.5 else moderate(rng)
     elements = tuple(min(n, 17) for n in scene.grid.elements)
     return scene.replace(fatigue=fatigue_table(rng, scene), **{"grid.elements": elements})
 
 
 def transient(rng: np.random.Generator) -> ts.Scene:
-    """Courses that roll, from rest or from steady rolling, with profiles and wear."""
+    """Return courses that roll, from rest or from steady rolling, with profiles and wear."""
     return courses(rng, rolls=True)
 
 
 def shift(rng: np.random.Generator) -> ts.Scene:
-    """Courses of shifts."""
+    """Return courses of shifts."""
     return courses(rng, rolls=False)
 
 
 def courses(rng: np.random.Generator, rolls: bool) -> ts.Scene:
-    """A scene of `transient`, its course at most a few contacts long."""
+    """Return a scene of `transient` with a course that is at most a few contact lengths long."""
     while True:
         scene = transient_scene(int(rng.integers(10**6)), int(rng.integers(11, 16)))
         if scene.schedule.shifts != rolls:
@@ -297,12 +300,12 @@ GROUPS = {
 
 
 def group_of(name: str) -> str | None:
-    """The group of a quantity; None of what is not compared."""
+    """Return the group of a quantity; None if the quantity is not compared."""
     return next((group for group, names in GROUPS.items() if re.fullmatch(names, name)), None)
 
 
 def natural_scale(name: str, found: Outcome) -> float:
-    """What a difference of a quantity is measured by."""
+    """Return the scale by which the difference of a quantity is divided."""
 
     def largest(*quantities: str) -> float:
         values = np.concatenate([np.ravel(found.values[one]) for one in quantities])
@@ -311,7 +314,7 @@ def natural_scale(name: str, found: Outcome) -> float:
     friction = max(found.scene.friction.mu) if found.scene.friction else 0.0
     size = math.sqrt(largest("half_width_x") * (largest("half_width_y") or largest("half_width_x")))
     slips = max(largest("xi_x", "xi_y", "slip_x", "slip_y"), largest("spin") * size)
-    if found.scene.schedule.shifts:  # where all sticks, slip is rounding
+    if found.scene.schedule.shifts:  # if all elements stick, slip is rounding error
         slips = max(slips, largest("shift_x", "shift_y"))
     force = friction * largest("P")
     own = {
@@ -329,10 +332,10 @@ def natural_scale(name: str, found: Outcome) -> float:
 
 
 def _stored(name: str, found: Outcome) -> float:
-    """Stored energy over the work of friction of a transient, where it is more.
+    """Return the ratio of stored energy to frictional work of a transient, if it exceeds one.
 
-    That work is what remains of the work supplied. Most of it may be stored, and wear is in
-    proportion to it.
+    The frictional work is the supplied work minus the stored energy. Most of the supplied work may
+    be stored, and wear is proportional to the frictional work.
     """
     work = found.values.get("friction_work", np.zeros(1)).max(initial=0.0)
     of_work = ("friction_work", "step_friction")
@@ -344,11 +347,11 @@ def _stored(name: str, found: Outcome) -> float:
 OF_A_STEP = re.compile(
     r"step_.*|xi_[xy]|spin|creepage_found|slip_[xy]|dissipation|work_supplied|t_gamma.*"
 )
-"""Quantities of a step of a transient: sums or means over it, so that they follow its length."""
+"""Sums or means over a step of a transient, which depend on the length of the step."""
 
 
 def differences(one: Outcome, two: Outcome) -> Iterator[tuple[str, str, float]]:
-    """Largest difference of each quantity over its scale, at the coordinates of both."""
+    """Yield the largest scaled difference of each quantity at the common coordinates."""
     same_steps = len(one.at) == len(two.at) and np.allclose(one.at, two.at)
     other_steps = one.scene.transient is not None and not same_steps
     for name, values in one.values.items():
@@ -374,18 +377,18 @@ def differences(one: Outcome, two: Outcome) -> Iterator[tuple[str, str, float]]:
 
 
 def touching(found: Outcome, rows: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Elements in contact in some of the rows of fields."""
+    """Return the elements that are in contact in some rows of the fields."""
     return last_of(at[rows], found.values["pressure"][rows]) > 0.0
 
 
 def last_of(at: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """The last row at each coordinate: a jump has two."""
+    """Return the last row at each coordinate; a jump has two rows."""
     last = np.append(np.diff(at) > 1e-12 * np.ptp(at), True) if len(at) else []
     return values[np.asarray(last, bool)]
 
 
 def bound_of(change: Change, scene: ts.Scene, group: str) -> float:
-    """Largest difference that is allowed, over the natural scale."""
+    """Return the largest allowed difference, relative to the natural scale."""
     fatigue, wear = scene.fatigue, scene.wear
     adaptive = wear is not None and scene.transient is None and wear.stepping == "adaptive"
     # A residual of 1e-10 times what the operators amplify it by.
@@ -416,23 +419,26 @@ OF_STEPS = {
     "worn volume": 0.5,
     "wear": 1.0,
 }
-"""Bounds of half the step, whose error is of first order: one element, by which most steps roll, is
-a tenth of the contact, and courses change as fast. The depth of one row or element changes
-most."""
+"""Bounds for half the step. Its error is of first order: most steps are one element long, which
+is a tenth of the contact, and courses change over this length. The depth of a single row or
+element changes most.
+"""
 
 
 def random_scene(kind: str, seed: int, number: int) -> ts.Scene:
-    """A valid scene of a kind, the same for the same seed and number."""
+    """Return a valid scene of a kind, which depends only on the seed and the number."""
     rng = np.random.default_rng([seed, number])
     while True:
         try:
             return KINDS[kind](rng)
-        except ts.SceneError:  # such as a force beyond friction, or keys that exclude each other
+        except (
+            ts.SceneError
+        ):  # for example a force beyond friction, or keys that exclude each other
             continue
 
 
 def compared(scene: ts.Scene, changes: Iterable[Change] = CHANGES) -> Iterator[dict]:
-    """The largest difference of each group of quantities under each change, with its bound."""
+    """Yield the largest difference of each group of quantities for each change, with its bound."""
     try:
         one = Outcome.of(scene)
     except ts.SceneError as refused:
@@ -456,13 +462,13 @@ def compared(scene: ts.Scene, changes: Iterable[Change] = CHANGES) -> Iterator[d
 
 
 def _row(change: str, group: str, name: str, difference: float = 0.0, bound: float = 0.0) -> dict:
-    """What a comparison has found."""
+    """Return the result of one comparison."""
     found = {"change": change, "group": group, "quantity": name}
     return found | {"difference": difference, "bound": bound, "holds": difference <= bound}
 
 
 def campaign(count: int, seed: int, kinds: list[str], part: Path) -> list[dict]:
-    """Rows of all scenes; those of `part` are not computed again."""
+    """Return the rows of all scenes; rows in `part` are not computed again."""
     rows: list[dict] = []
     if part.exists():
         with part.open(newline="") as file:
@@ -480,13 +486,13 @@ def campaign(count: int, seed: int, kinds: list[str], part: Path) -> list[dict]:
 
 
 def _read(row: dict[str, str]) -> dict:
-    """A row of a file."""
+    """Return a row of a file with its numbers."""
     numbers = {"scene": int(row["scene"])} | {k: float(row[k]) for k in ("difference", "bound")}
     return row | numbers | {"holds": row["holds"] == "True"}
 
 
 def largest(rows: list[dict]) -> list[dict]:
-    """For each kind, change and group the largest difference, its quantity, scene and bound."""
+    """Return the largest difference for each kind, change and group, with its source."""
     found: dict[tuple, list[dict]] = defaultdict(list)
     for row in rows:
         if row["change"] != "as it is":
@@ -501,7 +507,7 @@ def largest(rows: list[dict]) -> list[dict]:
 
 
 def by_group(table: list[dict]) -> Iterator[dict]:
-    """The largest differences over all kinds, a column for each change."""
+    """Return the largest differences over all kinds, with one column for each change."""
     for group in (*GROUPS, "status"):
         of = [row for row in table if row["group"] == group]
         columns = {}

@@ -1,11 +1,13 @@
-"""Derivatives of a contact by the matrix of Newton's step, against differences and a closed form.
+"""Derivatives of a contact by the Newton matrix, compared with differences and a closed form.
 
-- spheres of 91 x 91 elements: applications of operators of the solve, of the Jacobian, and of
-  central differences by all six parameters, each contact started from the solution and solved to
-  the same residual; and how far apart the two are, per change of a parameter by itself (of one that
-  is zero by 1e-3), over the largest such change of a row;
-- cylinders: the slope of Carter's curve of force over creepage, over the mesh, the largest relative
-  error at ten creepages. Between two of them elements change from stick to slip.
+- Spheres on 91 x 91 elements: the number of operator applications of the solution, of the Jacobian,
+  and of central differences with respect to all six parameters. For the differences, each contact
+  starts from the solution and is solved to its residual. The script also gives the difference
+  between the Jacobian and the central differences, per relative change of a parameter (for a
+  parameter of zero, per change of 1e-3), divided by the largest change in a row.
+- Cylinders: the slope of Carter's curve of force against creepage, for several meshes, and the
+  largest relative error at ten creepages. Between two of these creepages, elements change from
+  stick to slip.
 
 Page: docs/howto/jacobian.md
 """
@@ -18,15 +20,15 @@ from tractive_sam.reference import Carter
 
 STEP, ZERO = 1e-5, 1e-3
 TOLERANCE = 1e-10
-"""So that what the residuals leave of differences is far below what is compared."""
+"""Small enough that the residuals hardly affect the differences."""
 
 COMBINED = {"creepage.longitudinal": -2e-3, "creepage.lateral": 1e-3, "creepage.spin": 7e-4}
 TURNED = {"friction.mu": (0.5, 0.25), "friction.angle": 30.0}
 SCENES = {
     "longitudinal": {},
     "combined, orthotropic": COMBINED | TURNED,
-    "the same, upwind": COMBINED | TURNED | {"solver.slip": "upwind"},
-    "the same, dissimilar": COMBINED | TURNED | {"body.B.shear": 4.0},
+    "combined, orthotropic, upwind": COMBINED | TURNED | {"solver.slip": "upwind"},
+    "combined, orthotropic, dissimilar": COMBINED | TURNED | {"body.B.shear": 4.0},
 }
 KEYS = {
     "xi_x": "creepage.longitudinal",
@@ -37,7 +39,7 @@ KEYS = {
 
 
 def moved(scene: ts.Scene, parameter: str, step: float) -> tuple[ts.Scene, float]:
-    """The scene with a parameter changed by a share of itself, and the change."""
+    """Return the scene with a parameter changed by a fraction of its value, and the change."""
     if parameter.startswith("mu"):
         mu, k = list(scene.friction.mu), int(parameter[2]) - 1
         change = step * mu[k]
@@ -77,7 +79,7 @@ def compared(name: str) -> dict:
 
 
 def slopes(n: int) -> dict:
-    """Errors of the slope of Carter's curve and of the force, on n elements across the contact."""
+    """Return errors of the slope of Carter's curve and of the force, on n elements across."""
     scene = ts.Scene.builtin("cylinders")
     grid = {"grid.half_length": scene.hertz.a * (n + 4) / n, "grid.elements": n + 4}
     mu, load = scene.friction.mu[0], scene.load.normal

@@ -1,8 +1,8 @@
-"""Large meshes: time and memory of a steady solve of `spheres`, from 128² to 2048² elements.
+"""Large meshes: time and memory of a steady solution of `spheres`, from 128² to 2048² elements.
 
-Each mesh is solved twice in a separate process, whose largest memory is reported; the second time
-is without planning and compilation. The residual is 1e-6, far below the error of the mesh. All
-cores are used (the environment variable OMP_NUM_THREADS bounds them).
+Each mesh is solved twice in a separate process. The script reports the peak memory of the process;
+the second solution requires no planning and compilation. The residual is 1e-6, far below the error
+of the mesh. All cores are used (the environment variable OMP_NUM_THREADS limits them).
 
     python benchmarks/large.py [--meshes 128 256 512 1024 2048]
 

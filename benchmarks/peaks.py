@@ -1,22 +1,23 @@
-"""Convergence of peak values: recorded values and other estimates of the same quantity.
+"""Convergence of peak values: recorded values and other evaluations.
 
-- cylinders at rest on each other (Hertz) by other elements of pressure: constant ones, which are
-  those of the package; bilinear ones; constant ones, the outermost cut to the contact;
-- spheres in full slip: stress at the trailing edge (Hamilton 1983): at centres of elements,
-  between them, and taken on to the edge;
-- cylinders in partial slip (Carter 1926), where the largest stress of body B is where stick ends;
-- cylinders in partial slip: the largest traction, of an element and taken on to the end of stick,
-  which is where what it lacks of its bound vanishes; and the share that sticks, counted or up to
-  there;
-- the peak contact pressure of Hertz, of an element and by parabolas through its neighbours and
-  through their squares, wherever in an element the middle of the contact lies;
-- worn discs: how far pressures zigzag about a smooth course from N = 2,500 to 15,000, and by how
-  much that course is off: of an element, by parabolas, as a mean of three rows at the rim, and
-  taken on to the rim from eight rows inside.
+- Cylinders at rest (Hertz) with different pressure elements: constant ones, as in the package;
+  bilinear ones; and constant ones, with the outermost elements cut at the contact edge.
+- Spheres in full slip: stress at the trailing edge (Hamilton 1983), at the element centres, between
+  them, and extrapolated to the edge.
+- Cylinders in partial slip (Carter 1926): the largest stress of body B, which occurs at the stick
+  edge.
+- Cylinders in partial slip: the largest traction, of an element and extrapolated to the stick edge,
+  at which the traction reaches its bound; and the stick fraction, from a count of elements and from
+  the extrapolated edge.
+- The peak Hertzian pressure, of an element and by parabolas through its neighbours or through their
+  squares, for several positions of the contact centre within an element.
+- Worn discs from N = 2,500 to 15,000: the scatter of the pressure about a smooth course and the
+  error of this course; of an element, by parabolas, as a mean of three rows at the edge, and
+  extrapolated to the edge from eight rows inside.
 
-Errors are relative, the largest of several places of the edge or the middle in their elements; for
-the discs they are the largest distance from the smooth course, and the change of its mean to the
-finest mesh.
+Errors are relative. They are the largest errors for several positions of the edge or of the centre
+within an element. For the discs, they are the largest distance from the smooth course and the
+change of its mean to the finest mesh.
 
 Page: docs/validation.md
 """
@@ -46,14 +47,14 @@ from tractive_sam.subsurface.mirror import SIGNS
 
 ACROSS = (16, 24, 32, 48, 64, 96)
 SHIFTS = (0.0, 0.3, 0.6)
-"""By which elements the contact is wider, so that its edge falls elsewhere in them."""
+"""Factors by which the contact is wider, so that its edge moves within the elements."""
 
 MESHES = ((21, 61), (29, 85), (41, 121))
 WORN = 2500
 
 
 def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
-    """The contact with so many elements across, on a mesh of an odd number of them or not."""
+    """Return the contact with a number of elements across, on a mesh with an odd or even number."""
     hertz = scene.hertz
     elements = 2 * int(across / 2 + 3) + odd
     half_length = hertz.a * elements / across
@@ -66,7 +67,7 @@ def on_mesh(scene: ts.Scene, across: float, odd: bool = True) -> State:
 
 
 def surfaces(contact: State, body: str) -> dict[str, float]:
-    """The largest stress at a surface by each estimate."""
+    """Return the largest stress at a surface by each evaluation."""
     ((_, at_centres),) = stress_volume(contact, [0.0], body)
     load, grid = LoadedBodies.from_contact(contact, (body,)), contact.grid
     lattice, loaded_body = Lattice(grid.elements, grid.dx, grid.dy), load.bodies[0]
@@ -76,8 +77,8 @@ def surfaces(contact: State, body: str) -> dict[str, float]:
     if not grid.line:
         touching = touching[:, 1:] & touching[:, :-1]
     return {
-        "centres": float(von_mises(at_centres).max()),
-        "between": float(between[touching].max()),
+        "element centres": float(von_mises(at_centres).max()),
+        "between elements": float(between[touching].max()),
         "recorded": stress_maximum(contact, body).surface,
     }
 
@@ -93,8 +94,8 @@ def sliding_spheres() -> list[dict]:
 def rolling_cylinders() -> list[dict]:
     scene = ts.Scene.builtin("cylinders")
     hertz, mu, nu = scene.hertz, scene.friction.mu[0], scene.material.poisson
-    # Carter: the shear of full slip less that of an ellipse over the stick zone, which is at the
-    # leading edge and as much smaller as it is lower.
+    # Carter: the shear of full slip minus an ellipse over the stick zone at the leading edge; the
+    # ellipse is scaled equally in length and height.
     share = 1.0 - abs(scene.creepage.longitudinal) * hertz.radius / (mu * hertz.a)
     x = np.concatenate((np.linspace(-1.0, 1.0, 40001), [1.0 - 2.0 * share]))
     stress = line_pressure_stress(x, 0.0 * x, 1.0, 1.0, nu)
@@ -104,7 +105,7 @@ def rolling_cylinders() -> list[dict]:
 
 
 def compared(case: str, scene: ts.Scene, body: str, truth: float) -> list[dict]:
-    """A row for every mesh and estimate: the largest error of contacts a little wider."""
+    """Return a row for every mesh and evaluation: the largest error of slightly wider contacts."""
     rows = []
     for across in ACROSS:
         contacts = [on_mesh(scene, across + shift) for shift in SHIFTS]
@@ -126,7 +127,7 @@ def row(case: str, quantity: str, estimate: str, across: int, error: float) -> d
 
 
 def largest_traction() -> list[dict]:
-    """Carter's cylinders at an eighth to a half of the creepage of full slip."""
+    """Evaluate Carter's cylinders at an eighth to a half of the creepage of full slip."""
     scene, rows = ts.Scene.builtin("cylinders"), []
     hertz, mu = scene.hertz, scene.friction.mu[0]
     for across in ACROSS:
@@ -143,8 +144,11 @@ def largest_traction() -> list[dict]:
                     found = errors.setdefault(("largest traction", estimate), [])
                     found.append(value / truth - 1.0)
                 counted = np.count_nonzero(contact.sticking) / np.count_nonzero(contact.touching)
-                for estimate, value in (("counted", counted), ("recorded", contact.stick_fraction)):
-                    errors.setdefault(("share that sticks", estimate), []).append(
+                for estimate, value in (
+                    ("element count", counted),
+                    ("recorded", contact.stick_fraction),
+                ):
+                    errors.setdefault(("stick fraction", estimate), []).append(
                         value / (1.0 - share) - 1.0
                     )
         rows += [
@@ -155,7 +159,7 @@ def largest_traction() -> list[dict]:
 
 
 def of_traction(contact: State, mu: float) -> dict[str, float]:
-    """The largest traction of a line that sticks at its leading edge, by each estimate."""
+    """Return the largest traction of a line that sticks at its leading edge, by each evaluation."""
     p, q = contact.pressure[:, 0], np.abs(contact.traction[0, :, 0])
     lacks = np.where(contact.sticking[:, 0], np.maximum(mu * p - q, 0.0), 0.0)
     before = distance_to_edge(lacks[::-1, None])[::-1, 0]
@@ -164,11 +168,11 @@ def of_traction(contact: State, mu: float) -> dict[str, float]:
     touching = np.flatnonzero(p > 0.0)
     near = touching[np.argsort(np.abs(touching - end))[:3]]
     square = np.polynomial.Polynomial.fit(near, p[near] ** 2, 2)(end)
-    return {"element": q.max(), "to the end of stick": mu * np.sqrt(max(square, 0.0))}
+    return {"element": q.max(), "extrapolated to the stick edge": mu * np.sqrt(max(square, 0.0))}
 
 
 def hertz_peak() -> list[dict]:
-    """Wherever the middle of the contact lies in an element: bodies that lean as much."""
+    """Evaluate the peak pressure for several positions of the contact centre within an element."""
     scene = ts.Scene.builtin("spheres").with_set(["creepage.longitudinal=0"])
     radius, p0, rows = scene.body.radii[0], scene.hertz.p0, []
     for across in ACROSS:
@@ -183,7 +187,7 @@ def hertz_peak() -> list[dict]:
             for estimate, of in (
                 ("element (recorded)", np.max),
                 ("parabolas", top),
-                ("squares", roots),
+                ("parabolas of squares", roots),
             ):
                 errors.setdefault(estimate, []).append(of(contact.pressure) / p0 - 1.0)
         for estimate, found in errors.items():
@@ -192,7 +196,7 @@ def hertz_peak() -> list[dict]:
 
 
 def top(p: np.ndarray) -> float:
-    """The top of parabolas in x and y through the largest value and its neighbours."""
+    """Return the maximum of parabolas in x and y through the largest value and its neighbours."""
     i, j = np.unravel_index(np.argmax(p), p.shape)
     value = p[i, j]
     for before, after in ((p[i - 1, j], p[i + 1, j]), (p[i, j - 1], p[i, j + 1])):
@@ -203,17 +207,17 @@ def top(p: np.ndarray) -> float:
 
 
 def roots(p: np.ndarray) -> float:
-    """The same of the squares, which are parabolas in Hertz contacts."""
+    """Return the maximum of parabolas through the squares, which are exact in Hertzian contacts."""
     return top(p**2) ** 0.5
 
 
 def three_rows(p: np.ndarray) -> float:
-    """The largest mean of three rows of elements."""
+    """Return the largest mean of three rows of elements."""
     return float(((p[:, :-2] + p[:, 1:-1] + p[:, 2:]) / 3.0).max())
 
 
 def to_the_rim(p: np.ndarray) -> float:
-    """Taken on to the rim by a straight line through eight rows, without the two outermost."""
+    """Extrapolate linearly to the edge through eight rows, without the two outermost rows."""
     course = p.max(axis=0)
     rows = np.flatnonzero(course > 0.0)
     steps = np.arange(2.0, 10.0)
@@ -224,13 +228,13 @@ def to_the_rim(p: np.ndarray) -> float:
 
 
 def worn_discs() -> list[dict]:
-    """The course of the pressure at the rim, and of `p_95`, over the mesh."""
+    """Return the course of the pressure at the edge, and of `p_95`, for several meshes."""
     late = list(range(WORN, 15001, 500))
     estimates = {
         ("p_max", "element (recorded)"): lambda state: state.p_max,
         ("p_max", "parabolas"): lambda state: top(state.pressure),
         ("p_max", "three rows"): lambda state: three_rows(state.pressure),
-        ("p_max", "to the rim"): lambda state: to_the_rim(state.pressure),
+        ("p_max", "extrapolated to the edge"): lambda state: to_the_rim(state.pressure),
         ("p_95", "recorded"): lambda state: state.p_95,
     }
     courses: dict[tuple[str, str], dict] = {estimate: {} for estimate in estimates}
@@ -249,13 +253,15 @@ def worn_discs() -> list[dict]:
         for mesh, values in course.items():
             zigzag = float(np.abs(values / smooth[mesh] - 1.0).max())
             off = float((smooth[mesh] / smooth[MESHES[-1]] - 1.0).mean())
-            rows.append(row("worn discs, zigzag", quantity, estimate, mesh[0], zigzag))
-            rows.append(row("worn discs, to the finest", quantity, estimate, mesh[0], off))
+            rows.append(row("worn discs, scatter", quantity, estimate, mesh[0], zigzag))
+            rows.append(
+                row("worn discs, relative to the finest mesh", quantity, estimate, mesh[0], off)
+            )
     return rows
 
 
 def elements_of_pressure() -> list[dict]:
-    """Hertz's line contact of a = p0 = 1 by other elements, on a dense matrix."""
+    """Solve Hertz's line contact with a = p0 = 1 by other elements, with a dense matrix."""
     rows = []
     for across in ACROSS:
         errors: dict[tuple[str, str], list[float]] = {}
@@ -281,7 +287,7 @@ def elements_of_pressure() -> list[dict]:
             cut, at = np.zeros(x.size), (low + high) / 2
             matrix = _integral(at[:, None] - high) - _integral(at[:, None] - low)
             cut[left] = _line_contact(matrix, at, high - low)
-            found["cut to the contact"] = cut
+            found["cut at the contact edge"] = cut
             for kind, p in found.items():
                 k = int(np.argmax(p))
                 parabola = p[k] - (p[k + 1] - p[k - 1]) ** 2 / 8 / (p[k - 1] - 2 * p[k] + p[k + 1])
@@ -295,17 +301,17 @@ def elements_of_pressure() -> list[dict]:
 
 
 def _integral(t: np.ndarray) -> np.ndarray:
-    """Of the logarithm over pi: displacement by a constant element is a difference of it."""
+    """Return the integral of the logarithm over pi, for the displacement of an element."""
     return (t * np.log(np.abs(np.where(t == 0.0, 1.0, t))) - t) / np.pi
 
 
 def _twice(t: np.ndarray) -> np.ndarray:
-    """The same integrated once more: that by a hat is its second difference."""
+    """Return the second integral of the logarithm over pi, for the displacement of a hat."""
     return (t**2 / 2.0 * np.log(np.abs(np.where(t == 0.0, 1.0, t))) - 0.75 * t**2) / np.pi
 
 
 def _line_contact(matrix: np.ndarray, x: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Pressures of a parabola x²/2 pressed on by pi/2, a and p0 being one."""
+    """Return the pressures of a parabola x²/2 with an approach of pi/2, for a = p0 = 1."""
     touching = np.abs(x) < 1.2
     while True:
         k = np.flatnonzero(touching)
@@ -340,7 +346,7 @@ def main():
         ]
         line = {"case": case, "quantity": quantity, "estimate": estimate, "order": ""}
         errors = np.abs([r["error"] for r in own])
-        if case not in ("worn discs, zigzag", "worn discs, to the finest"):
+        if case not in ("worn discs, scatter", "worn discs, relative to the finest mesh"):
             slope = np.polyfit(np.log([r["across"] for r in own]), np.log(errors), 1)[0]
             line["order"] = float(-slope)
         table.append(line | {f"{k + 1}": r["error"] for k, r in enumerate(own)})

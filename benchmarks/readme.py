@@ -1,4 +1,4 @@
-"""Run the example of the README and keep its picture.
+"""Run the example of the README and store its picture.
 
 Page: README.md
 """

@@ -1,14 +1,15 @@
 """Changes of a scene that do not change its physics, and their effect on the results.
 
-A change maps the tables of a scene, and maps results of the changed scene back, so that they equal
-those of the scene itself. Axes and signs are those of docs/theory/conventions.md:
+A change maps the tables of a scene. It also maps the results of the changed scene back, so that
+they equal the results of the original scene. For axes and signs, see docs/theory/conventions.md:
 
-- `MIRROR`, y to -y: lateral components, moment, spin and angles change sign;
-- `EXCHANGE` of the bodies, z to -z: what acts on A now acts on B, so that tractions, slip and both
-  creepages change sign, and so do spin and moment, as x and y stay; fields stay in their places;
-- `Units`: lengths and stresses in other units, every key by its dimension;
-- `AXES`: e1 and e2 exchange their names, the angle turns by 90 degrees;
-- `STEP`, `SAVE`: half the step of a transient, and other records that store their fields.
+- `MIRROR` replaces y by -y: lateral components, moment, spin and angles change sign.
+- `EXCHANGE` exchanges the bodies, z becomes -z: a quantity that acted on A now acts on B, so
+  tractions, slip and both creepages change sign. Spin and moment also change sign, because x and y
+  do not change. The positions of the fields do not change.
+- `Units` uses other units of length and stress; every key changes according to its dimension.
+- `AXES` exchanges e1 and e2; the angle changes by 90 degrees.
+- `STEP` halves the step of a transient, and `SAVE` selects other records with stored fields.
 """
 
 import math
@@ -26,25 +27,23 @@ BODIES = {"A": "B", "B": "A"}
 UNCHECKED = re.compile(
     r"seconds|operator_applications|solves|jump|residual|next_step|stretch|.*_at|.*_error|revolution"
 )
-"""Columns that count work or steps, and places: a symmetric scene may have several."""
+"""Columns that count work or steps, and positions: a symmetric scene may have several."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a computation has found.
+    """The results of a computation.
 
-    Attributes
-    ----------
-    scene : Scene
-        What was computed.
+    Attributes ---------- scene : Scene
+        The computed scene.
     status, message : str
-        How it ended.
+        Status and message at the end.
     at, saved : ndarray
-        Coordinate of each record, and of those that stored their fields.
+        Coordinates of all records, and of the records with stored fields.
     values : dict of str to ndarray
-        Columns, one row a record, and fields, one row a stored record.
+        Columns, one row per record, and fields, one row per stored record.
     dims, units : dict
-        Dimensions other than the record, and unit, of each.
+        Further dimensions and unit of each quantity.
     """
 
     scene: ts.Scene
@@ -81,12 +80,12 @@ class Outcome:
         return cls(scene, history.status, history.message, at, saved, values, dims, units)
 
     def rows(self, name: str) -> np.ndarray:
-        """Coordinate of the rows of a quantity."""
+        """Return the coordinates of the rows of a quantity."""
         return self.saved if "x" in self.dims[name] else self.at
 
 
 def _rolled(scene: ts.Scene, saved: np.ndarray) -> np.ndarray:
-    """Where the slip of a record is per distance: not at the start of a transient, nor in jumps."""
+    """Return which records have slip per distance: not the start of a transient, nor jumps."""
     if scene.transient is None or scene.schedule.shifts:
         return np.ones(len(saved), bool)
     knots = np.asarray(scene.transient.distance)
@@ -95,7 +94,7 @@ def _rolled(scene: ts.Scene, saved: np.ndarray) -> np.ndarray:
 
 
 def sub_tables(tables: dict) -> Iterator[dict]:
-    """What has tables of load, creepage and friction: the scene, its courses and its blocks."""
+    """Yield all tables with load, creepage and friction: the scene, its courses and its blocks."""
     yield tables
     if "transient" in tables:
         yield tables["transient"]
@@ -103,12 +102,12 @@ def sub_tables(tables: dict) -> Iterator[dict]:
 
 
 def map_numbers(value, by: Callable[[float], float]):
-    """A number, or each of a list."""
+    """Apply a function to a number, or to each number of a list."""
     return tuple(map_numbers(v, by) for v in value) if np.iterable(value) else by(value)
 
 
 def change_sign(tables: dict, *keys: str) -> None:
-    """Change the sign of keys of load, creepage and friction wherever they are."""
+    """Change the sign of keys of load, creepage and friction in all tables."""
     for tables_here in sub_tables(tables):
         for key in keys:
             table, name = key.split(".")
@@ -118,7 +117,7 @@ def change_sign(tables: dict, *keys: str) -> None:
 
 
 def gaps(tables: dict) -> Iterator[dict]:
-    """The separations of a scene."""
+    """Yield the separations of a scene."""
     if "gap" in tables:
         yield tables["gap"]
     yield from tables.get("transient", {}).get("profile", {}).values()
@@ -128,16 +127,14 @@ def gaps(tables: dict) -> Iterator[dict]:
 class Change:
     """A change of a scene.
 
-    Attributes
-    ----------
-    name : str
-        What the tables of results call it.
+    Attributes ---------- name : str
+        Name in the tables of results.
     tables : callable
         Changes the tables of a scene in place.
     negative : pattern
         Quantities that change sign.
     flips_y, swaps_bodies : bool
-        What becomes of the dimensions of a quantity.
+        Effect on the dimensions of a quantity.
     applies : callable
         Whether the change applies to a scene.
     """
@@ -150,30 +147,30 @@ class Change:
     applies: Callable[[ts.Scene], bool] = lambda scene: True
 
     def scene(self, scene: ts.Scene) -> ts.Scene:
-        """The changed scene."""
+        """Return the changed scene."""
         tables = deep(scene.entries())
         self.tables(tables, scene)
         return ts.Scene(**tables)
 
     def back(self, found: Outcome) -> Outcome:
-        """Results of the changed scene in the frame and the units of the scene."""
+        """Return results of the changed scene in the frame and the units of the scene."""
         values = {}
         for name, rows in found.values.items():
             values[self.partner(name)] = self.value(name, rows, found)
         return replace(found, values=values, **self.coordinates(found))
 
     def coordinates(self, found: Outcome) -> dict[str, np.ndarray]:
-        """The coordinates, where they change."""
+        """Return the coordinates that change."""
         return {}
 
     def partner(self, name: str) -> str:
-        """The quantity that it is of the scene itself."""
+        """Return the quantity of the scene that corresponds to a quantity of the changed scene."""
         if self.swaps_bodies and name[-2:] in ("_A", "_B"):
             return name[:-1] + BODIES[name[-1]]
         return name
 
     def value(self, name: str, rows: np.ndarray, found: Outcome) -> np.ndarray:
-        """Its values of the scene itself."""
+        """Return the values of a quantity of the scene."""
         if self.negative.fullmatch(name):
             rows = -rows
         dims = ("record", *found.dims[name])
@@ -189,7 +186,7 @@ class Change:
 
 
 def deep(value):
-    """A copy of tables that may be changed."""
+    """Return a copy of tables that may be changed."""
     if isinstance(value, dict):
         return {key: deep(item) for key, item in value.items()}
     if isinstance(value, list | tuple) and any(isinstance(item, dict) for item in value):
@@ -235,7 +232,7 @@ def _exchanged(tables: dict, scene: ts.Scene) -> None:
 
 
 def _counts_alike(scene: ts.Scene) -> bool:
-    """Whether the revolutions that are counted are those of the other body, too."""
+    """Return whether both bodies have an equal number of revolutions."""
     radii = scene.body.A.radius_x, scene.body.B.radius_x
     equal = scene.wear is not None and scene.wear.turns == "equal"
     counted = scene.wear is not None or scene.fatigue is not None
@@ -308,17 +305,17 @@ DIMENSIONS: dict[str, tuple[int, int]] = {
 
 @dataclass(frozen=True)
 class Units(Change):
-    """Lengths and stresses in other units: numbers of them are so many times as large."""
+    """Other units of length and stress: numbers change by these factors."""
 
     length: float = 1.0
     stress: float = 1.0
 
     def factor(self, dimension: tuple[int, int]) -> float:
-        """What numbers of a dimension are multiplied by."""
+        """Return the factor of numbers of a dimension."""
         return self.length ** dimension[0] * self.stress ** dimension[1]
 
     def scene(self, scene: ts.Scene) -> ts.Scene:
-        """The same scene in these units."""
+        """Return the scene in these units."""
 
         def scaled(value, path: str):
             if isinstance(value, dict):
@@ -336,7 +333,7 @@ class Units(Change):
         return ts.Scene(**scaled(deep(scene.entries()), ""))
 
     def dimension(self, path: str, scene: ts.Scene) -> tuple[int, int]:
-        """Dimension of a key of a scene."""
+        """Return the dimension of a key of a scene."""
         key = re.sub(r"\b(body|coefficient|bulk|profile)\.[AB]\b", r"\1", path.lstrip("."))
         key = re.sub(r"^(transient|duty)\.(?=load|creepage|friction|profile)", "", key)
         if scene.line and key in ("load.normal", "load.force_x", "load.force_y"):
@@ -352,18 +349,18 @@ class Units(Change):
         return DIMENSIONS[key]
 
     def value(self, name: str, rows: np.ndarray, found: Outcome) -> np.ndarray:
-        """Its values in the units of the scene."""
+        """Return the values of a quantity in the units of the scene."""
         return rows / self.factor(dimension_of_unit(found.units[name]))
 
     def coordinates(self, found: Outcome) -> dict[str, np.ndarray]:
-        """Distances in the units of the scene."""
+        """Return distances in the units of the scene."""
         if found.scene.transient is None or found.scene.schedule.shifts:
             return {}
         return {"at": found.at / self.length, "saved": found.saved / self.length}
 
 
 def dimension_of_unit(unit: str) -> tuple[int, int]:
-    """Exponents of length and stress of a unit of results."""
+    """Return the exponents of length and stress of a unit of results."""
     known = {"N": (2, 1), "mm": LENGTH, "MPa": STRESS, "mg": (3, 0), "mW": (3, 1)}
     over, _, under = unit.partition("/")
     total = np.zeros(2, int)
@@ -375,13 +372,13 @@ def dimension_of_unit(unit: str) -> tuple[int, int]:
 
 
 def _same_dimensions(scene: ts.Scene) -> bool:
-    """Whether no law has coefficients in fixed units."""
+    """Return whether no law has coefficients in fixed units."""
     laws = {} if scene.wear is None else scene.wear.laws
     return not {"usfd", "brr", "jendel"} & set(laws.values())
 
 
 def _without_memory(scene: ts.Scene) -> bool:
-    """Whether friction has no memory either: it fades at 1 mm/s where nothing slides."""
+    """Return whether friction also has no memory, which fades at 1 mm/s in stick."""
     return _same_dimensions(scene) and not (scene.friction and scene.friction.memory)
 
 
@@ -416,6 +413,6 @@ def _saved_more(tables: dict, scene: ts.Scene) -> None:
 SAVE = Change("save", _saved_more, applies=lambda s: s.transient is not None or s.wear is not None)
 
 EXACT = (MIRROR, EXCHANGE, LENGTHS, STRESSES, AXES)
-"""Changes after which the discrete problem is the same, too."""
+"""Changes that also leave the discrete problem unchanged."""
 
 CHANGES = (*EXACT, STEP, SAVE)

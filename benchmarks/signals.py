@@ -1,14 +1,15 @@
 """How does the program end if it is interrupted at a random moment of its start?
 
-SIGINT and SIGTERM in turn. A program that has replaced the handlers of signals must end with exit
-status 3 and one line. Before that Python ends it: it starts, it reads the script `tractive-sam`
-that pip has written (which imports `re`), and it reads two modules of the package, which replace
-the handlers before they import anything.
+The signals are SIGINT and SIGTERM in turn. After the program has replaced the signal handlers, it
+must end with exit status 3 and one line. Before that, Python ends the program: while Python starts,
+while it reads the script `tractive-sam` that pip has written (which imports `re`), and while it
+reads two modules of the package, which replace the handlers before they import other modules.
 
-`begins` is the median time, in ms after the process began, at which a stage begins, and `lasts`
-that of its length, both of programs that reached the next one; `signals` counts signals in it,
-`one_line` those after which the program ended with exit status 3 and one line, and `slowest` is the
-longest time from a signal to the end, in s. Run it with bytecode in place: once is not counted.
+`begins` is the median time, in ms after the start of the process, at which a stage begins. `lasts`
+is the median length of the stage. Both are for programs that reached the next stage. `signals` is
+the number of signals in the stage, `one_line` the number after which the program ended with exit
+status 3 and one line, and `slowest` the longest time from a signal to the end, in s. The bytecode
+must exist, so one run is not counted.
 
     python benchmarks/signals.py [--signals 200] [--within 60] [ARGUMENT ...]
 
@@ -50,18 +51,16 @@ cli.main()
 
 @dataclass
 class Ending:
-    """How a program ended.
+    """The end of a program.
 
-    Attributes
-    ----------
-    marks : list of float
-        Times at which its stages after the first one began, s after its start.
+    Attributes ---------- marks : list of float
+        Start times of the stages after the first one, s after the start of the program.
     sent, took : float
-        Time of the signal, s after the start, and from then to the end.
+        Time of the signal, s after the start, and time from the signal to the end.
     status : int
         Exit status.
     message : str
-        What it printed on the standard error.
+        Output on the standard error.
     """
 
     marks: list[float]
@@ -77,12 +76,12 @@ class Ending:
 
     @property
     def is_one_line(self) -> bool:
-        """Whether it ended as a program does that was interrupted."""
+        """Whether the program ended like an interrupted program."""
         return self.status == 3 and len(self.message.strip().splitlines()) == 1
 
 
 def interrupted(arguments: list[str], after: float, number: signal.Signals, folder: str) -> Ending:
-    """Start the program and interrupt it after a time, in s."""
+    """Start the program, interrupt it after a time in s, and return its end."""
     read, marks = os.pipe()
     text = PROGRAM.replace("MARKS", str(marks)).replace("ARGUMENTS", repr(arguments))
     began = monotonic()
@@ -102,7 +101,7 @@ def interrupted(arguments: list[str], after: float, number: signal.Signals, fold
 
 
 def rows(endings: list[Ending]):
-    """Return a row of each stage."""
+    """Return a row for each stage."""
     whole = [(0.0, *one.marks) for one in endings if len(one.marks) == len(STAGES) - 1]
     for stage, name in enumerate(STAGES):
         inside = [one for one in endings if one.stage == stage]

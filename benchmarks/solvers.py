@@ -1,9 +1,9 @@
-"""What each method costs on the tangential problem of the scene `spheres`, over meshes.
+"""Cost of each method for the tangential problem of the scene `spheres`, for several meshes.
 
-All start cold from the same pressure and stop at a residual of 1e-8; Uzawa's method takes the
-upwind slip as in the paper, Newton's both. Newton's method includes its
-coarser meshes; their applications count by their share of the elements, and are also listed
-unweighted.
+All methods start without an initial guess, with a given pressure, and stop at a residual of 1e-8.
+Uzawa's method uses the upwind slip, as in the paper; Newton's method uses both schemes.
+Applications of Newton's method on coarser meshes count in proportion to their elements; they are
+also listed without this weight.
 
 Page: docs/benchmarks.md
 """
@@ -22,12 +22,12 @@ from tractive_sam.solvers.sequential import rectangle
 TOLERANCE = 1e-8
 MESHES = (31, 45, 61, 91, 127, 181, 255, 361)
 UZAWA_UP_TO = 181
-# The Fortran program CONTACT on the same scene and meshes, one core of the same kind.
+# The Fortran program CONTACT for this scene and these meshes, on an equal core.
 CONTACT_SECONDS = {91: 0.6, 181: 5.4, 361: 48.0}
 
 
 def problem_on(n: int, slip: str = "auto") -> Problem:
-    """The tangential problem on n x n elements."""
+    """Return the tangential problem on n x n elements."""
     scene = Scene.builtin("spheres").with_set(
         [f"grid.elements=[{n}, {n}]", f'solver.slip="{slip}"']
     )
@@ -49,7 +49,7 @@ METHODS = {
 
 
 def raw_applications(problem) -> int:
-    """Applications on all meshes of the nested method, each counted as one."""
+    """Return the applications on all meshes of the nested method, without weights."""
     spaces, space = [problem.operators], problem.operators
     while min(space.lattice.shape) > 24:
         space = space.coarsened
@@ -60,7 +60,7 @@ def raw_applications(problem) -> int:
 
 
 def transform_pair(problem) -> float:
-    """Seconds of the bare forward and backward FFT of one application."""
+    """Return the seconds of the bare forward and inverse FFT of one application."""
     plan = transform(2, problem.normal.pressure.shape, problem.operators.lattice.padded)
     fields = np.ones(problem.rigid.shape)
 
@@ -109,7 +109,7 @@ def main():
 
 
 def whole_scene():
-    """A steady solve from scene to contact, normal problem included."""
+    """Measure a steady solution from scene to contact, including the normal problem."""
     rows = []
     for n in (91, 181, 361):
         scene = Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])

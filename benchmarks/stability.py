@@ -1,13 +1,13 @@
-"""Stability maps: where each method breaks, measured and, where there is a theory, predicted.
+"""Stability maps: measured and, if there is a theory, predicted limits of each method.
 
     python benchmarks/stability.py [uzawa coupling slip wear control]
 
-`uzawa`: the longest step of Uzawa's iteration over mesh and aspect ratio, the bound from the
-eigenvalues of the slip operator on the contact and the estimate that the solver starts from.
-`coupling`: iterations on pressure and tractions of dissimilar bodies over Dundurs' beta and
-friction. `slip`: odd-even waves of the traction over the point at which the slip is taken.
-`wear`: growth of a ripple in one jump by explicit, stabilised and implicit steps. `control`: cost
-under a given load and under the approach that it takes.
+`uzawa`: the longest step of Uzawa's iteration for several meshes and aspect ratios, the bound from
+the eigenvalues of the slip operator in the contact, and the initial estimate of the solver.
+`coupling`: iterations for pressure and tractions of dissimilar bodies against Dundurs' beta and
+friction. `slip`: odd-even waves of the traction against the point at which the slip is evaluated.
+`wear`: growth of a ripple in one jump with explicit, stabilised and implicit steps. `control`: cost
+with a prescribed load and with the corresponding approach.
 
 Page: docs/validation.md
 """
@@ -35,7 +35,7 @@ FLAT = {"radius_x": np.inf, "radius_y": np.inf}
 
 
 def ball(n: int, aspect: float = 1.0, **tables) -> Scene:
-    """Equal bodies whose contact has the aspect ratio a/b, on n x n elements; 60 % of full slip."""
+    """Return equal bodies with the aspect ratio a/b, on n x n elements, at 60 % of full slip."""
     scene = Scene(
         **{
             "body": {
@@ -76,7 +76,7 @@ def finished(name: str, title: str, rows: list[dict], picture: Figure) -> None:
 
 
 def longest_step(problem: Problem, over: float) -> float:
-    """The longest step of Uzawa's iteration that does not diverge from the solution, bisected."""
+    """Return the longest step of Uzawa's iteration that does not diverge, by bisection."""
     solved = Anderson().solve(problem, 1e-9)
     nudge = 1e-6 * np.random.default_rng(0).normal(size=solved.traction.shape)
     low, high = 0.1 * over, 10.0 * over
@@ -96,9 +96,9 @@ def longest_step(problem: Problem, over: float) -> float:
 
 
 def uzawa_step():
-    """|1 - r l| < 1 for the eigenvalues l of the slip operator where it sticks, or on all elements.
+    """Map |1 - r l| < 1 for the eigenvalues l of the slip operator in stick, or on all elements.
 
-    The first is necessary where nothing else changes, the second is enough.
+    The first condition is necessary if no element changes its state; the second is sufficient.
     """
     rows = []
     for aspect in (0.2, 1.0, 5.0):
@@ -130,8 +130,8 @@ def uzawa_step():
         axes.loglog(n, [r["eigenvalues, stick"] for r in mine], "x:", color=colour)
         axes.loglog(n, [r["eigenvalues, all"] for r in mine], "+:", color=colour)
         axes.loglog(n, [r["estimate"] for r in mine], "--", color=colour, lw=0.8)
-    axes.plot([], [], "kx:", label="eigenvalues where it sticks")
-    axes.plot([], [], "k+:", label="eigenvalues of the whole contact")
+    axes.plot([], [], "kx:", label="eigenvalues in stick")
+    axes.plot([], [], "k+:", label="eigenvalues of the complete contact")
     axes.plot([], [], "k--", lw=0.8, label="estimate dx/A of the solver")
     axes.set(xlabel="elements a side", ylabel="longest step of the slip, dimensionless")
     axes.set_xticks([11, 15, 21, 29, 41], ["11", "15", "21", "29", "41"])
@@ -145,11 +145,12 @@ def uzawa_step():
 
 
 def coupling():
-    """Bodies without Poisson's ratio, beta = (1 - E_A/E_B)/(1 + E_A/E_B)/2.
+    """Map bodies with Poisson's ratio 0 and beta = (1 - E_A/E_B)/(1 + E_A/E_B)/2.
 
-    In stick and slip at a small creepage, and in full slip at 10 mu p0/G: there the tractions
-    follow the pressure at once, and lift by some beta mu of what it does. That is the factor by
-    which an alternation converges or diverges.
+    The cases are partial slip at a small creepage, and full slip at 10 mu p0/G. In full slip, the
+    tractions are proportional to the pressure and cause a normal displacement of about beta mu
+    times the displacement due to the pressure. This ratio is the factor by which an alternating
+    iteration converges or diverges.
     """
     rows = []
     methods = {
@@ -194,7 +195,7 @@ def coupling():
     picture.supylabel("Dundurs' beta")
     picture.colorbar(image, ax=axes, label="applications to 1e-8, 21 x 21")
     finished(
-        "coupling", "Dissimilar bodies: applications to 1e-8, inf where it fails", rows, picture
+        "coupling", "Dissimilar bodies: applications to 1e-8, inf after a failure", rows, picture
     )
 
 
@@ -202,7 +203,7 @@ def coupling():
 
 
 def _difference(offset: float, n: int) -> np.ndarray:
-    """The slip of n x n unit elements at a point ahead of their centres, as a matrix; G = 1."""
+    """Return the slip of n x n unit elements at a point ahead of their centres, with G = 1."""
     nu, out = 0.3, np.empty((2, 2 * n - 1, 2 * n - 1, 2, 2))
     for side in (0, 1):
         for i in range(2 * n - 1):
@@ -220,7 +221,7 @@ def _difference(offset: float, n: int) -> np.ndarray:
 
 
 def odd_even(field: np.ndarray, inside: np.ndarray) -> float:
-    """Share of the waves of two elements in x in a field of shape (2, n_x, n_y)."""
+    """Return the share of waves of two elements in x in a field of shape (2, n_x, n_y)."""
     waves = (field[:, :-2] - 2.0 * field[:, 1:-1] + field[:, 2:]) / 4.0
     return float(
         np.linalg.norm(waves[:, inside[1:-1]]) / np.linalg.norm(field[:, 1:-1][:, inside[1:-1]])
@@ -228,7 +229,7 @@ def odd_even(field: np.ndarray, inside: np.ndarray) -> float:
 
 
 def slip():
-    """Full stick on a disc, by the slip at a point some elements ahead of the centres."""
+    """Map full stick on a disc against the point of the slip, in elements ahead of the centres."""
     n = 19
     x = np.arange(n) - 0.5 * (n - 1)
     radius = np.hypot(x[:, None], x[None, :])
@@ -315,7 +316,10 @@ def explicit(rate, profile, jump, response):
 
 
 def stabilised(rate, profile, jump, response, count=5):
-    """Stable to g jump = 2 count² nearly; its waves are damped by 5 % only."""
+    """Advance by a step that is stable to about g jump = 2 count².
+
+    Its waves are damped by only 5 %.
+    """
     t, w0, w1 = _stages(count)
     before, now = profile, profile + jump * w1 / w0 * rate(profile)
     for j in range(2, count + 1):
@@ -327,7 +331,7 @@ def stabilised(rate, profile, jump, response, count=5):
 
 
 def implicit(rate, profile, jump, response):
-    """Linearly implicit Euler with the approximate response of the library."""
+    """Advance by a linearly implicit Euler step with the approximate response of the package."""
     system = np.eye(profile.size) / jump - response
     return profile + np.linalg.solve(system, rate(profile))
 
@@ -341,7 +345,7 @@ def polynomial(count: int, z: np.ndarray) -> np.ndarray:
 
 
 def wear():
-    """A ripple of the profile after one jump over before; theory: a half-space fully in contact."""
+    """Map the ratio of a ripple after and before a jump; theory: half-space in full contact."""
     rows = []
     for elements in (41, 81):
         mesh = [f"grid.elements=[21, {elements}]", "grid.half_length=[0.35, 0.9]"]
@@ -414,7 +418,7 @@ def wear():
 
 
 def control():
-    """The same contacts under a load and under the approach that it takes, down to few elements."""
+    """Compare contacts under a load and under the corresponding approach, down to few elements."""
     rows = []
     for kind in ("equal", "dissimilar"):
         for n in (15, 31):

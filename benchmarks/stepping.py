@@ -1,19 +1,21 @@
-"""Contact solves and time of the twin discs' wear over the tolerance, for each stepping scheme.
+"""Contact solves and time of the twin discs' wear against the tolerance, for each stepping scheme.
 
-The profile E with which material enters obeys E(n + 1) = E(n) + R(E(n)). Every stepping here
-goes through the sum over the revolutions to second order: the package's in the profile halfway
-through a revolution (`tractive_sam.rolling.adaptive`), the others in dE/dn = R - J R / 2, under the
-same step control, to 15,000 revolutions of `twin-discs` at beta = 0 on the paper's mesh:
+The profile E of the entering material satisfies E(n + 1) = E(n) + R(E(n)). Every scheme here is of
+second order for the sum over the revolutions. The scheme of the package uses the profile halfway
+through a revolution (`tractive_sam.rolling.adaptive`); the others use dE/dn = R - J R / 2. All use
+one step control. The scene is `twin-discs` at beta = 0 over 15,000 revolutions, on the mesh of the
+paper:
 
-- Heun: explicit, second order, error by Euler;
+- Heun: explicit, second order, error estimate by Euler;
 - RKC: Runge-Kutta-Chebyshev, stabilised explicit of second order with as many stages as the jump
   needs (Sommeijer, Shampine & Verwer 1998, J. Comput. Appl. Math. 88, 315-326);
 - ROS2: linearly implicit of second order for any approximation of the Jacobian, a W-method (Verwer,
-  Spee, Blom & Hundsdorfer 1999, SIAM J. Sci. Comput. 20, 1456-1480), with the package's response;
-- adaptive: the package's, two-step backward differentiation with that response.
+  Spee, Blom & Hundsdorfer 1999, SIAM J. Sci. Comput. 20, 1456-1480), with the response of the
+  package;
+- adaptive: the scheme of the package, two-step backward differentiation with this response.
 
-They are measured against the run in which every revolution is rolled (`benchmarks/references`; the
-first time some ten minutes). Seconds are those of the process, on its one thread.
+The reference is the run that computes every revolution (`benchmarks/references`; about ten minutes
+the first time). Seconds are CPU seconds of the process, on one thread.
 
 Page: docs/benchmarks.md
 """
@@ -40,12 +42,12 @@ MOST_SOLVES = 2500
 
 
 class RefusedError(Exception):
-    """A contact of a jump was not solved, or does not fit the mesh."""
+    """A contact of a jump has no solution, or does not fit the mesh."""
 
 
 @dataclass
 class Course:
-    """Where a stepping is, what it costs, and the rate dE/dn of any profile."""
+    """Position of a stepping, its cost, and the rate dE/dn of any profile."""
 
     model: Model
     passage: Passage
@@ -57,7 +59,7 @@ class Course:
         return max(LAG * scene.wear.tolerance, scene.solver.tolerance)
 
     def visit(self, profile: np.ndarray, revolution: int) -> tuple[np.ndarray, Passage]:
-        """The rate at a profile, and the passage it was found in."""
+        """Return the rate at a profile, and the passage from which it follows."""
         now = passage_at(self.model, revolution, profile, self.passage.contact, self.lag)
         self.solves += now.solves
         if not now.contact.converged:
@@ -73,7 +75,7 @@ class Course:
 
 
 Step = Callable[[Course, int], tuple[np.ndarray, np.ndarray]]
-"""From a course and a jump to the profile there and an estimate of its error."""
+"""Maps a course and a jump to the final profile and an estimate of its error."""
 
 
 def heun(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
@@ -84,7 +86,7 @@ def heun(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
-    """As many stages as the jump needs, damped by 2/13, and the error by its two ends."""
+    """Advance with as many stages as the jump needs, damped by 2/13; estimate the error."""
     profile, rate = course.here()
     radius = np.abs(np.linalg.eigvals(wear_response(course.model, course.passage.contact))).max()
     stages = max(2, 1 + int(np.sqrt(1.0 + 1.54 * jump * radius)))
@@ -111,7 +113,7 @@ def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def rosenbrock(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
-    """Two stages, gamma = 1 + 1/sqrt(2); the error by the first of them, of order one."""
+    """Advance with two stages, gamma = 1 + 1/sqrt(2); the first stage estimates the error."""
     profile, rate = course.here()
     gamma = 1.0 + np.sqrt(0.5)
     response = wear_response(course.model, course.passage.contact)
@@ -128,7 +130,7 @@ STEPPINGS: dict[str, Step] = {"Heun": heun, "RKC": chebyshev, "ROS2": rosenbrock
 
 
 def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
-    """Roll the discs in jumps; the records are those of the saved revolutions."""
+    """Compute the discs in jumps; the records are the saved revolutions."""
     began = process_time()
     model = Model(discs(SAVED[-1], f"wear.tolerance={tolerance}"))
     first = next_passage(model, first_passage(model))
@@ -148,7 +150,7 @@ def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
 
 
 def _advance(course: Course, step: Step, jump: int, tolerance: float) -> float:
-    """Try a jump; the factor by which the next one should differ."""
+    """Try a jump, and return the factor for the length of the next jump."""
     entering = course.passage.entering
     try:
         profile, missed = step(course, jump)
@@ -162,7 +164,7 @@ def _advance(course: Course, step: Step, jump: int, tolerance: float) -> float:
 
 
 def row(name: str, tolerance: float, solves: int, seconds: float, history, reference) -> dict:
-    """A line of the table; of a stepping that was stopped, the last revolution it saved."""
+    """Return a line of the table; for a stopped scheme, the line of its last saved revolution."""
     last = int(history["revolution"][-1])
     found = errors(history, reference, last)
     return {

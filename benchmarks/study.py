@@ -1,12 +1,13 @@
-"""Studies on a cluster of processes, workers killed meanwhile, and what the engine costs.
+"""Studies on a cluster of processes, with killed workers, and the cost of the engine.
 
 A scheduler and two workers are started by their command lines. The creep-force map of
 `spheres-orthotropic` over 10 creepages and 7 angles, and `twin-discs` over 7 angles, run on them
-through ``tractive-sam study`` while a worker is killed in each (SIGKILL): of the first its process,
-which its nanny starts again; of the second the nanny as well, so that one worker is left. Results
-are compared with those of one process. Then both run on one worker and on two, 2,000 cases that do
-nothing measure the cost of the engine, and a folder of 10,000 cases that of reading one.
-The last table says on paper what 10,000 cases would take on 500 cores, from these figures.
+through ``tractive-sam study``. In each study, a worker is killed (SIGKILL): in the first, the
+process of the worker, which its nanny starts again; in the second, the nanny as well, so that one
+worker remains. The results are compared with a computation by one process. Both studies then run on
+one and on two workers. The cost of the engine is measured with 2,000 empty cases, and the cost of
+reading with a folder of 10,000 cases. From these values, the last table estimates the time of
+10,000 cases on 500 cores.
 
 Page: docs/howto/cluster.md
 """
@@ -45,7 +46,7 @@ MAP = ts.Study(
     ],
 )
 DISCS = ts.Study(
-    title="Twin discs over the angle of friction",
+    title="Twin discs at several friction angles",
     scene="twin-discs",
     without=["subsurface"],
     axis=[{"key": "friction.angle", "values": ANGLES}],
@@ -53,7 +54,7 @@ DISCS = ts.Study(
 COMPARED = ("revolution", "Qx", "Qy", "p_max", "wear_max", "half_width_y", "stick_fraction")
 IDLE_CASES, MANY_CASES, CORES = 2000, 10_000, 500
 SHARED_DISKS = 5.0
-"""What a file system that 500 cores share may take, GB/s: an assumption."""
+"""Assumed bandwidth of a file system that 500 cores share, GB/s."""
 
 
 def started(*arguments: str, folder: Path) -> subprocess.Popen:
@@ -66,7 +67,7 @@ def started(*arguments: str, folder: Path) -> subprocess.Popen:
 
 @contextmanager
 def cluster(workers: int, folder: Path) -> Iterator[str]:
-    """Start a scheduler and workers as separate programs; yields the address."""
+    """Start a scheduler and workers as separate programs, and yield the address."""
     file = folder / f"scheduler-{workers}.json"
     file.unlink(missing_ok=True)
     programs = [started("scheduler", "--port", "0", "--no-dashboard", "--no-show",
@@ -93,12 +94,12 @@ def cluster(workers: int, folder: Path) -> Iterator[str]:
 
 
 def _warmed_up() -> None:
-    """Have the kernels compiled and loaded: they are not what is timed."""
+    """Compile and load the kernels, which are not timed."""
     ts.roll(MAP.scene)
 
 
 def serial(study: ts.Study, folder: Path) -> tuple[ts.StudyResults, dict]:
-    """Run a study in this process; returns also what a case costs there."""
+    """Run a study in this process, and return it with the cost of a case."""
     before, began, spent = _written(), perf_counter(), _cpu_seconds()
     results = ts.study(study, folder, workers=0)
     took, (calls, volume) = perf_counter() - began, _written() - before
@@ -116,14 +117,14 @@ def serial(study: ts.Study, folder: Path) -> tuple[ts.StudyResults, dict]:
 
 
 def _written() -> np.ndarray:
-    """Calls that wrote, and bytes, of this process up to now."""
+    """Return the number of write calls and bytes of this process so far."""
     lines = Path("/proc/self/io").read_text().splitlines()
     counts = {name: int(count) for name, count in (line.split(": ") for line in lines)}
     return np.array([counts["syscw"], counts["wchar"]])
 
 
 def client(study: ts.Study, folder: Path, address: str) -> subprocess.Popen:
-    """The study by its command line."""
+    """Start the command line of the study."""
     file = folder.with_suffix(".toml")
     file.write_text(study.to_toml())
     command = [sys.executable, "-m", "tractive_sam", "study", file, "-o", folder]
@@ -141,7 +142,7 @@ def killed(address: str, with_nanny: bool) -> None:
 
 
 def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny: bool) -> dict:
-    """Run a study, kill a worker when a third of it is done, and compare."""
+    """Run a study, kill a worker after a third of the cases, and compare the results."""
     with cluster(2, folder.parent) as address:
         began = perf_counter()
         running = client(study, folder, address)
@@ -164,9 +165,9 @@ def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny:
 
 
 def scaling(study: ts.Study, single: dict, scratch: Path) -> list[dict]:
-    """Time on one worker and on two; that of the CPU does not know what else the machine does."""
+    """Return the time on one and on two workers; CPU time does not depend on other programs."""
     count = single["cases"]
-    of_one = {"workers": "none, in one process", "s": count * single["s a case"], "busy": 1.0}
+    of_one = {"workers": "none (one process)", "s": count * single["s a case"], "busy": 1.0}
     rows = [{"study": study.title, **of_one, "s of CPU": count * single["s of CPU a case"]}]
     for workers in (1, 2):
         folder, busy = scratch / f"scaling-{len(study)}-{workers}", []
@@ -192,7 +193,7 @@ def _cpu_seconds_of_workers(address: str) -> float:
 
 
 def engine(scratch: Path) -> dict:
-    """Time of handing out cases that end at once, and of the messages that go with them."""
+    """Measure the time for distributing cases that end at once, and for their messages."""
     axis = {"key": "friction.angle", "start": 0, "stop": 90, "number": IDLE_CASES}
     idle = cases(ts.Study(scene=DISCS.scene, axis=[axis]))
     nowhere = scratch / "nowhere"  # a worker that finds no folder says so and is done
@@ -219,7 +220,7 @@ def _cpu_seconds() -> float:
 
 
 def many(done: ts.StudyResults, scratch: Path) -> dict:
-    """What the client does with a study of 10,000 cases that are all complete."""
+    """Measure the client with a study of 10,000 complete cases."""
     axis = {"key": "friction.angle", "start": 0, "stop": 90, "number": MANY_CASES}
     study, folder = ts.Study(scene=DISCS.scene, axis=[axis]), scratch / "many"
     folder.mkdir()
@@ -252,7 +253,7 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
 
 
 def on_paper(single: dict, engine: dict, large: dict) -> dict:
-    """Time of many cases on many cores like these, and what they write."""
+    """Estimate the time of many cases on many cores, and the size of their files."""
     cores = MANY_CASES * single["s of CPU a case"] / CORES
     scheduler = MANY_CASES * engine["ms of scheduler"] / 1e3
     disks = MANY_CASES * single["MB written a case"] / 1e3 / SHARED_DISKS

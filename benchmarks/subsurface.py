@@ -1,11 +1,11 @@
-"""Stress below the surface: time and memory of volumes and planes, as ratios to their bare FFTs.
+"""Stress below the surface: time and memory of volumes and planes, relative to bare FFTs.
 
-Bare FFTs are the transforms that the work needs and no more, executed on its own arrays: per layer
-four packed tables forward and six stresses back, per depth of a plane eight packed rows an edge.
-The usual method takes 18 tables forward instead of four; `over 18 + 6` compares with that. Ratios
-are of medians over layers or depths, so that other work on the machine weighs on both sides alike.
-The volume of 512 x 512 x 64 runs in a separate process, whose peak resident memory is that of all
-it loads.
+Bare FFTs are only the required transforms, executed on the arrays of the package: per layer, four
+packed tables forward and six stresses back; per depth of a plane, eight packed rows for each edge.
+The usual method transforms 18 tables forward instead of four; `over 18 + 6` is relative to this
+method. Ratios are based on medians over layers or depths, so that other work on the machine affects
+both sides equally. The volume of 512 x 512 x 64 runs in a separate process, and its memory is the
+peak resident memory of this process.
 
 Page: docs/benchmarks.md
 """
@@ -36,7 +36,7 @@ from tractive_sam.subsurface.loaded import LoadedBodies
 
 DEPTHS = 64
 LARGE = 512
-# The Fortran program CONTACT: 151 depths of the plane y = 0 on 91 x 91, one core of the same kind.
+# The Fortran program CONTACT: 151 depths of the plane y = 0 on 91 x 91 elements, on an equal core.
 CONTACT_SECONDS = 2.0
 
 
@@ -49,7 +49,7 @@ def depths(contact: State, count: int) -> np.ndarray:
 
 
 def stream(contact: State, count: int, threads: int = 1) -> list[float]:
-    """Compute every layer of a volume and drop it; the seconds of each."""
+    """Compute every layer of a volume without storing it, and return the seconds of each layer."""
     stamps = [perf_counter()]
     for _ in stress_volume(contact, depths(contact, count), threads=threads):
         stamps.append(perf_counter())  # noqa: PERF401 - the time between two layers
@@ -57,7 +57,7 @@ def stream(contact: State, count: int, threads: int = 1) -> list[float]:
 
 
 def peak(run: Callable[[], object]) -> int:
-    """Largest memory that Python and numpy hold at once during a call, bytes."""
+    """Return the largest memory that Python and numpy use at once during a call, bytes."""
     tracemalloc.start()
     run()
     _, most = tracemalloc.get_traced_memory()
@@ -91,7 +91,7 @@ def volume(contact: State) -> dict:
 
 
 def textbook(n: int) -> float:
-    """Seconds of 18 tables forward and six stresses back, on the doubled mesh."""
+    """Return the seconds of 18 tables forward and six stresses back, on the doubled mesh."""
     p = padded_length(n)
     real = pyfftw.zeros_aligned((6, p, p))
     spectrum = pyfftw.zeros_aligned((6, p, p // 2 + 1), dtype=complex)
@@ -133,7 +133,7 @@ def plane(contact: State, text: str, count: int) -> dict:
 
 
 def large(threads: int) -> None:
-    """Measure, in a separate process, sliding spheres under Hertz pressure on a large mesh."""
+    """Measure sliding spheres under Hertz pressure on a large mesh, in a separate process."""
     small = spheres(31)
     grid = Grid(small.grid.half_length, (LARGE, LARGE))
     pressure = small.scene.hertz.pressure(grid.x[:, None], grid.y)
@@ -158,7 +158,7 @@ def large_rows() -> list[dict]:
         took, resident = map(float, done.stdout.split())
         rows.append(
             {
-                "what": f"volume {LARGE} x {LARGE} x {DEPTHS}, {threads} threads, whole process",
+                "what": f"volume {LARGE} x {LARGE} x {DEPTHS}, threads: {threads}, full process",
                 "seconds": took,
                 "MiB": resident,
             }

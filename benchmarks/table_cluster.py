@@ -1,9 +1,8 @@
-"""A table made by the workers of a scheduler, one of them killed meanwhile.
+"""A table computed by the workers of a scheduler, while one worker is killed.
 
-A table of circular contacts is made in this process, and by ``tractive-sam table --scheduler`` on
-two workers that are started by their command lines, one of them killed (SIGKILL) while it
-solves contacts; its nanny starts another. Both have the same nodes; what differs is compared, and
-what each cost.
+A table of circular contacts is computed in this process and by ``tractive-sam table --scheduler``
+on two workers. One worker is killed (SIGKILL) while it solves contacts; its nanny starts another.
+Both tables have equal nodes; their values and costs are compared.
 
     python benchmarks/table_cluster.py
 
@@ -29,7 +28,7 @@ DESIGN = ts.TableDesign(ellipticity=1.0, tolerance=0.2, elements=15)
 
 
 def kill_one_at_work(address: str, running: subprocess.Popen) -> int:
-    """Kill a worker that solves contacts; returns how many contacts' batches were with it."""
+    """Kill a worker that solves contacts; return the number of batches of contacts that it had."""
     with Client(address, set_as_default=False) as client:
         while not (busy := {at: calls for at, calls in client.processing().items() if calls}):
             assert running.poll() is None
@@ -41,7 +40,7 @@ def kill_one_at_work(address: str, running: subprocess.Popen) -> int:
 
 
 def row(build: str, table: ts.CreepTable, took: float) -> dict:
-    """What a table cost."""
+    """Return the cost of a table."""
     hours = float(table.about["cpu_seconds"]) / 3600.0
     contacts = int(table.about["contacts"])
     return {
@@ -80,7 +79,7 @@ def main() -> None:
             assert running.wait() == 0
             took = perf_counter() - began
         together = ts.open_table(folder / "table.nc")
-    rows.append(row(f"two workers, one killed with {lost} batches", together, took))
+    rows.append(row(f"two workers, one killed (lost batches: {lost})", together, took))
     for one, other in zip(serial.law.axes, together.law.axes, strict=True):
         np.testing.assert_array_equal(one, other)
     values = [one.law.coefficients[..., 0, :] for one in (serial, together)]

@@ -1,10 +1,10 @@
-"""Gradients of the built-in table of steel against contacts solved on finer meshes.
+"""Gradients of the built-in table `steel`, compared with contacts solved on finer meshes.
 
-Slopes at rest, Kalker's creep coefficients C11, C22, C23 (by spin of the lateral force; by lateral
-creepage of the moment) and C33, over a/b: the reference is extrapolated from 22 meshes
-of 29 to 131 elements across the contact. Then gradients at random points, as
-`benchmarks/tables.py` draws them, against contacts of 43 elements: largest of the nine errors over
-sqrt(K_ii K_jj), K_ii the slopes at rest.
+The slopes at zero creepage are Kalker's creep coefficients C11, C22, C23 (from the lateral force
+due to spin, and from the moment due to lateral creepage) and C33, for several a/b. Their reference
+is extrapolated from 22 meshes of 29 to 131 elements across the contact. Gradients at random points,
+drawn as in `benchmarks/tables.py`, are compared with contacts of 43 elements: the largest of the
+nine errors is divided by sqrt(K_ii K_jj) with the slopes K_ii at zero creepage.
 
     python benchmarks/table_gradients.py [POINTS]
 
@@ -26,13 +26,13 @@ KALKER = {"C11": "C11", "C22": "C22", "C23, force": "C23", "C33": "C33"}
 
 
 def contact_of(ratio: float) -> dict:
-    """Return a contact in which scaled creepages are creepages: G = mu P = c = 1."""
+    """Return a contact with G = mu P = c = 1, so that scaled creepages are creepages."""
     root = math.sqrt(ratio)
     return {"a": root, "b": 1.0 / root, "load": 1.0, "mu": 1.0, "shear": 1.0}
 
 
 def at_rest(table: ts.CreepTable, ratio: float) -> dict:
-    """Return the errors of the slopes at rest of one a/b, in percent."""
+    """Return the errors of the slopes at zero creepage for one a/b, in per cent."""
     meshes = 2 * np.unique(np.rint(np.geomspace(29, 131, 22) / 2).astype(int)) + 1
     limit, bar = Contacts(unit_scene(ratio, 0.3)).slopes_at_rest(meshes)
     found = table(0.0, 0.0, 0.0, **contact_of(ratio))

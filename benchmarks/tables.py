@@ -1,12 +1,12 @@
-"""Creep forces by a table, by approximate theories and by contacts: error against time.
+"""Creep forces from a table, from approximate theories and from contacts: error against time.
 
-A thousand points that no table has seen: a/b between those of the built-in table of steel, scaled
-creepages of normal distribution up to full slip, spin as well. The reference is a contact of twice
-to three times the elements of any node of the table. Errors are those of (Q_x, Q_y) over mu P, the
-larger one, and of the moment over mu P c where a method gives one. Times are those of one
-evaluation on one core, of the table also in arrays of a million points, with gradients and errors,
-and in C. The figure compares the points held out when the table was made with the errors that the
-table reports.
+A thousand points are not used by any table: a/b is in the range of the built-in table `steel`, and
+scaled creepages and spin have normal distributions up to full slip. The reference is a contact with
+two to three times the elements of any node of the table. Errors are the larger error of (Q_x, Q_y),
+divided by mu P, and, if a method gives the moment, its error divided by mu P c. Times are for one
+evaluation on one core; the table is also evaluated for an array of a million points, with gradients
+and errors, and in C. The figure compares the errors at the test points of the table with its error
+bars.
 
     python benchmarks/tables.py [POINTS]
 
@@ -35,7 +35,7 @@ NU, FINE = 0.3, 47
 SPREAD = np.array([0.4, 0.4, 0.8])
 """Of the scaled creepages."""
 
-TABLE = "table of steel"
+TABLE = "table `steel`"
 
 MANY = 1_000_000
 """Points at once."""
@@ -45,7 +45,7 @@ FEW = 40
 
 
 def points(table: ts.CreepTable, count: int) -> list[tuple[float, np.ndarray]]:
-    """Random a/b and scaled creepages, those of one a/b one after another."""
+    """Return random a/b and scaled creepages, sorted by a/b."""
     random = np.random.default_rng(20)
     ratios = np.exp(random.uniform(*np.log(table.ellipticity), FEW))
     return [(float(ratios[k * FEW // count]), random.normal(size=3) * SPREAD)
@@ -90,7 +90,7 @@ def at_once(found: list[tuple[float, np.ndarray]]) -> tuple[np.ndarray, dict]:
 
 
 def within(table: ts.CreepTable, found: list, errors: np.ndarray) -> float:
-    """Return the share of the points whose errors are within the reported ones."""
+    """Return the fraction of the points with errors within the reported error bars."""
     w, contact = at_once(found)
     return float((errors <= table(*w, **contact).error.T).all(axis=1).mean())
 
@@ -166,7 +166,7 @@ def main() -> None:
         return np.array([f.Qx, f.Qy, f.Mz])
 
     methods = {
-        f"{TABLE}, one by one": looked_up,
+        f"{TABLE}, single points": looked_up,
         "Kalker's linear theory": linear,
         "Vermeulen-Johnson": by_vermeulen_johnson,
         "FASTSIM, 30 x 30": by_fastsim,
@@ -218,7 +218,7 @@ def main() -> None:
     print(path)
 
 
-LABELS = {  # by the method: where its label is, in points from its median, and how it is aligned
+LABELS = {  # of a method: position of its label, in points from its median, and its alignment
     "Kalker's linear theory": (8, 0, "left"),
     "Vermeulen-Johnson": (8, -5, "left"),
     "FASTSIM, 30 x 30": (0, -14, "center"),
@@ -227,7 +227,7 @@ LABELS = {  # by the method: where its label is, in points from its median, and 
 
 
 def draw(rows: list[dict]) -> Path:
-    """Median and worst error over the time of an evaluation."""
+    """Draw median and largest error against the time of an evaluation."""
     figure, axes = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
     others = iter(("C1", "C2", "C3", "C4"))
     for row in rows:

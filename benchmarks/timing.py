@@ -22,10 +22,10 @@ RESULTS = Path(__file__).parent / "results"
 
 
 def seconds(run: Callable[[], object], budget: float = 2.0, most: int = 15) -> float:
-    """Median time of a call on one core, after one that is not counted.
+    """Return the median time of a call on one core; the first call is not counted.
 
-    The time of the process: what else the machine does does not count. As many calls as fit the
-    budget but at least three; one where a call is longer than the budget.
+    Times are CPU times of the process. As many calls are made as fit the budget, but at least
+    three, or one if a call takes longer than the budget.
     """
     times = []
     while not times or (sum(times) < budget and len(times) < most):

@@ -1,6 +1,7 @@
 """Compare the time of a contact with transforms of FFTW and of SciPy, which replace FFTW if needed.
 
-Both run alternately, each in its own process without compilation; times are those of the process.
+Both run alternately, each in a separate process without compilation. Times are CPU times of the
+processes.
 
 Page: docs/citing.md
 """

@@ -1,17 +1,17 @@
-"""Transient rolling: does every step converge, what does it cost, how accurate is it?
+"""Transient rolling: convergence, cost and accuracy of the steps.
 
 - `courses`: 200 random courses on a small mesh, of load or approach, creepages or forces, spin,
-  friction and profiles, with jumps, bodies that part, shifts, dissimilar and orthotropic: statuses,
-  applications of operators per step;
-- `killed`: 40 of them stopped after a random record and resumed: how far the two histories differ,
-  over the largest value;
-- `steps`: applications and convolutions per step on 91 x 91 elements, of several courses;
-- `cost`: applications, convolutions and time per step over the mesh, also over the time of one
-  application of the tangential operator;
-- `order`: error of Q_x after a step of creepage, over the mesh and over the step, against the
-  extrapolated finest one;
-- `wear`: what passes through a constant course against a steady revolution, over the mesh; a ball
-  that slides to and fro against the closed form, over the mesh and the step.
+  friction and profiles, with jumps, separated bodies, shifts, dissimilar bodies and orthotropic
+  friction: status and operator applications per step;
+- `killed`: 40 of these courses, stopped after a random record and resumed: difference between the
+  two histories, divided by the largest value;
+- `steps`: applications and convolutions per step on 91 x 91 elements, for several courses;
+- `cost`: applications, convolutions and time per step for several meshes, and the time divided by
+  the time of one application of the tangential operator;
+- `order`: error of Q_x after a step of creepage, for several meshes and step lengths, relative to
+  an extrapolation;
+- `wear`: wear of a constant course compared with a steady revolution, for several meshes; an
+  oscillating ball compared with the closed form, for several meshes and steps.
 
     python benchmarks/transient.py [courses killed steps cost order wear]
 
@@ -36,7 +36,7 @@ COURSES, KILLED = 200, 40
 
 
 def random_scene(seed: int, n: int = 19) -> ts.Scene:  # noqa: PLR0912 - each may be or not
-    """A scene with random courses."""
+    """Return a scene with random courses."""
     draw = np.random.default_rng(seed)
     changes: dict = {"grid.elements": (n, n), "grid.half_length": (5.0, 5.0)}
     if draw.random() < 0.3:
@@ -95,7 +95,7 @@ def random_scene(seed: int, n: int = 19) -> ts.Scene:  # noqa: PLR0912 - each ma
 
 
 def courses() -> None:
-    """Random courses."""
+    """Compute random courses."""
     rows = []
     for seed in range(COURSES):
         history = ts.roll(random_scene(seed))
@@ -120,7 +120,7 @@ class KilledError(Exception):
 
 
 def killed() -> None:
-    """Random courses stopped and resumed."""
+    """Stop and resume random courses."""
     rows = []
     for seed in range(KILLED):
         scene = random_scene(seed)
@@ -150,17 +150,17 @@ def killed() -> None:
         )
     write("transient_killed", rows)
     print(
-        f"{sum(row['same'] for row in rows)} of {len(rows)} the same, "
+        f"{sum(row['same'] for row in rows)} of {len(rows)} identical, "
         f"apart by {max(row['apart'] for row in rows):.1e} at most"
     )
     if bad := [row for row in rows if not row["same"] or row["apart"] > 1e-6]:
-        show("not the same", bad)
+        show("not identical", bad)
 
 
 def steps() -> None:
-    """Applications and convolutions per step at 91 x 91 elements.
+    """Measure applications and convolutions per step on 91 x 91 elements.
 
-    Convolutions include those of the preconditioners; none depends on the machine.
+    Convolutions include the preconditioners; the counts do not depend on the machine.
     """
     dx, rows = 2.0 * 4.08 / 91, []
     wave = 0.5 * MU * P * np.sin(0.1 * np.pi * np.arange(41))
@@ -180,11 +180,11 @@ def steps() -> None:
         ),
         "orthotropic": ({"friction.mu": (0.4, 0.2), "friction.angle": 30.0}, creeping),
         "dissimilar": ({"body.B.shear": 3.0}, creeping),
-        "force held after a shift": ({}, {"load.force_x": [0.657 * MU * P] * 2}),
+        "constant force after a shift": ({}, {"load.force_x": [0.657 * MU * P] * 2}),
         "oscillating force": ({}, {"load.force_x": wave.tolist()}),
-        "load that rises": ({}, creeping | {"load.normal": [0.7 * P, 1.3 * P]}),
-        "creepage, from rest, worn": ({"wear": {"intensity": 1e-4}}, creeping),
-        "profile that travels": ({}, creeping | {"profile.B": profile}),
+        "increasing load": ({}, creeping | {"load.normal": [0.7 * P, 1.3 * P]}),
+        "creepage, from rest, with wear": ({"wear": {"intensity": 1e-4}}, creeping),
+        "travelling profile": ({}, creeping | {"profile.B": profile}),
     }
     for slip in ("auto", "upwind"):
         for name, (changes, table) in cases.items():
@@ -214,7 +214,7 @@ def steps() -> None:
 
 
 def cost() -> None:
-    """Work and time per step over the mesh, of a constant creepage from rest to 1e-6."""
+    """Measure work and time per step for several meshes: constant creepage from rest, to 1e-6."""
     count, rows = 40, []
     for n in (31, 45, 91, 181):
         scene = SPHERES.replace(
@@ -239,7 +239,7 @@ def cost() -> None:
 
 
 def order() -> None:
-    """Errors over the mesh and over the step."""
+    """Measure errors for several meshes and step lengths."""
 
     def force(n: int, step: float | None, slip: str) -> float:
         table = {"distance": [0, 3.0], "creepage.longitudinal": [0, -0.004], "start": "rest"}
@@ -259,7 +259,7 @@ def order() -> None:
 
 
 def wear() -> None:
-    """Errors of the depth, over the largest: of a pass over the mesh, of fretting over both."""
+    """Measure errors of the depth, divided by the largest depth, of a pass and of fretting."""
     intensity, rows = 1e-3, []
     once = {"revolutions": 1, "turns": "equal", "stepping": "every-revolution"}
     for slip in ("auto", "upwind"):

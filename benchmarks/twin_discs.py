@@ -1,12 +1,14 @@
-"""The paper's twin discs over 15,000 revolutions, against what the paper finds and against others.
+"""The twin discs of the paper over 15,000 revolutions, compared with the paper and other models.
 
 - findings: beta = 0, 45, 90 degrees (paper, section 8.2 and appendix C, Figs. 16-18);
-- every revolution: jumps against a roll of every revolution, 300 of them from the new discs and 300
-  from the discs worn at N = 4,000, and all 15,000 where `benchmarks/references` has them;
-- mesh: the state at N = 15,000 over the mesh;
-- GIWM: `twin-discs-isotropic` against the global incremental wear model (paper, Fig. 15, Table 1).
+- every revolution: jumps compared with a computation of every revolution: 300 revolutions of new
+  discs, 300 revolutions of discs worn at N = 4,000, and all 15,000 if `benchmarks/references`
+  contains them;
+- mesh: the state at N = 15,000 for several meshes;
+- GIWM: `twin-discs-isotropic` compared with the global incremental wear model (paper, Fig. 15,
+  Table 1).
 
-The convergence in the tolerance and the time of the paper's scheme are in `wear.py`.
+For the convergence with the tolerance and the time of the paper's scheme, see `wear.py`.
 
 Page: docs/validation.md
 """
@@ -31,7 +33,7 @@ RESTART, MORE = 4000, 300
 
 
 def findings() -> None:
-    """What becomes of the discs, at the revolutions that the paper shows."""
+    """Return the state of the discs at the revolutions that the paper shows."""
     rows, histories = [], {}
     for angle in ANGLES:
         history, seconds = timed(discs(SAVED[-1], angle=angle))
@@ -76,7 +78,7 @@ def findings() -> None:
 
 
 def _check(rows: list[dict]) -> None:
-    """The paper's findings, each of them."""
+    """Check each finding of the paper."""
     courses = {angle: [row for row in rows if row["beta"] == angle] for angle in ANGLES}
     last = {angle: course[-1] for angle, course in courses.items()}
 
@@ -133,7 +135,7 @@ def _draw(histories: dict[float, ts.History]) -> None:
 
 
 def every_revolution() -> None:
-    """Jumps against every revolution: from the new discs, and from worn ones."""
+    """Compare jumps with every revolution, for new and for worn discs."""
     rows = []
     for angle in ANGLES:
         cold, _ = timed(discs(MORE, angle=angle))

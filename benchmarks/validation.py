@@ -1,8 +1,8 @@
-"""The package against closed forms, tables and an independent program.
+"""The package compared with closed forms, tables and an independent program.
 
-Hertz and the mesh-converged Q_x of `spheres`; its creep-force curve; Kalker's creep coefficients;
-orthotropic friction over all angles. Numbers of the independent program CONTACT and Kalker's table
-are those of tests/data/reference.json.
+The cases are Hertz's solution and the mesh convergence of Q_x for `spheres`, its creep-force curve,
+Kalker's creep coefficients, and orthotropic friction for all angles. The values of the program
+CONTACT and of Kalker's table are in tests/data/reference.json.
 
 Page: docs/validation.md
 """
@@ -38,7 +38,7 @@ def spheres(*settings: str):
 
 
 def line_through(h, values):
-    """Value at h = 0 of the straight line through (h, values), and its standard error."""
+    """Return the value at h = 0 of the line through (h, values), and its standard error."""
     (_, at_zero), covariance = np.polyfit(h, values, 1, cov=True)
     return at_zero, np.sqrt(covariance[1, 1])
 
@@ -46,7 +46,7 @@ def line_through(h, values):
 def mesh_convergence():
     contact_program = REFERENCE["spheres"]["Qx_over_muP_CONTACT"]
     rows = []
-    # Many meshes: where edges fall relative to the elements is noise on top of the second order.
+    # Many meshes: the position of edges within elements adds noise to the second-order error.
     for n in range(41, 362, 10):
         contact = spheres(f"grid.elements=[{n}, {n}]")
         hertz, grid = contact.scene.hertz, contact.grid
@@ -134,9 +134,10 @@ def kalker_table():
 
 
 def no_slip(a_over_b: float, poisson: float, across: int) -> np.ndarray:
-    """C11, C22, C23, C33 on a mesh with `across` elements over each axis of the ellipse.
+    """Return C11, C22, C23, C33 on a mesh with `across` elements over each axis of the ellipse.
 
-    G = 1; friction too high to slip; sizes corrected for the area of the mesh's own contact.
+    G = 1; friction is too high to slip; sizes are corrected for the area of the contact on the
+    mesh.
     """
     a, b, p0 = 1.0, 1.0 / a_over_b, 1e-3
     scale = p0 * a * b * (1 - poisson) / 3

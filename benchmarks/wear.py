@@ -1,9 +1,10 @@
-"""Contact solves and time of the twin discs' wear over the tolerance, against the paper's scheme.
+"""Contact solves and time of the twin discs' wear against the tolerance, and the paper's scheme.
 
-`twin-discs` at beta = 0, the paper's mesh. The reference rolls every revolution, 1,000 of them or,
-with `--full`, all 15,000 (some ten minutes; kept in `benchmarks/references`). The paper's own
-scheme, Uzawa's iteration with wear in its loop and the upwind slip, is timed over a few revolutions
-in the same run. Seconds are those of the process, on its one thread.
+The scene is `twin-discs` at beta = 0 on the mesh of the paper. The reference computes every
+revolution, 1,000 of them or, with `--full`, all 15,000 (about ten minutes; stored in
+`benchmarks/references`). The scheme of the paper, Uzawa's iteration with wear inside its loop and
+upwind slip, is timed over a few revolutions in this run. Seconds are CPU seconds of the process, on
+one thread.
 
 Page: docs/benchmarks.md
 """
@@ -18,7 +19,7 @@ PAPER_REVOLUTIONS = 3
 
 
 def paper_seconds() -> float:
-    """Seconds of one revolution by the paper's scheme, without the unworn state and the first."""
+    """Return the seconds of one revolution by the paper's scheme, without the start."""
     _, first = timed(discs(1, *PAPER))
     _, more = timed(discs(1 + PAPER_REVOLUTIONS, *PAPER))
     return (more - first) / PAPER_REVOLUTIONS

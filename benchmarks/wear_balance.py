@@ -1,17 +1,18 @@
-"""Worn section over what the work of friction wears, over creepage and mesh.
+"""Worn cross-section divided by the wear due to frictional work, for creepages and meshes.
 
-Spheres in steady rolling from a thousandth of the creepage of full slip on; the friction isotropic,
-or orthotropic with mu1/mu2 = 2.5 at 35 degrees. Where i/mu is the same along both axes, i/mu times
-the work supplied is the section worn, whatever the mesh.
+The scenes are spheres in steady rolling at a thousandth of the creepage of full slip and more.
+Friction is isotropic, or orthotropic with mu1/mu2 = 2.5 at 35 degrees. If i/mu is equal along both
+axes, the worn cross-section is i/mu times the supplied work on any mesh.
 
-- by work: `ArchardByWork`, the package's;
-- by pressure: Archard's law p_n |s|_i with the same slip, in which elements that stick next to one
-  that slips wear as if they slipped;
-- by traction: with what an element carries in place of its pressure, ||p_t||_mu |s|_i;
-- upwind: the paper's slip and law. Its slip misses some of the work, and with it of the wear.
+- by work: `ArchardByWork`, the law of the package;
+- by pressure: Archard's law p_n |s|_i with this slip; elements that stick next to a slipping
+  element wear as if they slipped;
+- by traction: the traction of an element replaces its pressure, ||p_t||_mu |s|_i;
+- upwind: slip and law of the paper; its slip misses some of the work and therefore some of the
+  wear.
 
-Then the error of the section where i/mu differs, and there is no law to compare with: against
-the section by work on meshes of 192 and 256 elements, extrapolated.
+If i/mu differs between the axes, there is no closed form. The script then gives the error relative
+to the cross-section by work, extrapolated from meshes of 192 and 256 elements.
 
 Page: docs/theory/wear.md
 """
@@ -41,7 +42,7 @@ INTENSITY = {
 
 
 def solved(across: int, friction: str, creepage: str, share: float, slip: str) -> State:
-    """Spheres at a share of the creepage of full slip, on elements across the contact."""
+    """Solve spheres at a share of the creepage of full slip, on elements across the contact."""
     scene = ts.Scene.builtin("spheres").replace(subsurface=None)
     hertz, material, load = scene.hertz, scene.material, scene.load.normal
     # Simplified theory; with mu = 0.4 for both kinds of friction (paper, section 8.1).
@@ -62,7 +63,7 @@ def solved(across: int, friction: str, creepage: str, share: float, slip: str) -
 
 
 def sections(contact: State, intensity: tuple[float, float]) -> dict[str, float]:
-    """Section worn by each law, mm²."""
+    """Return the cross-section worn by each law, mm²."""
     friction = contact.scene.friction
     angle, mu = np.deg2rad(friction.angle), friction.mu
     letter = Archard(intensity, angle)
@@ -77,7 +78,7 @@ def sections(contact: State, intensity: tuple[float, float]) -> dict[str, float]
 
 
 def cases() -> Iterator[tuple[str, str, float]]:
-    """Friction, creepage and share of full slip."""
+    """Yield friction, creepage and share of full slip."""
     for friction in FRICTION:
         for creepage in ("longitudinal", "spin"):
             for share in SHARES:
@@ -85,7 +86,7 @@ def cases() -> Iterator[tuple[str, str, float]]:
 
 
 def balances() -> list[dict]:
-    """Sections over the work supplied times i/mu, the same along both axes."""
+    """Return cross-sections divided by the supplied work times i/mu, equal along both axes."""
     rows = []
     for friction, creepage, share in cases():
         for across in ACROSS:
@@ -105,7 +106,7 @@ def balances() -> list[dict]:
 
 
 def errors() -> None:
-    """Errors of the section with the intensities exchanged against those of friction."""
+    """Return errors of the cross-section with exchanged intensities."""
     rows = []
     for creepage in ("longitudinal", "spin"):
         for share in SHARES:
@@ -115,19 +116,19 @@ def errors() -> None:
                 intensity = INTENSITY["against friction"](contact.scene.friction.mu)
                 found[across] = sections(contact, intensity)
             coarser, finer = (found[across]["by work"] for across in FINER)
-            # The rest is of first order where the slip zone is thinner than an element.
+            # The rest is of first order if the slip zone is thinner than an element.
             truth = finer + (finer - coarser) * FINER[0] ** 2 / (FINER[1] ** 2 - FINER[0] ** 2)
             for across in ACROSS:
                 ratios = {law: section / truth - 1.0 for law, section in found[across].items()}
                 rows.append(
                     {"creepage": creepage, "of full slip": share, "across": across} | ratios
                 )
-    show("Error of the worn section, i/mu not the same along both axes", rows)
+    show("Error of the worn cross-section, i/mu different along the axes", rows)
     write("wear_balance_errors", rows)
 
 
 def draw(rows: list[dict]) -> None:
-    """Section over work against creepage, a panel for each friction and creepage."""
+    """Draw cross-section over work against creepage, one panel for each friction and creepage."""
     figure = Figure(figsize=(8.4, 5.8), layout="constrained")
     panels = list(dict.fromkeys((friction, creepage) for friction, creepage, _ in cases()))
     laws = {"by pressure": "C1", "by traction": "C2", "upwind": "C7", "by work": "C0"}
@@ -143,12 +144,12 @@ def draw(rows: list[dict]) -> None:
                 ax.loglog(*zip(*kept, strict=True), dash, color=colour, label=f"{law}, {across}")
         ax.set(
             title=f"{friction}, {creepage}",
-            xlabel="creepage over that of full slip",
-            ylabel="worn section over work",
+            xlabel="creepage / creepage of full slip",
+            ylabel="worn cross-section / work",
             ylim=(
                 0.1,
                 50.0,
-            ),  # upwind, nothing wears where the slip zone is thinner than an element
+            ),  # upwind, nothing wears if the slip zone is thinner than an element
         )
     ax.legend(fontsize=7, ncols=2, title="law, elements across", title_fontsize=7)
     figure.savefig(RESULTS / "wear_balance.png", dpi=150)

@@ -1,8 +1,8 @@
-"""Where the time of a whole roll goes: contacts, largest stress of every record, storing, the rest.
+"""Time of a complete run: contacts, largest stress of every record, storage, and the rest.
 
-The built-in twin discs over all 15,000 revolutions, in one process on one core, after one roll that
-is not counted; medians of the rolls. Also reported: the largest stress inside either disc
-against the exact sum over the elements at its place.
+The scene is the built-in twin discs over all 15,000 revolutions, in one process on one core. The
+first run is not counted; times are medians of the others. The script also compares the largest
+stress inside each disc with the exact sum over the elements at its position.
 
 Page: docs/benchmarks.md
 """
@@ -58,13 +58,13 @@ def _clocked(function: Callable, spent: Counter, part: str) -> Callable:
 
 
 def rolled(scene: Scene, folder: Path, number: int) -> Counter:
-    """Seconds of one roll, by part."""
+    """Return the seconds of each part of one run."""
     spent = Counter()
     with timed(spent):
         began = process_time()
         roll(scene, folder / f"{number}.h5")
         whole = process_time() - began
-    return Counter({"whole": whole, "rest": whole - sum(spent.values())}) + spent
+    return Counter({"total": whole, "rest": whole - sum(spent.values())}) + spent
 
 
 def shares(scene: Scene) -> list[dict]:
@@ -75,14 +75,14 @@ def shares(scene: Scene) -> list[dict]:
             "part": part,
             "seconds": median(run[part] for run in runs),
             "over contacts": median(run[part] / run["contacts"] for run in runs),
-            "over the whole": median(run[part] / run["whole"] for run in runs),
+            "share of the total": median(run[part] / run["total"] for run in runs),
         }
-        for part in (*PARTS, "rest", "whole")
+        for part in (*PARTS, "rest", "total")
     ]
 
 
 def errors(scene: Scene) -> list[dict]:
-    """Of the largest stress inside, over all records, against the exact one at its place."""
+    """Return errors of the largest stress inside, relative to the exact stress there."""
     found: list[tuple[State, dict]] = []
     search = stress.stress_maxima
 

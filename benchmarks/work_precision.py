@@ -1,9 +1,10 @@
 """Error against work: for every method, slip scheme and mesh, on seven scenes.
 
-Error of Q_x, of the largest traction, of the largest von Mises stress in body A and of the wear
-depth after 1,000 revolutions, against applications of the elastic operators and against time. Each
-reference is that of the second-order slip on the finest mesh; its uncertainty, shaded, is the
-distance to what the upwind slip extrapolates to from its finest meshes (linearly in the element).
+The errors are for Q_x, the largest traction, the largest von Mises stress in body A and the wear
+depth after 1,000 revolutions. They are given against applications of the elastic operators and
+against time. Each reference is the second-order result on the finest mesh. Its uncertainty, shaded
+in the figure, is the difference from the upwind results extrapolated from their finest meshes
+(linearly in the element size).
 
     python benchmarks/work_precision.py [--scenes spheres twin-discs]
 
@@ -26,11 +27,11 @@ from tractive_sam.subsurface import stress_maximum
 
 REVOLUTIONS = 1000
 RESIDUAL, FINE_RESIDUAL = 1e-5, 1e-7
-"""Residual to which contacts are solved, far below the error of any mesh here; of references."""
+"""Residual of the contacts, far below the error of any mesh here, and of the references."""
 
 LIMIT_MESHES = (96, 112, 128, 160, 192)
 WORN_LIMIT_MESHES = (40, 48, 64)
-"""Elements across the contact for the reference and its uncertainty; and where it is rolled."""
+"""Elements across the contact for the reference and its uncertainty, for contacts and for runs."""
 
 METHODS = {
     # name: solver settings, elements across the contact, and when rolled, and line
@@ -72,7 +73,7 @@ WEAR = {"intensity": 2e-6, "revolutions": REVOLUTIONS, "save": (0, REVOLUTIONS)}
 
 
 def _ellipse() -> ts.Scene:
-    """a/b = 0.5, spinning and creeping."""
+    """Return an ellipse of a/b = 0.5 with spin and creepage."""
     return ts.Scene(
         title="Spinning ellipse",
         body={
@@ -111,7 +112,7 @@ def scenes() -> dict[str, ts.Scene]:
 
 
 def solved(scene: ts.Scene, across: int):
-    """The unworn bodies, with so many elements across the shorter axis of the contact."""
+    """Solve the unworn bodies with a number of elements across the shorter axis of the contact."""
     steady = scene.replace(wear=None)  # the mesh of a scene without wear is smaller
     return equilibrium(Model(scene, None, choose_grid(steady, finer=across / 64)))
 
@@ -125,7 +126,7 @@ def measured(contact) -> dict[str, float]:
 
 
 def rolled(scene: ts.Scene, across: int) -> tuple[float, float, float]:
-    """Depth after all revolutions, applications and seconds."""
+    """Return the depth after all revolutions, the applications and the seconds."""
     model = Model(scene, None, choose_grid(scene, finer=across / 64))
     began, applications = process_time(), 0.0
     for passage in steps(model):
@@ -135,7 +136,7 @@ def rolled(scene: ts.Scene, across: int) -> tuple[float, float, float]:
 
 
 def limits(scene: ts.Scene) -> dict[str, tuple[float, float]]:
-    """Value and uncertainty of every quantity, from two slip schemes."""
+    """Return value and uncertainty of every quantity, from two slip schemes."""
     best = scene.replace(**{"solver.tolerance": FINE_RESIDUAL, "wear.tolerance": 3e-4})
     other = best.replace(**{"solver.slip": "upwind"})
     here = measured(solved(best, LIMIT_MESHES[-1]))
@@ -150,7 +151,7 @@ def limits(scene: ts.Scene) -> dict[str, tuple[float, float]]:
 
 
 def _with_doubt(value: float, meshes, upwind: list[float]) -> tuple[float, float]:
-    """A value and its distance to where the straight line through those of upwind slip leads."""
+    """Return a value and its difference from the linear extrapolation of upwind results."""
     return value, abs(np.polyfit(1.0 / np.array(meshes), upwind, 1)[1] - value)
 
 

@@ -198,7 +198,7 @@ def stepping() -> str:
 
 
 def balance() -> str:
-    """Return the worn section over i/mu times the frictional work."""
+    """Return the worn cross-section divided by i/mu times the frictional work."""
     wanted = {"16", "64"}
     columns = {
         "friction": ("friction", str),
@@ -295,7 +295,7 @@ def invariance_scenes() -> str:
 
 
 def falling() -> str:
-    """Return how random scenes with falling friction end, and their cost over the constant law."""
+    """Return results of random scenes with falling friction, and their cost ratio."""
     rows = read_rows("falling.csv")
     ended = [row["ended"] for row in rows]
     ratios = sorted(
@@ -319,7 +319,7 @@ def falling() -> str:
 
 
 def heat() -> str:
-    """Return the cost of temperatures over the cost of the contact, for mesh and Peclet number."""
+    """Return the cost of temperatures relative to the contact, per mesh and Peclet number."""
     head = (
         "elements",
         "V a/(2 κ)",
@@ -376,7 +376,7 @@ def whole_roll() -> str:
         "part": ("part", str),
         "seconds": ("seconds", number(".2f")),
         "seconds / seconds of the contacts": ("over contacts", number(".2f")),
-        "fraction of the total, %": ("over the whole", number(".0f", 100.0)),
+        "fraction of the total, %": ("share of the total", number(".0f", 100.0)),
     }
     return format_columns(read_rows("whole_roll.csv"), columns)
 
@@ -470,7 +470,7 @@ def fatigue_spread() -> str:
 
 
 def fatigue_cost() -> str:
-    """Return the cost of a run with fatigue over a run without, for each mesh and tolerance."""
+    """Return the cost of a run with fatigue relative to a run without, per mesh and tolerance."""
     rows = defaultdict(list)
     for row in read_rows("fatigue.csv"):
         rows[row["mesh"], row["tolerance"]].append(row)
@@ -523,7 +523,7 @@ def tables() -> str:
 
 
 def table_gradients() -> str:
-    """Return slopes at rest of the table of steel for each a/b, and gradients at random points."""
+    """Return slopes of the table `steel` at zero creepage, and gradients at random points."""
     names = ("C11", "C22", "C23, force", "C23, moment", "C33")
     rows = read_rows("table_slopes.csv")
     small = number(".2f")
@@ -553,7 +553,7 @@ def table_gradients() -> str:
 
 
 def table_cluster() -> str:
-    """Return the build of a table by one process, and by workers, one of them killed."""
+    """Return the construction of a table by one process and by workers, one of them killed."""
     columns = {
         "build": ("build", str),
         "contacts": ("contacts", str),
@@ -591,7 +591,7 @@ def study_scaling() -> str:
 
 
 def transient_order() -> str:
-    """Return the force after a ramp of creepage for each mesh and each step."""
+    """Return the force after a linear increase of the creepage, for each mesh and each step."""
     rows = read_rows("transient_order.csv")
     meshes = dict.fromkeys(row["n"] for row in rows if row["over"] == "mesh")
     forces = {(row["slip"], row["n"]): row["Qx"] for row in rows if row["over"] == "mesh"}
@@ -702,7 +702,7 @@ def duty_cores() -> str:
 
 
 def fit_powers() -> str:
-    """Return the coefficients of measured twin discs, beside a grid of chi-square."""
+    """Return the coefficients of measured twin discs, and the minimum of chi-square on a grid."""
     columns = {
         "key": ("key", str),
         "fit": ("fit", number(".3g")),
@@ -729,7 +729,7 @@ def fit_exact() -> str:
 
 
 def fit_ratios() -> str:
-    """Return predicted over measured work with and without a layer."""
+    """Return the ratio of predicted to measured work, with and without a layer."""
     columns = {
         "slip, %": ("slip", number("g", 100.0)),
         "predicted / measured without layer": ("without layer", number(".2f")),
@@ -739,7 +739,7 @@ def fit_ratios() -> str:
 
 
 def fit_repeats() -> str:
-    """Return how often intervals cover the truth."""
+    """Return how often intervals contain the true values."""
     columns = {
         "test": ("test", str),
         "key": ("key", str),

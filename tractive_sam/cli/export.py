@@ -29,7 +29,7 @@ Source = Annotated[
     str,
     typer.Argument(
         metavar="FILE.h5|SCENE",
-        help="A results file, or a scene, whose unworn contact is solved first.",
+        help="A results file, or a scene; the unworn contact of a scene is solved first.",
     ),
 ]
 Output = Annotated[

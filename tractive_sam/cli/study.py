@@ -34,8 +34,8 @@ Scheduler = Annotated[
     str | None,
     typer.Option(
         metavar="ADDRESS",
-        help="Scheduler of dask.distributed whose workers compute the cases; they must have "
-        "access to DIR.",
+        help="Scheduler of dask.distributed; its workers compute the cases and must have access "
+        "to DIR.",
     ),
 ]
 Workers = Annotated[

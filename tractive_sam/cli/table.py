@@ -63,7 +63,7 @@ Figure = Annotated[
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        metavar="ADDRESS", help="Scheduler of dask.distributed whose workers solve the contacts."
+        metavar="ADDRESS", help="Scheduler of dask.distributed; its workers solve the contacts."
     ),
 ]
 Workers = Annotated[

@@ -165,7 +165,7 @@ class Fatigue(LawTable):
     depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
     elements: int = entry("number of points over the depth", default=24, ge=8, le=10**4)
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
-        "bodies whose fatigue is computed", default=("A", "B"), min_length=1
+        "bodies for which fatigue is computed", default=("A", "B"), min_length=1
     )
     volume: InnerTable[FatigueVolume | None] = entry("life of the stressed volume", default=None)
     tolerance: float = entry(

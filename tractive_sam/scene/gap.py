@@ -168,7 +168,7 @@ class Gap(Table):
         "separation in addition to the one due to the radii, mm", "an array", None
     )
     body: Literal["A", "B"] | None = entry(
-        "body whose heights are given; by default, the values are a separation", default=None
+        "body to which the heights belong; by default, the values are a separation", default=None
     )
     positive: Literal["outward", "inward"] = entry(
         "direction of positive heights: out of the body (peaks) or into it (depths)",

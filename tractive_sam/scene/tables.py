@@ -282,7 +282,7 @@ class Subsurface(Table):
     depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
     elements: int = entry("number of points over the depth", default=64, ge=2, le=10**6)
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
-        "bodies whose stress is computed", default=("A", "B"), min_length=1
+        "bodies for which the stress is computed", default=("A", "B"), min_length=1
     )
     effect: ClassVar[str] = "stress"
 

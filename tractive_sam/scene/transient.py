@@ -117,7 +117,7 @@ class Transient(Table):
         le=0.1,
     )
     save: Saved = entry(
-        "distances whose fields are stored, mm",
+        "distances at which fields are stored, mm",
         "ascending numbers from the first knot to the last",
         default_factory=lambda given: tuple(sorted({*given["distance"]})),
     )

@@ -108,7 +108,7 @@ class Wear(LawTable):
     )
     save: Annotated[tuple[Annotated[Whole, Field(ge=0)], ...], AfterValidator(_check_ascending)] = (
         entry(
-            "revolutions whose fields are stored",
+            "revolutions at which fields are stored",
             "ascending whole numbers from 0",
             default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
             min_length=1,
