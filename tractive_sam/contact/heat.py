@@ -26,6 +26,7 @@ from tractive_sam.mechanics import (
 )
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import FlashTemperature, Grid, State, Status
+from tractive_sam.schema import required
 from tractive_sam.solvers import combine_images, gmres
 
 TOLERANCE = 1e-12
@@ -56,8 +57,8 @@ def temperatures_of(model: Model, contact: State) -> FlashTemperature:
     RuntimeError
         If the linear system was not solved, which should not occur for any material.
     """
-    heat = -model.scene.creepage.speed * (contact.traction * contact.slip).sum(axis=0)
-    return divide_heat(model, contact, heat, model.scene.heat.bulks)
+    heat = -_speed(model) * (contact.traction * contact.slip).sum(axis=0)
+    return divide_heat(model, contact, heat, required(model.scene.heat, "heat").bulks)
 
 
 def divide_heat(
@@ -110,13 +111,18 @@ def temperature_change(
     """
     warm = _operators(model, contact.grid)
     heat = (contact.traction * slip + traction * contact.slip).sum(axis=0)
-    heat *= -model.scene.creepage.speed
+    heat *= -_speed(model)
     return warm["A"](_heat_into_A(model, warm, heat, 0.0, contact.touching))
+
+
+def _speed(model: Model) -> float:
+    """Return the rolling speed, mm/s."""
+    return required(model.scene.creepage.speed, "creepage.speed")
 
 
 def _operators(model: Model, grid: Grid, time: float = np.inf) -> dict[str, SurfaceHeat]:
     """Return the operators of flux to temperature of both bodies."""
-    speed = model.scene.creepage.speed
+    speed = _speed(model)
     return {
         body: surface_heat(grid, speed, thermal.diffusivity, thermal.conductivity, time)
         for body, thermal in model.scene.thermal.items()
@@ -166,7 +172,7 @@ def _solve_division(
             operator,
             lambda values: inverse(spread(values)[None])[0][touching],
             residual,
-            0.5 * TOLERANCE * size / missed,
+            float(0.5 * TOLERANCE * size / missed),
             KRYLOV,
         )
         solution = solution + step
@@ -204,15 +210,14 @@ def wear_law_at(model: Model, contact: State) -> WearLaw | None:
 
     def complete(part: WearLaw) -> WearLaw:
         if isinstance(part, ArchardByWork) and part.friction:
-            warm = scene.friction.temperature is not None
-            rows = model.grid.y
-            friction = (
-                friction_at_temperature(model, temperature) if warm else part.friction.on_rows(rows)
-            )
+            friction = part.friction.on_rows(model.grid.y)
+            if required(scene.friction, "friction").temperature is not None:
+                friction = friction_at_temperature(model, required(temperature, "heat"))
             part = replace(part, friction=friction, length=model.grid.dx)
         if scene.wear is not None and scene.wear.temperature:
             degrees, factors = np.array(scene.wear.temperature).T
-            part = TemperatureScaledWear(part, np.interp(temperature, degrees, factors))
+            local = np.interp(required(temperature, "heat"), degrees, factors)
+            part = TemperatureScaledWear(part, local)
         return part
 
     return law.map_laws(complete) if isinstance(law, PerBody) else complete(law)
@@ -232,7 +237,7 @@ def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCou
             f"friction.temperature: the friction law {type(law).__name__}, which replaces that of "
             "the scene, does not depend on temperature; leave the key out, or use FallingCoulomb"
         )
-    degrees, factors = np.array(model.scene.friction.temperature).T
+    degrees, factors = np.array(required(model.scene.friction, "friction").temperature).T
     warmth = TemperatureFactor(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
     return replace(law, warmth=warmth)
 
@@ -258,7 +263,7 @@ def solve_with_heat(
     table = model.scene.friction and model.scene.friction.temperature
     if not table:
         return with_heat(model, solve(model, start))
-    bulk = model.scene.heat.bulks
+    bulk = required(model.scene.heat, "heat").bulks
     temperature = np.full(model.grid.elements, 0.5 * (bulk["A"] + bulk["B"]))
     if start is not None:
         temperature = temperatures_of(model, start).temperature["A"]

@@ -42,8 +42,8 @@ from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
 from tractive_sam.optional import xarray
 from tractive_sam.results import COLUMNS, State, index_by_name
-from tractive_sam.schema import warn
-from tractive_sam.solvers import Iterate, Problem, System, gmres
+from tractive_sam.schema import required, warn
+from tractive_sam.solvers import Iterate, Problem, System, gmres, needed
 
 TOLERANCE = 1e-7
 """Relative residual of a linear system."""
@@ -85,12 +85,14 @@ def jacobian_of(
         Columns that are wanted; by default all.
     """
     if model.scene.friction is not None and model.scene.friction.temperature:
-        model = model.with_friction(friction_at_temperature(model, contact.heat.temperature["A"]))
+        heat = required(contact.heat, "heat")
+        model = model.with_friction(friction_at_temperature(model, heat.temperature["A"]))
     gap = (model.undeformed_gap + contact.wear) / model.units.gap
     all_fields = tangential = _Linearised(model, model.problem(gap), contact)
     if not model.elasticity.coupled:
         tangential = all_fields.with_fixed_pressure()
-    rows, derivatives = ["Qx", "Qy", "Mz"], {}
+    rows = ["Qx", "Qy", "Mz"]
+    derivatives: dict[str, Callable[[], np.ndarray]] = {}
     for k, creepage in enumerate(model.scene.contact_type.creepages):
         if (*model.free, False)[k]:
             force, rows[k] = rows[k], creepage
@@ -139,9 +141,9 @@ class UnitsByName(str):
 class _WarmSystem(System):
     """The linear system with a bound that depends on the heat of all steps."""
 
-    def __init__(self, problem: Problem, at: Iterate, warmed: Callable[..., np.ndarray]):
+    def __init__(self, problem: Problem, at: Iterate, warmed: Callable[..., np.ndarray | float]):
         self._bound_change = warmed
-        super().__init__(problem, at, float)
+        super().__init__(problem, at, np.float64)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
         """Return the linearised conditions with the change of the bound by heat."""
@@ -160,13 +162,19 @@ class _Linearised:
     def __init__(self, model: Model, problem: Problem, contact: State):
         self.model, self.problem, self.contact = model, problem, contact
         start = dimensionless_start(model, contact)
-        self.at = Iterate(problem, start.pressure, start.traction, start.approach, start.creepage)
+        self.at = Iterate(
+            problem,
+            needed(start.pressure, "start.pressure"),
+            needed(start.traction, "start.traction"),
+            start.approach,
+            needed(start.creepage, "start.creepage"),
+        )
         law = model.laws.friction
         self.warm = isinstance(law, FallingCoulomb) and law.warmth is not None
         self.system = (
             _WarmSystem(problem, self.at, self._bound_change)
             if self.warm
-            else System(problem, self.at, float)
+            else System(problem, self.at, np.float64)
         )
         self._applications = 1  # in addition to those of the system
         self._force = model.units.pressure * model.grid.element_area
@@ -233,7 +241,7 @@ class _Linearised:
     def _bound_change(self, traction: np.ndarray, slip: np.ndarray) -> np.ndarray | float:
         """Return the change of the bound by the heat of changed scaled tractions and slip."""
         model, law = self.model, self.model.laws.friction
-        if not self.warm:
+        if not isinstance(law, FallingCoulomb) or law.warmth is None:
             return 0.0
         units, frame = model.units, model.frame
         warmer = temperature_change(
@@ -242,9 +250,11 @@ class _Linearised:
             units.pressure * frame.to_physical(traction),
             model.stencil.at_centres(units.slip * frame.slip_to_physical(slip)),
         )
-        degrees, factors = np.array(model.scene.friction.temperature).T
+        degrees, factors = np.array(required(model.scene.friction, "friction").temperature).T
         steps = np.concatenate(([0.0], np.diff(factors) / np.diff(degrees), [0.0]))
-        slope = steps[np.searchsorted(degrees, self.contact.heat.temperature["A"])]
+        slope = steps[
+            np.searchsorted(degrees, required(self.contact.heat, "heat").temperature["A"])
+        ]
         follows = np.where(self.at.bound.by_pressure > 0.0, self.at.bound.radius, 0.0)
         return follows / law.warmth.factor * slope * warmer
 
@@ -300,7 +310,7 @@ class _Linearised:
         for _ in range(ROUNDS):
             if missed <= TOLERANCE * size:
                 break
-            goal = 0.9 * TOLERANCE * size / missed
+            goal = float(0.9 * TOLERANCE * size / missed)
             step, _ = gmres(system.operator, system.preconditioner, residual, goal, KRYLOV)
             vector += step
             residual = rhs - system.operator(vector)

@@ -44,8 +44,8 @@ from tractive_sam.mechanics import (
     fingerprint,
 )
 from tractive_sam.results import UNNAMED, LawRecord, State, describe_laws
-from tractive_sam.scene import BY_COEFFICIENT, PER_INTENSITY, Scene
-from tractive_sam.schema import Fault, SceneError, build_law
+from tractive_sam.scene import BY_COEFFICIENT, PER_INTENSITY, Scene, WearLaws
+from tractive_sam.schema import Fault, SceneError, build_law, required
 
 
 @dataclass(frozen=True)
@@ -227,7 +227,7 @@ def _named_criterion(scene: Scene) -> CycleCriterion | None:
 
 def _tribology(scene: Scene) -> dict[str, Any]:
     """Return the parameters that laws of friction and wear may take from other keys of a scene."""
-    frame, speed = scene.friction.frame, scene.creepage.speed
+    frame, speed = required(scene.friction, "friction").frame, scene.creepage.speed
     parameters = {"mu": frame.mu, "angle": frame.angle}
     return parameters if speed is None else parameters | {"speed": speed}
 
@@ -251,8 +251,10 @@ def _friction(scene: Scene) -> Coulomb | None:
         return Coulomb(mu, angle)
     sliding, speed, memory = None, 0.0, 0.0
     if table.falls:
-        sliding = (Rational if table.law == "rational" else Exponential)(*table.share)
-        speed, memory = scene.creepage.speed, table.memory
+        sliding = (Rational if table.law == "rational" else Exponential)(
+            *required(table.share, "friction.kinetic")
+        )
+        speed, memory = required(scene.creepage.speed, "creepage.speed"), table.memory
     strength = np.inf if table.strength is None else table.strength
     lateral = None if table.across is None else LateralFactor(*np.array(table.across).T)
     return FallingCoulomb(mu, angle, sliding, speed, memory, strength, lateral=lateral)
@@ -264,13 +266,13 @@ def _wear(scene: Scene) -> WearLaw | None:
     if table is None or table.named_law:
         return None
     if table.together:
-        return _by_coefficient(scene, table.law, table.intensities)
+        return _by_coefficient(scene, str(table.law), table.intensities)
     return PerBody(**{body: _of_body(scene, body) for body in "AB"})
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
     """Return a wear law that has intensities."""
-    friction, frame = _friction(scene), scene.friction.frame
+    friction, frame = _friction(scene), required(scene.friction, "friction").frame
     mu, angle = frame.mu, frame.angle
     if law == "energy":
         return Energy(intensities, angle)
@@ -282,20 +284,23 @@ def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) ->
 
 def _of_body(scene: Scene, name: str) -> WearLaw | None:
     """Return the separate wear law of a body."""
-    table, body = scene.wear, getattr(scene.body, name)
+    table, body = required(scene.wear, "wear"), getattr(scene.body, name)
     law, chosen = table.laws[name], table.sets[name]
     if law in BY_COEFFICIENT:
         i = getattr(table.coefficient, name) / PER_INTENSITY
-        return _by_coefficient(scene, law, (i, i))
+        return _by_coefficient(scene, required(law, "wear.law"), (i, i))
     match law:
         case "usfd" | "table":
-            regimes = USFD[chosen] if chosen else Regimes.through(table.law.table)
+            points = table.law.table if isinstance(table.law, WearLaws) else None
+            regimes = USFD[chosen] if chosen else Regimes.through(required(points, "wear.law"))
             return TGammaPerArea(regimes, body.density, table.by == "contact")
         case "brr":
-            return TGammaTotal(BRR[chosen])
+            return TGammaTotal(BRR[required(chosen, "wear.law")])
         case "jendel":
-            frame, speed = scene.friction.frame, scene.creepage.speed
-            return WearMap(JENDEL[chosen][0], body.hardness, speed, frame.mu, frame.angle)
+            frame = required(scene.friction, "friction").frame
+            speed = required(scene.creepage.speed, "creepage.speed")
+            coefficients, _ = JENDEL[required(chosen, "wear.law")]
+            return WearMap(coefficients, body.hardness, speed, frame.mu, frame.angle)
     return None
 
 
@@ -307,9 +312,10 @@ def _fatigue(scene: Scene) -> CycleCriterion | None:
     if table.criterion == "orthogonal-shear":
         return OrthogonalShear()
     if table.criterion == "fatemi-socie":
-        return FatemiSocie(table.sensitivity, table.yield_stress)
+        yield_stress = required(table.yield_stress, "fatigue.yield_stress")
+        return FatemiSocie(required(table.sensitivity, "fatigue.sensitivity"), yield_stress)
     kinds = {kind.name: kind for kind in (DangVan, Crossland, Findley)}
-    return kinds[table.criterion](table.sensitivity)
+    return kinds[str(table.criterion)](required(table.sensitivity, "fatigue.sensitivity"))
 
 
 def _life(scene: Scene) -> Woehler | None:

@@ -62,7 +62,7 @@ def _lowest_around(
     least = np.inf
     for _ in range(divisions):
         total = separation + _parabola(x, y, radii)
-        i, j = np.unravel_index(np.argmin(total), total.shape)
+        i, j = map(int, np.unravel_index(np.argmin(total), total.shape))
         least = min(least, float(total[i, j]))
         x, y = (
             np.linspace(*_around(places, k, side, *end), 9)

@@ -11,7 +11,7 @@ from tractive_sam.contact.roughness import refine_for_maps, rough_maps
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid
 from tractive_sam.scene import ALONG, MOST_ELEMENTS, Scene
-from tractive_sam.schema import Fault, SceneError
+from tractive_sam.schema import Fault, SceneError, required
 
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""
@@ -32,8 +32,8 @@ GROWTH = 1.25
 
 def enlarge(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
     """Return a mesh of elements of equal size that is larger along some axes; a row stays a row."""
-    sides = zip(grid.half_length, axes, strict=True)
-    return extend_to(grid, tuple(half * (GROWTH if grows else 1.0) for half, grows in sides))
+    x, y = (GROWTH if grows else 1.0 for grows in axes)
+    return extend_to(grid, (x * grid.half_length[0], y * grid.half_length[1]))
 
 
 def extend_to(grid: Grid, half_length: tuple[float, float]) -> Grid:
@@ -44,7 +44,7 @@ def extend_to(grid: Grid, half_length: tuple[float, float]) -> Grid:
     ]
     if not any(more):
         return grid
-    elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))
+    elements = (grid.elements[0] + 2 * more[0], grid.elements[1] + 2 * more[1])
     half_length = (0.5 * elements[0] * grid.dx, 0.5 * elements[1] * grid.dy)
     return replace(grid, half_length=half_length, elements=elements)
 
@@ -112,7 +112,8 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     """Return the mesh of a scene by its contact, or by the extent of its gap."""
     wears, shifts_only = scene.wear is not None, scene.schedule.shifts
     scene = scene.under_largest_load
-    length = elements = None
+    length: tuple[float, ...] | None = None
+    elements: tuple[int, ...] | None = None
     if scene.grid is not None:
         length, elements = scene.grid.half_length, scene.grid.elements
     if length and elements:
@@ -121,19 +122,19 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
         half, number = _line_extent(scene, measured, length, finer)
         return Grid.of(half, elements or (number,))
     if scene.hertz is None:
-        half_length, side = _extent_of_gap(measured, length, finer)
+        half_length, side = _extent_of_gap(required(measured, "gap"), length, finer)
     else:
         lateral = WORN_MARGIN if wears else MARGIN
         along = WORN_MARGIN if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
         half_length, side = _extent_of_contacts(scene, (along, lateral), length, finer)
-    elements = elements or tuple(
+    nx, ny = elements or (
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
-    if math.prod(elements) > MOST_ELEMENTS:
+    if nx * ny > MOST_ELEMENTS:
         given = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
         cure = "both half_length and elements where it is so long or so wide"
         raise SceneError([Fault("grid", given, cure)])
-    return Grid(half_length, elements)
+    return Grid(half_length, (nx, ny))
 
 
 def _line_extent(
@@ -141,7 +142,8 @@ def _line_extent(
 ) -> tuple[tuple[float, ...], int]:
     """Return the half length, if `length` does not give it, and elements of a line contact."""
     if scene.hertz is None:  # flat bodies with a profile along x
-        length = length or (float(max(-measured[0][0], measured[0][-1])),)
+        x, *_ = required(measured, "gap")
+        length = length or (float(max(-x[0], x[-1])),)
         return length, 2 * int(0.5 * ACROSS_LINE * finer) + 1
     half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     length = length or (MARGIN * max(half),)
@@ -149,23 +151,22 @@ def _line_extent(
 
 
 def _extent_of_gap(
-    measured: Gap | None, half_length: tuple[float, float] | None, finer: float
+    measured: Gap, length: tuple[float, ...] | None, finer: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the half lengths, if not given, and the element sides of the mesh of flat bodies."""
-    if half_length is None:
-        x, y, _ = measured
-        half_length = (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
-        if half_length[0] >= ALONG:
-            cure = "it: a profile across the track does not determine the length of the contact"
-            raise SceneError([Fault("grid.half_length", "nothing", cure)])
-    across = 0.5 * min(half_length)
-    return half_length, (2.0 * across / (ACROSS * finer),) * 2
+    x, y, _ = measured
+    along, across = length or (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
+    if length is None and along >= ALONG:
+        cure = "it: a profile across the track does not determine the length of the contact"
+        raise SceneError([Fault("grid.half_length", "nothing", cure)])
+    side = 2.0 * (0.5 * min(along, across)) / (ACROSS * finer)
+    return (along, across), (side, side)
 
 
 def _extent_of_contacts(
     scene: Scene,
     margin: tuple[float, float],
-    half_length: tuple[float, float] | None,
+    length: tuple[float, ...] | None,
     finer: float,
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the half lengths, if not given, and the element sides of the mesh of round bodies.
@@ -179,8 +180,8 @@ def _extent_of_contacts(
         shifts = (0.0,) * len(contacts)
     along, lateral = margin
     reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]
-    half_length = half_length or (along * max(c.a for c in contacts), max(reach))
+    half_x, half_y = length or (along * max(c.a for c in contacts), max(reach))
     if scene.wheelset is not None:  # one mesh for all patches: small ones on fewer elements
         contacts[1:] = [_Ellipse(3.0 * c.a, 3.0 * c.b) for c in contacts[1:]]
-    sides = [2.0 * min(getattr(c, axis) for c in contacts) / (ACROSS * finer) for axis in "ab"]
-    return half_length, tuple(min(side, 2.0 * min(sides)) for side in sides)
+    dx, dy = (2.0 * min(getattr(c, axis) for c in contacts) / (ACROSS * finer) for axis in "ab")
+    return (half_x, half_y), (min(dx, 2.0 * dy), min(dy, 2.0 * dx))

@@ -8,7 +8,7 @@ from tractive_sam.contact.mesh import describe_grid_entries, enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.results import Grid, State, Status
 from tractive_sam.scene import FewestElements
-from tractive_sam.solvers import Outcome
+from tractive_sam.solvers import Outcome, needed
 
 
 def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0.0) -> str:
@@ -37,7 +37,7 @@ def _remarks(outcome: Outcome, model: Model) -> str:
     text = ""
     if any(note.status is not Status.CONVERGED for note in outcome.trace):
         text += f", by way of {', '.join(map(str, outcome.trace))}"
-    touching = outcome.pressure > 0.0
+    touching = needed(outcome.pressure, "outcome.pressure") > 0.0
     if not touching.any():
         courses = model.scene.schedule.courses
         key = "transient.load.approach" if "load.approach" in courses else "load.approach"
@@ -107,7 +107,8 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
     )
     needed = [math.ceil(FewestElements.slip / count) for count in across]
     refined = (n * more for n, more in zip(grid.elements, (*needed, 1), strict=False))
-    finer = replace(grid, elements=tuple(refined))
+    nx, ny = refined
+    finer = replace(grid, elements=(nx, ny))
     advised = describe_grid_entries(finer)
     smooth = scene.gap is None and largest is None and not contact.wear.any()
     if smooth and scene.hertz is not None:

@@ -16,6 +16,7 @@ from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, Steady
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid, State
 from tractive_sam.scene import Scene, WheelRail
+from tractive_sam.schema import required
 from tractive_sam.solvers import (
     METHODS,
     Method,
@@ -73,7 +74,9 @@ class Model:
         self.method = METHODS[scene.solver.method] if solver is None else Method.of(solver)
         self._solver = solver
         self.measured, self.profiles = measured, profiles
-        self.wheel_rail = wheel_rail or (scene.wheelset and scene.wheel_rail)
+        if wheel_rail is None and scene.wheelset is not None:
+            wheel_rail = scene.wheel_rail
+        self.wheel_rail = wheel_rail
         self.patch = self.wheel_rail.patches[0] if self.wheel_rail else None
         self.approach: float | None = None
         self.grid = grid or choose_grid(scene, measured, profiles)
@@ -126,7 +129,7 @@ class Model:
 
     @cached_property
     def _patch_gap(self) -> np.ndarray:
-        return self.patch.gap(self.grid.x, self.grid.y)
+        return required(self.patch, "wheel").gap(self.grid.x, self.grid.y)
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
@@ -212,7 +215,8 @@ class Model:
 
     def profile_offset(self, distance: float) -> np.ndarray | float:
         """Return the gap that the profiles fixed to the bodies add after a distance, mm."""
-        grid, added = self.grid, 0.0
+        grid = self.grid
+        added: np.ndarray | float = 0.0
         for x, y, separation in self.profiles:
             at_x = np.clip(grid.x + distance, x[0], x[-1])
             added = added + sample_gap((x, y, separation), at_x, np.clip(grid.y, y[0], y[-1]))
@@ -257,7 +261,8 @@ class Model:
         elif load is not None:
             pressure = load / (2.0 * length if self.grid.line else np.pi * length**2)
         else:
-            interference = self.scene.load.approach - float(self.undeformed_gap.min())
+            approach = required(self.scene.load.approach, "load.approach")
+            interference = approach - float(self.undeformed_gap.min())
             # Without contact the unit only has to be positive.
             pressure = (abs(interference) or 1e-3 * length) / gap
         slip = max(self.frame.mu) ** 2 * self.elasticity.slip_per_traction(*sides)
@@ -294,7 +299,8 @@ class Model:
         """Slip of the undeformed bodies by the prescribed creepages, s/V, shape (2, n_x, n_y)."""
         if self._rolls_with_wheelset:
             x = self.grid.x + self.stencil.rigid_ahead * self.grid.dx
-            return self.patch.rigid_slip(x, self.grid.y, self.wheel_rail.pitch)
+            patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
+            return patch.rigid_slip(x, self.grid.y, wheel_rail.pitch)
         return self.rigid_slip_by(*self._motion)
 
     @property
@@ -306,7 +312,8 @@ class Model:
     def _motion(self) -> tuple[float, float, float]:
         """Longitudinal and lateral creepage and spin: of the wheelset, or of the scene."""
         if self._rolls_with_wheelset:
-            return self.patch.creepages(self.wheel_rail.pitch)
+            patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
+            return patch.creepages(wheel_rail.pitch)
         creepage = self.scene.creepage
         return creepage.longitudinal, creepage.lateral, creepage.spin
 

@@ -23,6 +23,7 @@ import numpy as np
 from tractive_sam.contact.measured import Gap, interpolate, samples_per_length
 from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 
 @dataclass(frozen=True)
@@ -120,15 +121,16 @@ class Roughness:
         """
         steps = [1.0 / max(samples_per_length(known), 1e-300) for known in self.map[:2]]
         while any(coarse := self.unresolved(grid)):
-            elements = []
+            elements: list[int] = []
             for n, half, step, refine in zip(
                 grid.elements, grid.half_length, steps, coarse, strict=True
             ):
                 finest = _odd(2.0 * half / step)
                 elements.append(min(_odd(math.sqrt(2.0) * n), max(n, finest)) if refine else n)
-            if tuple(elements) == grid.elements:
+            along, across = elements
+            if (along, across) == grid.elements:
                 break
-            grid = replace(grid, elements=tuple(elements))
+            grid = replace(grid, elements=(along, across))
         return grid
 
 
@@ -172,7 +174,7 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
     if scene.normal_load is not None:
         return scene.normal_load / (math.pi * length**2)
     # The interference of a separation that is not counted from the first touch is not known yet.
-    approach = max(scene.load.approach, 1e-3 * length)
+    approach = max(required(scene.load.approach, "load.approach"), 1e-3 * length)
     return 0.5 * scene.material.plane_strain_modulus * approach / length
 
 
@@ -200,6 +202,6 @@ def refine_for_maps(
     if finer != grid and grid.elements[1] > 1:
         shorter = min(finer.dx, finer.dy)
         sides = zip(finer.elements, (finer.dx, finer.dy), strict=True)
-        elements = [max(n, _odd(n * side / (slender * shorter))) for n, side in sides]
-        finer = replace(grid, elements=tuple(elements))
+        along, across = (max(n, _odd(n * side / (slender * shorter))) for n, side in sides)
+        finer = replace(grid, elements=(along, across))
     return finer if math.prod(finer.elements) <= most else grid

@@ -13,7 +13,15 @@ from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
 from tractive_sam.results import State, Status
 from tractive_sam.schema import warn
-from tractive_sam.solvers import PRESSURE_ONLY, Outcome, Problem, Solver, Start, falling_method
+from tractive_sam.solvers import (
+    PRESSURE_ONLY,
+    Outcome,
+    Problem,
+    Solver,
+    Start,
+    falling_method,
+    needed,
+)
 from tractive_sam.solvers import steepness as steepness_of
 
 
@@ -33,10 +41,10 @@ def solve_problem(
     start : Start, optional
         Initial guess.
     """
-    normal, coupled = problem.normal, model.elasticity.coupled
+    normal, coupled = problem.free_pressure, model.elasticity.coupled
     if normal.load is None and normal.gap.min() >= normal.approach:
         return PRESSURE_ONLY.solve(problem, tolerance)  # the bodies do not touch
-    if coupled and start is not None and not start.pressure.any():
+    if coupled and start is not None and not needed(start.pressure, "start.pressure").any():
         start = None  # Newton's method needs a contact area to start
     return _solver_of(model, problem).solve(problem, tolerance, start)
 
@@ -92,17 +100,17 @@ def state_of(
     resistance : float
         Rolling resistance, N.
     """
-    units = model.units
+    units, fields = model.units, outcome.fields
     sliding, bound, steepness = _friction_state(model, problem, outcome)
     contact = State(
         model.scene,
         model.grid,
-        units.pressure * outcome.pressure,
-        traction_of(model, outcome.traction),
-        np.where(outcome.pressure > 0.0, slip, 0.0),
-        units.gap * outcome.gap,
+        units.pressure * fields.pressure,
+        traction_of(model, fields.traction),
+        np.where(fields.pressure > 0.0, slip, 0.0),
+        units.gap * fields.gap,
         depth,
-        units.gap * outcome.approach,
+        units.gap * needed(outcome.approach, "outcome.approach"),
         *creepages,
         resistance,
         sliding,
@@ -130,11 +138,11 @@ def _friction_state(
 
     The bound is None if it is the pressure, the steepness 0 unless friction falls with sliding.
     """
+    fields = outcome.fields
     if model.laws.friction is None:
-        return outcome.pressure > 0.0, None, 0.0
-    fields = outcome.pressure, outcome.gap, outcome.traction, outcome.slip
+        return fields.pressure > 0.0, None, 0.0
     sliding, allowed = problem.sliding(*fields)
-    bound = _traction_bound(model, outcome.pressure, allowed.radius)
+    bound = _traction_bound(model, fields.pressure, allowed.radius)
     if not model.friction_law.falls:
         return sliding, bound, 0.0
     steepness = outcome.steepness

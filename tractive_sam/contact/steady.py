@@ -110,7 +110,8 @@ def solve_patches_on_fitted_mesh(
         edges = [one.at_edge for one in contacts if one.status is Status.OFF_GRID]
         if not edges or model.scene.has_fixed_domain:
             break
-        model = model.on(enlarge(model.grid, tuple(map(any, zip(*edges, strict=True)))))
+        along, across = map(any, zip(*edges, strict=True))
+        model = model.on(enlarge(model.grid, (along, across)))
     return model, contacts
 
 
@@ -229,10 +230,10 @@ def _to_state(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
 ) -> State:
     """Convert the outcome of a steady problem to a contact in mm, N and MPa."""
-    units = model.units
-    pressure = units.pressure * outcome.pressure
-    traction, gap = traction_of(model, outcome.traction), units.gap * outcome.gap
-    slip = _physical_slip(model, outcome.slip)
+    units, fields = model.units, outcome.fields
+    pressure = units.pressure * fields.pressure
+    traction, gap = traction_of(model, fields.traction), units.gap * fields.gap
+    slip = _physical_slip(model, fields.slip)
     if callable(depth):
         depth = depth(pressure, traction, np.where(pressure > 0.0, slip, 0.0))
     elif depth is None:

@@ -6,6 +6,7 @@ and gap of the step before.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from tractive_sam.contact.step_work import Particles, StepWork
 from tractive_sam.mechanics import Friction, FrictionLaw, PreviousShare
 from tractive_sam.operators import Advection, ConvolutionMeter, RollingStep
 from tractive_sam.results import Cost, State, Status
-from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start
+from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start, needed
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +112,7 @@ class Stepper:
         result = self._result(inputs, advection, problem, outcome, worn)
         if result.contact.converged:
             if len(problem.forces):
-                slip = problem.forces.slip(outcome.creepage)
+                slip = problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
                 motion = replace(motion, rigid=motion.rigid + slip, computed=slip)
             result, groups = self._with_work(before, inputs, result, motion)
             if self.wear is not None:
@@ -148,7 +149,7 @@ class Stepper:
     def _solve(self, problem: Problem, before: StepResult, start: Start, length: float) -> Outcome:
         """Solve the problem of a step; a pressure that is already solved is not solved again."""
         model, past = self.model, before.contact
-        if before.has_pressure_of(problem.normal):
+        if before.has_pressure_of(problem.free_pressure):
             pressure, gap = past.pressure / model.units.pressure, past.gap / model.units.gap
             approach = past.approach / model.units.gap
             start = replace(start, pressure=pressure, gap=gap, approach=approach)
@@ -293,7 +294,7 @@ class Stepper:
 
         pressure = extrapolate(lambda step: step.contact.pressure)
         creepages = [
-            extrapolate(lambda step, k=k: getattr(step.contact, k))
+            extrapolate(attrgetter(f"contact.{k}"))
             for k, force in zip(("xi_x", "xi_y"), inputs.forces, strict=True)
             if force is not None
         ]
@@ -322,9 +323,11 @@ class Stepper:
         model, creepages = self.model, list(inputs.creepages)
         per_distance = model.units.slip / self._elements(advection)
         sought = [k for k in (0, 1) if inputs.forces[k] is not None]
-        for k, value in zip(sought, outcome.creepage if sought else (), strict=True):
-            creepages[k] = float(value) * per_distance
-        slip = per_distance * model.frame.slip_to_physical(outcome.slip)
+        if sought:
+            found = needed(outcome.creepage, "outcome.creepage")
+            for k, value in zip(sought, found, strict=True):
+                creepages[k] = float(value) * per_distance
+        slip = per_distance * model.frame.slip_to_physical(outcome.fields.slip)
         if advection.length:
             slip = model.stencil.at_centres(slip)
         longitudinal, lateral, spin = creepages
@@ -334,7 +337,7 @@ class Stepper:
             contact,
             distance=inputs.distance,
             shifted=not inputs.distance,
-            normal=None if model.elasticity.coupled else problem.normal,
+            normal=None if model.elasticity.coupled else problem.free_pressure,
             worn=worn,
             gained=np.zeros_like(worn),
         )

@@ -101,8 +101,8 @@ class StepResult:
         worn, gained = (widen_field(depth, grid.elements) for depth in (self.worn, self.gained))
         behind = (grid.elements[0] - self.worn.shape[1]) // 2
         worn[:, :behind] = worn[:, behind : behind + 1]
-        of_mesh = {"displacement": np.zeros((2, 0, 0)), "normal": None}
-        return replace(self, contact=self.contact.on(grid), worn=worn, gained=gained, **of_mesh)
+        unknown = replace(self, displacement=np.zeros((2, 0, 0)), normal=None)
+        return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":
         """Return the step without the part of a shorter step from the same contact."""

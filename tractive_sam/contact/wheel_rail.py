@@ -12,6 +12,7 @@ import numpy as np
 from tractive_sam.contact.model import Model
 from tractive_sam.rail import Patch
 from tractive_sam.results import Cost, State
+from tractive_sam.schema import required
 
 Solve = Callable[[Model, State | None], State]
 """Solves a patch under its approach, from the contact at another depth."""
@@ -43,10 +44,14 @@ def share_load(
     tuple of State
         The patches in the order of `WheelRail.patches`; one that is open has no pressure.
     """
-    wheelset, patches = model.scene.wheelset, model.wheel_rail.patches
-    load, by_normal = float(wheelset.load or wheelset.normal_load), wheelset.load is None
+    wheelset = required(model.scene.wheelset, "wheelset")
+    patches = required(model.wheel_rail, "wheel").patches
+    by_normal = wheelset.load is None
+    load = required(wheelset.load or wheelset.normal_load, "wheelset.load")
     models, cost = [model.of_patch(patch) for patch in patches], Cost()
-    approach = model.scene.hertz.approach if start is None else start.approach
+    hertz = model.scene.hertz
+    unworn = None if hertz is None else hertz.approach
+    approach = required(unworn, "body") if start is None else start.approach
     depth, known = approach / np.cos(patches[0].angle), (0.0, 0.0)
     last: list[State | None] = [start, *(None for _ in patches[1:])]
     for _ in range(most):

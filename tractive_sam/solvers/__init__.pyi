@@ -23,6 +23,7 @@ from .outcome import Outcome as Outcome
 from .outcome import Solver as Solver
 from .outcome import Start as Start
 from .outcome import Status as Status
+from .outcome import needed as needed
 from .problem import FixedPressure as FixedPressure
 from .problem import NormalProblem as NormalProblem
 from .problem import PrescribedForces as PrescribedForces

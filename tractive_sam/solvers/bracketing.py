@@ -14,7 +14,7 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Status
 from tractive_sam.solvers.continuation import Continuation
-from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
+from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start, needed
 from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
@@ -135,16 +135,20 @@ class _Search:
         found = self.method.solver.solve(given, self.rough, first)
         if not found.converged:
             found = self.method.solve(given, self.rough, first).costing(found)
-        self.add(replace(found, creepage=np.append(creepage, found.creepage)))
+        self.add(
+            replace(found, creepage=np.append(creepage, needed(found.creepage, "outcome.creepage")))
+        )
         if not found.converged:
             raise _NotSolvedError
-        missed = self.vector @ found.traction.sum(axis=(1, 2)) - self.target
-        size = np.linalg.norm(self.vector) * np.hypot(*found.traction).sum()
+        traction = needed(found.traction, "outcome.traction")
+        missed = self.vector @ traction.sum(axis=(1, 2)) - self.target
+        size = np.linalg.norm(self.vector) * np.hypot(*traction).sum()
         return float(missed) if abs(missed) > self.method.close * size else 0.0
 
     def check_creepage(self) -> None:
         """Raise an error if the creepages run away: no creepage gives the force."""
         forces, now = self.problem.forces, self.outcome
-        if forces.diverged(now.creepage, forces.elastic_slip(now.slip, now.creepage)):
+        creepage, slip = needed(now.creepage, "outcome.creepage"), needed(now.slip, "outcome.slip")
+        if forces.diverged(creepage, forces.elastic_slip(slip, creepage)):
             self.outcome = replace(now, status=Status.DIVERGED, residual=1.0)
             raise _NotSolvedError

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tractive_sam.results import Cost, Status
-from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
+from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed
 from tractive_sam.solvers.problem import NormalProblem
 
 
@@ -41,7 +41,9 @@ class ConjugateGradients:
         start : Start or Outcome, optional
             First guess; where its pressure is zero no contact is assumed at first.
         """
-        pressure = _first_guess(problem) if start is None else np.maximum(start.pressure, 0.0)
+        pressure = _first_guess(problem)
+        if start is not None:
+            pressure = np.maximum(needed(start.pressure, "start.pressure"), 0.0)
         at, status = _Iteration(problem, pressure), Status.OUT_OF_ITERATIONS
         for taken in range(self.iterations + 1):
             residual = natural_residual(at.pressure, at.gap)

@@ -17,7 +17,9 @@ Map = Callable[[np.ndarray], np.ndarray]
 class LinearSystem(Protocol):
     """A linear system whose matrix contains an elastic operator."""
 
-    shape: tuple[int, ...]
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the pressure and tractions in a vector."""
 
     def right_hand_side(self) -> np.ndarray:
         """Return the right-hand side, shape (n,)."""

@@ -103,7 +103,8 @@ NEARBY = Newton(
 )
 """Newton's method from a start nearby: a step or a revolution before."""
 
-NEWTON = Sequential(NORMAL, Nested(FIXED_PRESSURE, nearby=NEARBY))
+TANGENTIAL_NEWTON = Nested(FIXED_PRESSURE, nearby=NEARBY)
+NEWTON = Sequential(NORMAL, TANGENTIAL_NEWTON)
 ROUGH_SEQUENTIAL = RoughSequential(NORMAL, Nested(FIXED_PRESSURE))
 """Where the method for dissimilar bodies starts."""
 
@@ -117,7 +118,7 @@ METHODS = {
             NORMAL,
             Ladder(
                 (
-                    NEWTON.tangential,
+                    TANGENTIAL_NEWTON,
                     Bracketing(FIXED_PRESSURE, Continuation(FIXED_PRESSURE)),
                     Anderson(),
                 ),
@@ -149,7 +150,7 @@ def falling_method(solver: Solver, sliding: bool) -> Solver:
     sliding : bool
         Of several solutions, whether the one reached from great speed is sought, not from rest.
     """
-    if isinstance(solver, Sequential):
+    if isinstance(solver, Sequential) and solver.tangential is not None:
         return replace(solver, tangential=falling_method(solver.tangential, sliding))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
     # On the path from rest no start is near enough for less than the whole of Newton's method.

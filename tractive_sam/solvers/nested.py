@@ -5,12 +5,15 @@ the cost; the finest mesh then needs a few steps only, however fine it is.
 """
 
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
-from tractive_sam.solvers.outcome import Outcome, Solver, Start
+from tractive_sam.solvers.outcome import Outcome, Solver, Start, needed
 from tractive_sam.solvers.problem import NormalProblem, Problem
 from tractive_sam.solvers.progress import report_progress
+
+AnyProblem = TypeVar("AnyProblem", NormalProblem, Problem)
 
 
 def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
@@ -34,7 +37,7 @@ def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
     """Return tractions (2, n_x, n_y) over their bound, extended one element beyond contact."""
     inside = bound > 0.0
     share = np.where(inside, traction, 0.0) / np.where(inside, bound, 1.0)
-    sums = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
+    sums: np.ndarray = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
     sums = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
     sums = sums[..., :-2] + sums[..., 1:-1] + sums[..., 2:]
     neighbours = ~inside & (sums[2] > 0.0)
@@ -86,7 +89,7 @@ class Nested:
 
     def solve(
         self,
-        problem: NormalProblem | Problem,
+        problem: AnyProblem,
         tolerance: float,
         start: Start | Outcome | None = None,
     ) -> Outcome:
@@ -112,7 +115,7 @@ class Nested:
 
 
 def refined(
-    coarse: Outcome, coarse_problem: NormalProblem | Problem, problem: NormalProblem | Problem
+    coarse: Outcome, coarse_problem: AnyProblem, problem: AnyProblem
 ) -> Start | Outcome | None:
     """Return a start for a problem from the solution on a coarser mesh; None if it is no help.
 
@@ -120,19 +123,28 @@ def refined(
     of dissimilar bodies that were not lead nowhere.
     """
     if isinstance(problem, NormalProblem):
-        pressure = refine_pressure(coarse.pressure, coarse.gap, problem.gap.shape)
-        return Start(pressure, approach=coarse.approach)
+        pressure = _refined_pressure(coarse, problem)
+        return Start(pressure, approach=needed(coarse.approach, "outcome.approach"))
     if problem.is_pressure_fixed:
         if not np.isfinite(coarse.residual):
             return None
-        pressure = problem.normal.pressure
+        coarse_pressure = coarse_problem.fixed_pressure.pressure
+        pressure = problem.fixed_pressure.pressure
     else:
-        if not (coarse.converged and coarse.pressure.any()):
+        coarse_pressure = needed(coarse.pressure, "outcome.pressure")
+        if not (coarse.converged and coarse_pressure.any()):
             return None
-        pressure = refine_pressure(coarse.pressure, coarse.gap, problem.normal.gap.shape)
-    bound, fine_bound = coarse_problem.bound(coarse.pressure), problem.bound(pressure)
-    traction = refine_traction(coarse.traction, bound.radius, fine_bound.radius)
+        pressure = _refined_pressure(coarse, problem.free_pressure)
+    bound, fine_bound = coarse_problem.bound(coarse_pressure), problem.bound(pressure)
+    coarse_traction = needed(coarse.traction, "outcome.traction")
+    traction = refine_traction(coarse_traction, bound.radius, fine_bound.radius)
     return replace(coarse, pressure=pressure, traction=traction)
+
+
+def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:
+    """Return the pressure of a coarser mesh on the mesh of a problem."""
+    pressure, gap = needed(coarse.pressure, "outcome.pressure"), needed(coarse.gap, "outcome.gap")
+    return refine_pressure(pressure, gap, problem.gap.shape)
 
 
 def _shorter_side(problem: NormalProblem | Problem) -> int:

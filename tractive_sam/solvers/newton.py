@@ -23,8 +23,8 @@ from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.krylov import conjugate_residuals, gmres
 from tractive_sam.solvers.newton_system import Iterate, System
-from tractive_sam.solvers.outcome import Note, Outcome, Start, closed
-from tractive_sam.solvers.problem import FixedPressure, Problem
+from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed
+from tractive_sam.solvers.problem import FixedPressure, NormalProblem, Problem
 from tractive_sam.solvers.progress import report_progress
 
 GOLDEN = 0.5 * (1.0 + 5.0**0.5)
@@ -149,9 +149,12 @@ class Newton:
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
         """Return the first iterate of a problem."""
         cost, normal = Cost(), problem.normal
-        if start is None and not problem.is_pressure_fixed:
+        if start is None and isinstance(normal, NormalProblem):
             found = ConjugateGradients().solve(normal, 1e-3)
-            start, cost = Start(found.pressure, approach=found.approach), cost + found.cost
+            start, cost = (
+                Start(found.pressure, approach=needed(found.approach, "approach")),
+                cost + found.cost,
+            )
         start = start or Start()
         answer = getattr(start, "response", None)
         traction = np.zeros_like(problem.rigid) if start.traction is None else start.traction
@@ -164,7 +167,8 @@ class Newton:
         elif normal.load is None:
             approach = normal.approach
         known = answer is not None
-        at = Iterate(problem, pressure, traction, approach, creepage, 1.0, not known, answer)
+        guess = needed(pressure, "start.pressure"), traction, needed(approach, "start.approach")
+        at = Iterate(problem, *guess, creepage, 1.0, not known, answer)
         if len(problem.forces) and start.creepage is not None and not self.bounded:
             at = self._with_least_slip(problem, at)
         return at, cost + Cost(at.applications)
@@ -266,7 +270,9 @@ class Newton:
         wanted = max(min(loosest, 0.9 * gained), self.sharpest, self.aim * tolerance / residual)
         return float(min(wanted, 0.5))
 
-    def precision(self, goal: float, residual: float, tolerance: float, elements: int) -> type:
+    def precision(
+        self, goal: float, residual: float, tolerance: float, elements: int
+    ) -> type[np.floating]:
         """Return the type of numbers in which to solve a linear system to a relative residual.
 
         Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed

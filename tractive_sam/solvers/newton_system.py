@@ -76,15 +76,15 @@ class Iterate:
         """Set the residual, the resultants that are missed, and the sizes that weight them."""
         forces = problem.forces
         # Resultants, given and missed, count as if spread evenly over the contact.
-        elements = max(np.count_nonzero(self.active), 1)
+        elements = max(int(np.count_nonzero(self.active)), 1)
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
         self.force_missed, missed, wanted = forces.target, 0.0, 0.0
         if len(forces):
             self.force_missed = forces.target - forces.force(self.traction)
             missed = np.sum(self.force_missed**2) / elements
-            wanted = np.linalg.norm(forces.target) / np.sqrt(elements)
-        drag = max(np.linalg.norm(self.traction + self.law.defect), wanted)
-        self.drag = float(drag)
+            wanted = float(np.linalg.norm(forces.target) / np.sqrt(elements))
+        drag = max(float(np.linalg.norm(self.traction + self.law.defect)), wanted)
+        self.drag = drag
         self._tangential = self.law.merit + missed
         self._normal = 0.0
         defect = np.sqrt(self.law.squares + missed)
@@ -96,7 +96,8 @@ class Iterate:
             self._normal = np.sum(np.minimum(self.pressure, self.gap) ** 2)
             self._normal += self.load_missed**2 / elements
             # No less than of a pressure that has the load: to have none is no solution.
-            size = max(np.linalg.norm(self.pressure), (problem.load or 0.0) / np.sqrt(elements))
+            even = (problem.load or 0.0) / np.sqrt(elements)
+            size = max(float(np.linalg.norm(self.pressure)), float(even))
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
 
@@ -143,21 +144,21 @@ class System:
         Work done.
     """
 
-    def __init__(self, problem: Problem, at: Iterate, kind: type):
+    def __init__(self, problem: Problem, at: Iterate, kind: type[np.floating]):
         self.problem, self.at, self.kind = problem, at, kind
         self.operators, self.vectors = problem.operators, problem.forces.vectors
         self.free, self.under_load = not problem.is_pressure_fixed, problem.load is not None
         self.shape = problem.shape
         self.size = prod(self.shape)
         self.length = self.size + self.under_load + len(self.vectors)
-        self.weight = 1.0 / np.sqrt(max(np.count_nonzero(at.active), 1))
+        self.weight = 1.0 / np.sqrt(max(int(np.count_nonzero(at.active)), 1))
         self._inverse = problem.kinematics.approximate_inverse(
             self.operators, at.law, at.seen.stiffness
         )
         self.applications = self.preconditionings = 0
         # The traction of an element that slips, per pressure that its bound rises with.
         self._following = at.law.direction * at.bound.by_pressure if self.free else None
-        self._out = np.empty(self.length, kind)
+        self._out: np.ndarray = np.empty(self.length, kind)
         self._rows_made = self.fields(self._out)
 
     def fields(self, vector: np.ndarray) -> np.ndarray:
@@ -201,7 +202,8 @@ class System:
 
     def right_hand_side(self) -> np.ndarray:
         """Return the negative residual of the contact conditions."""
-        at, rhs = self.at, np.zeros(self.length, self.kind)
+        at = self.at
+        rhs: np.ndarray = np.zeros(self.length, self.kind)
         rows = self.fields(rhs)
         if self.free:
             rows[0] = np.where(at.active, -at.gap, -at.pressure)
@@ -244,7 +246,7 @@ class System:
     def _border(self) -> tuple[list[np.ndarray], np.ndarray]:
         """Compute the columns of the unknown approach and creepages, and their Schur complement."""
         count = self.length - self.size
-        zero = np.zeros(self.shape if count else (), self.kind)
+        zero: np.ndarray = np.zeros(self.shape if count else (), self.kind)
         responses = [
             self._approximate_inverse(self._rows(zero, self._extended(zero, unit)).copy())
             for unit in np.eye(count)
@@ -255,7 +257,7 @@ class System:
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
         """Apply the approximate inverse, bordered by the resultants."""
         step = self._approximate_inverse(self.fields(vector))
-        out = np.empty(self.length, self.kind)
+        out: np.ndarray = np.empty(self.length, self.kind)
         responses, schur = self._border
         if responses:
             missed = self._resultants(step) - vector[self.size :] / self.weight

@@ -1,11 +1,35 @@
 """What a solver takes and returns: a start, and a solution with its residual, cost and course."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from tractive_sam.results import Cost, Status
+
+Part = TypeVar("Part")
+
+
+def needed(part: Part | None, name: str) -> Part:
+    """Return a part of an outcome, a start or a method that a computation needs.
+
+    Raises
+    ------
+    TypeError
+        If it is missing, as in the outcome of a user-defined solver.
+    """
+    if part is None:
+        raise TypeError(f"{name}: must be given here, and is None")
+    return part
+
+
+class ContactFields(NamedTuple):
+    """Fields of a solution, dimensionless; names as in `Outcome`."""
+
+    pressure: np.ndarray
+    gap: np.ndarray
+    traction: np.ndarray
+    slip: np.ndarray
 
 
 def relative(distance: float, size: float) -> float:
@@ -118,6 +142,13 @@ class Outcome:
     def converged(self) -> bool:
         """Whether the contact conditions hold to the tolerance."""
         return self.status is Status.CONVERGED
+
+    @property
+    def fields(self) -> ContactFields:
+        """Fields of the contact; raises a TypeError if one of them was not solved for."""
+        return ContactFields(
+            *(needed(getattr(self, name), f"outcome.{name}") for name in ContactFields._fields)
+        )
 
     def costing(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
         """Return the outcome with the cost of earlier work on a fraction of the elements."""

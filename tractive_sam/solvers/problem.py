@@ -220,6 +220,20 @@ class Problem:
         return isinstance(self.normal, FixedPressure)
 
     @property
+    def fixed_pressure(self) -> FixedPressure:
+        """The fixed normal block; raises a TypeError if the pressure is free."""
+        if isinstance(self.normal, NormalProblem):
+            raise TypeError("problem.normal: must be a FixedPressure here")
+        return self.normal
+
+    @property
+    def free_pressure(self) -> NormalProblem:
+        """The free normal block; raises a TypeError if the pressure is fixed."""
+        if isinstance(self.normal, FixedPressure):
+            raise TypeError("problem.normal: must be a NormalProblem here")
+        return self.normal
+
+    @property
     def load(self) -> float | None:
         """Prescribed sum of the pressure; None for a prescribed approach or a fixed pressure."""
         return None if isinstance(self.normal, FixedPressure) else self.normal.load
@@ -241,7 +255,7 @@ class Problem:
 
     def within(self, box: Box) -> Self:
         """Return the tangential problem, of a fixed pressure, on a rectangle around the contact."""
-        friction, normal = self.friction, self.normal
+        friction, normal = self.friction, self.fixed_pressure
         # Contiguous, for the vector instructions of the kernels.
         pressure, gap = (
             np.ascontiguousarray(field[box]) for field in (normal.pressure, normal.gap)
@@ -319,7 +333,7 @@ class Problem:
     @cached_property
     def _fixed_bound(self) -> Bound:
         """Bound of the friction law under the fixed pressure."""
-        return self.friction.bound(self.normal.pressure)
+        return self.friction.bound(self.fixed_pressure.pressure)
 
     @cached_property
     def _fixed_weight(self) -> float:
@@ -328,7 +342,7 @@ class Problem:
     @cached_property
     def _fixed_slip(self) -> FrictionSlip:
         """Slip in the friction law under the fixed pressure."""
-        normal = self.normal
+        normal = self.fixed_pressure
         return self.kinematics.friction_slip(self.operators, normal.pressure, normal.gap)
 
     def project(self, traction: np.ndarray, radius: np.ndarray, physical: bool) -> np.ndarray:

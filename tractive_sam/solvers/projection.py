@@ -10,6 +10,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Generator
 from dataclasses import dataclass, replace
 from math import sqrt
+from typing import ClassVar
 
 import numpy as np
 
@@ -17,8 +18,8 @@ from tractive_sam.operators import Operators
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.nested import Nested
-from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, relative
-from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed, relative
+from tractive_sam.solvers.problem import FixedPressure, NormalProblem, Problem
 
 Array = np.ndarray
 
@@ -89,13 +90,14 @@ class ProjectedMap:
 
     def _pressure(self, state: Array) -> Array:
         """Return the pressure of a state."""
-        return self.problem.normal.pressure if self.problem.is_pressure_fixed else state[0]
+        fixed = self.problem.normal
+        return fixed.pressure if isinstance(fixed, FixedPressure) else state[0]
 
     def admissible(self, state: Array) -> Array:
         """Return a state with pressure at least 0 and tractions within their bound."""
         problem = self.problem
         if problem.is_pressure_fixed:
-            radius = problem.bound(problem.normal.pressure).radius
+            radius = problem.bound(problem.fixed_pressure.pressure).radius
             return problem.project(state, radius, physical=False)
         out = np.maximum(state, 0.0)
         out[1:] = problem.project(state[1:], problem.bound(out[0]).radius, physical=False)
@@ -106,9 +108,9 @@ class ProjectedMap:
         problem, normal, pressure = self.problem, self.problem.normal, self._pressure(state)
         response = problem.response(state)
         slip = problem.rigid + response[-2:]
-        gap = (
-            normal.gap if problem.is_pressure_fixed else normal.gap + response[0] - normal.approach
-        )
+        gap = normal.gap
+        if isinstance(normal, NormalProblem):
+            gap = gap + response[0] - normal.approach
         if problem.wear is not None:
             gap = gap + problem.wear(pressure, state[-2:], slip)
         seen = problem.friction_slip(
@@ -159,7 +161,7 @@ class Projection(ABC):
     corrections: int = 60
     beginning: float = 1e-3
 
-    name = ""
+    name: ClassVar[str] = ""
     step_factor = 1.0
     iterations = 0
 
@@ -218,40 +220,46 @@ class Projection(ABC):
         if traction is None or not np.isfinite(traction).all():
             traction = np.zeros_like(problem.rigid)
         if problem.is_pressure_fixed:
-            mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, self.step_factor)
+            mapping = ProjectedMap.of(
+                problem, problem.fixed_pressure.pressure > 0.0, self.step_factor
+            )
             outcome, _ = self.iterate(mapping, tolerance, traction)
         else:
             pressure, approach = start.pressure, start.approach
             if pressure is None:
-                normal = Nested(ConjugateGradients()).solve(problem.normal, self.beginning)
-                pressure, approach, cost = normal.pressure, normal.approach, normal.cost
+                normal = Nested(ConjugateGradients()).solve(problem.free_pressure, self.beginning)
+                approach, cost = normal.approach, normal.cost
+                pressure = needed(normal.pressure, "outcome.pressure")
             mapping = ProjectedMap.of(problem, pressure > 0.0, self.step_factor)
             state = np.concatenate((pressure[None], traction))
             if problem.load is None:
                 outcome, _ = self.iterate(mapping, tolerance, state)
             else:
-                outcome = self._under_load(mapping, tolerance, state, approach)
+                approach = needed(approach, "start.approach")
+                outcome = self._under_load(mapping, tolerance, state, approach, problem.load)
         trace = (Note(self.name, outcome.status),)
         return replace(outcome, cost=outcome.cost + cost, trace=trace)
 
     def _under_load(
-        self, mapping: ProjectedMap, tolerance: float, state: Array, approach: float
+        self, mapping: ProjectedMap, tolerance: float, state: Array, approach: float, load: float
     ) -> Outcome:
         """Correct the approach until the load is met (paper, section 7.5, steps a.1 and a.2)."""
-        problem = mapping.problem
-        outcome = last = None
+        problem, cost = mapping.problem, Cost()
+        last: tuple[float, float] | None = None
         for _ in range(self.corrections):
-            normal = replace(problem.normal, approach=approach)
+            normal = replace(problem.free_pressure, approach=approach)
             mapping = replace(mapping, problem=replace(problem, normal=normal))
             missed = np.inf if last is None else abs(last[1])
             # The load can be no better than the contact from which it is summed.
             inner = max(0.1 * tolerance, min(1e-3, 0.1 * missed))
             now, mapping = self.iterate(mapping, inner, state)
-            outcome = now if outcome is None else now.costing(outcome)
+            cost = now.cost + cost
+            outcome = replace(now, cost=cost)
             if not now.converged:
                 return outcome
-            state = np.concatenate((now.pressure[None], now.traction))
-            error = now.pressure.sum() / problem.load - 1.0
+            fields = now.fields
+            state = np.concatenate((fields.pressure[None], fields.traction))
+            error = fields.pressure.sum() / load - 1.0
             if abs(error) <= tolerance and now.residual <= tolerance:
                 return outcome
             # Secants, within reason of Hertz's load ~ approach^3/2: a load from a contact that is
@@ -274,16 +282,16 @@ class Projection(ABC):
         again: int,
     ) -> Outcome:
         """Return the outcome of the iterations and their cost."""
-        problem = mapping.problem
+        normal = mapping.problem.normal
         return Outcome(
             status,
             now.residual,
             taken,
             Cost(taken + 1.0 + again),
-            pressure=problem.normal.pressure if problem.is_pressure_fixed else state[0],
+            pressure=normal.pressure if isinstance(normal, FixedPressure) else state[0],
             gap=now.gap,
             traction=state[-2:],
             slip=now.slip,
-            approach=None if problem.is_pressure_fixed else problem.normal.approach,
+            approach=normal.approach if isinstance(normal, NormalProblem) else None,
             creepage=np.zeros(0),
         )

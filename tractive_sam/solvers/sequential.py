@@ -8,7 +8,7 @@ from tractive_sam.operators import Box
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import natural_residual
 from tractive_sam.solvers.nested import shares
-from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
+from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start, needed
 from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem
 
 
@@ -37,9 +37,10 @@ class Sequential:
         if problem.is_pressure_fixed:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
-        normal = self._normal(problem.normal, tolerance, start if touching else None)
-        inner = problem.with_pressure(normal.pressure, normal.gap)
-        if not (normal.converged and self.tangential is not None and normal.pressure.any()):
+        normal = self._normal(problem.free_pressure, tolerance, start if touching else None)
+        pressure = needed(normal.pressure, "outcome.pressure")
+        inner = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))
+        if not (normal.converged and self.tangential is not None and pressure.any()):
             return replace(normal, traction=np.zeros_like(inner.rigid), slip=inner.rigid)
         tangential = self._tangential(inner, tolerance, start)
         residual = max(normal.residual, tangential.residual)
@@ -52,14 +53,14 @@ class Sequential:
         if start is None:
             return self.normal.solve(problem, tolerance)
         if isinstance(start, Start) and start.gap is not None:
-            known = {"pressure": start.pressure, "gap": start.gap, "approach": start.approach}
-            return Outcome(Status.CONVERGED, 0.0, 0, Cost(), **known)
-        shape = problem.gap.shape
-        box = rectangle(start.pressure > 0.0, self.around)
+            known = start.pressure, start.gap, None, None, start.approach
+            return Outcome(Status.CONVERGED, 0.0, 0, Cost(), *known)
+        shape, nearby = problem.gap.shape, needed(start.pressure, "start.pressure")
+        box = rectangle(nearby > 0.0, self.around)
         if box == tuple(slice(0, n) for n in shape):
             return self.normal.solve(problem, tolerance, start)
-        near = self.normal.solve(problem.within(box), tolerance, Start(start.pressure[box]))
-        pressure = embed(near.pressure, box, shape)
+        near = self.normal.solve(problem.within(box), tolerance, Start(nearby[box]))
+        pressure = embed(needed(near.pressure, "outcome.pressure"), box, shape)
         gap = problem.gap + problem.operators.normal(pressure[None])[0] - near.approach
         residual, cost = natural_residual(pressure, gap), near.cost + Cost(1.0)
         near = replace(near, pressure=pressure, gap=gap, residual=residual, cost=cost)
@@ -71,20 +72,21 @@ class Sequential:
         self, problem: Problem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
         """Solve the tangential problem under the pressure of the normal solution."""
-        pressure = problem.normal.pressure
+        pressure = problem.fixed_pressure.pressure
         if len(problem.forces):
-            needed = problem.forces.minimum / problem.bound(pressure).radius.sum()
-            if needed > 1.0:
-                return _beyond(problem, needed)
+            share = problem.forces.minimum / problem.bound(pressure).radius.sum()
+            if share > 1.0:
+                return _beyond(problem, share)
         box = rectangle(pressure > 0.0)
         if start is not None:
             start = _on_part(problem, start, box)
-        outcome = self.tangential.solve(problem.within(box), tolerance, start)
+        solver = needed(self.tangential, "tangential")
+        outcome = solver.solve(problem.within(box), tolerance, start)
         shape = pressure.shape
         return replace(
             outcome,
-            traction=embed(outcome.traction, box, shape),
-            slip=embed(outcome.slip, box, shape),
+            traction=embed(needed(outcome.traction, "outcome.traction"), box, shape),
+            slip=embed(needed(outcome.slip, "outcome.slip"), box, shape),
         )
 
 
@@ -98,7 +100,9 @@ def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
         response = response[-2:, *box] if whole else None
     elif start.pressure is not None:
         bound = problem.friction.bound(start.pressure).radius[box]
-        traction = shares(traction, bound) * problem.bound(problem.normal.pressure).radius[box]
+        traction = (
+            shares(traction, bound) * problem.bound(problem.fixed_pressure.pressure).radius[box]
+        )
     return Start(traction=traction, creepage=start.creepage, response=response)
 
 
@@ -123,7 +127,8 @@ class RoughSequential:
     ) -> Outcome:
         """Solve a problem whose pressure is free, without a start; see `Solver`."""
         normal = self.normal.solve(problem.normal, self.rough)
-        tangential = problem.with_pressure(normal.pressure, normal.gap)
+        pressure = needed(normal.pressure, "outcome.pressure")
+        tangential = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))
         outcome = self.tangential.solve(tangential, self.rough)
         if not outcome.converged and len(problem.forces):
             # The slip by the uncoupled pressure can be more than these forces allow: then the
@@ -139,10 +144,10 @@ def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
     return replace(tangential, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
 
 
-def _beyond(problem: Problem, needed: float) -> Outcome:
+def _beyond(problem: Problem, share: float) -> Outcome:
     """Return the outcome for forces that exceed friction at any creepage."""
     none = np.zeros_like(problem.rigid)
-    note = Note(f"the forces take {needed:.1%} of what friction can carry", Status.DIVERGED)
+    note = Note(f"the forces take {share:.1%} of what friction can carry", Status.DIVERGED)
     creepage = np.zeros(len(problem.forces))
     return Outcome(
         Status.DIVERGED, 1.0, 0, Cost(), traction=none, slip=none, creepage=creepage, trace=(note,)

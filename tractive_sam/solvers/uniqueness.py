@@ -19,8 +19,8 @@ import numpy as np
 
 from tractive_sam.mechanics import Bound
 from tractive_sam.operators import FrictionSlip
-from tractive_sam.solvers.outcome import Outcome, Solver, Start
-from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.outcome import Outcome, Solver, Start, needed
+from tractive_sam.solvers.problem import FixedPressure, Problem
 
 
 def steepness(
@@ -93,9 +93,10 @@ class OneSolution:
         outcome = self.nearby.solve(problem, tolerance, start)
         if not outcome.converged:
             return self.path.solve(problem, tolerance).costing(outcome)
-        pressed = problem.normal if problem.is_pressure_fixed else outcome
-        fields = pressed.pressure, pressed.gap, outcome.traction, outcome.slip
-        found = steepness(problem, *fields)
+        solution = outcome
+        if isinstance(fixed := problem.normal, FixedPressure):
+            solution = replace(outcome, pressure=fixed.pressure, gap=fixed.gap)
+        found = steepness(problem, *solution.fields)
         if found < 1.0:
             return replace(outcome, steepness=found)
         return self.path.solve(problem, tolerance).costing(outcome)
@@ -159,7 +160,7 @@ def _secants(
         moved = problem.friction.bound_sliding(
             pressure, slipped * against, seen.bound, seen.staggered
         )
-        slope = moved.slope.steepness
+        slope = needed(moved.slope, "bound.slope").steepness
         ahead = fall + 0.5 * (slope + before if last else 2.0 * slope) * (slipped - last)
         passed = sliding & (last < size) & (size <= slipped)
         share = (size[passed] - last) / (slipped - last)
