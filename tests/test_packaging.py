@@ -1,8 +1,11 @@
 """Metadata that several files state agree with each other."""
 
 import re
+import runpy
 import tomllib
+from importlib import import_module
 from pathlib import Path
+from pkgutil import walk_packages
 
 import pytest
 
@@ -16,6 +19,37 @@ if not (ROOT / ".conda").is_dir():
 @pytest.fixture(scope="module")
 def project():
     return tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+
+
+@pytest.fixture(scope="module")
+def newest_release():
+    """Version and date of the first section of the changelog."""
+    text = (ROOT / "docs" / "changelog.md").read_text("utf-8")
+    return re.search(r"^## (\d+\.\d+\.\d+) \((\d{4}-\d\d-\d\d)\)$", text, re.MULTILINE).groups()
+
+
+def test_files_agree_on_the_version(newest_release):
+    version, date = newest_release
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    assert f"version: {version}\ndate-released: {date}\n" in citation
+    assert f'default="{version}"' in (ROOT / ".conda" / "recipe.yaml").read_text("utf-8")
+    assert f"version = {{{version}}}" in (ROOT / "docs" / "citing.md").read_text("utf-8")
+    built = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["hatch"]["version"]
+    assert built["fallback-version"] == built["raw-options"]["fallback_version"] == version
+
+
+def test_pyinstaller_bundles_modules_that_are_loaded_when_first_used(project, monkeypatch):
+    pytest.importorskip("PyInstaller", reason="PyInstaller is of the extra clients")
+    hooks = pytest.importorskip("PyInstaller.utils.hooks")
+    monkeypatch.setattr(hooks, "copy_metadata", lambda name: [(name, name)])  # not installed here
+    module, _, function = project["entry-points"]["pyinstaller40"]["hook-dirs"].partition(":")
+    (folder,) = getattr(import_module(module), function)()
+    found = runpy.run_path(str(Path(folder) / "hook-tractive_sam.py"))
+    package = import_module("tractive_sam")
+    modules = {one.name for one in walk_packages(package.__path__, "tractive_sam.")}
+    assert set(found["hiddenimports"]) >= modules
+    files = {Path(source).name for source, _ in found["datas"]}
+    assert files >= {"__init__.pyi", "twin-discs.toml", "tractive-sam", "law.c", "report.html"}
 
 
 def test_conda_recipe_requires_what_the_package_requires(project):

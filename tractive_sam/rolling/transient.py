@@ -37,6 +37,7 @@ class Transient(Process[Moment]):
     """Rolls or shifts the bodies of a model through the courses of its scene."""
 
     observers = (TransientHeat, StressHistory)
+    next_applications = 15.0
 
     def __init__(self, model: Model):
         super().__init__(model)

@@ -86,6 +86,7 @@ class WheelRailPatches(Process[PatchStep]):
         ),
         *WHEEL_COLUMNS,
     )
+    first_applications = 240.0  # each trial of the load of a patch is a contact
 
     def begin(self) -> PatchStep:
         """See `Process.begin`."""

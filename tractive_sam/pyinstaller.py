@@ -1,0 +1,8 @@
+"""Folder of the hook with which PyInstaller bundles this package into a program."""
+
+from pathlib import Path
+
+
+def find_hook_folders() -> list[str]:
+    """Return the folder of the hook, for the entry point of PyInstaller."""
+    return [str(Path(__file__).with_name("pyinstaller_hooks"))]
