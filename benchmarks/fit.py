@@ -7,7 +7,9 @@ noise; the 95 % interval should contain the true value in 92 to 98 % of them. Th
 seven minutes on one process.
 
     python benchmarks/fit.py            # all
-    python benchmarks/fit.py powers     # one of powers, exact, repeats, cost
+    python benchmarks/fit.py powers     # one of powers, exact, repeats, cost, posterior
+
+The posterior needs emcee, of the extra benchmarks, and about a quarter of an hour.
 """
 
 import sys
@@ -20,6 +22,7 @@ from scipy.interpolate import RectBivariateSpline
 from timing import show, write
 
 import tractive_sam as ts
+from tractive_sam.fitting import log_posterior
 
 warnings.simplefilter("ignore", ts.SceneWarning)  # coarse meshes and 20 % of slip are meant
 
@@ -211,9 +214,11 @@ def cost() -> None:
     measured = HEAT * 1e3 / (SPEED * TRACK)
     design = creep(SCENE, measured, mesh_check=False, curve=0)
     rows = [_cost("creep curve, mu exact", ts.fit(design))]
-    # A temperature law that is one everywhere has no exact derivative.
+    # A strength that is never reached has no exact derivative.
     alike = SCENE.replace(**{"friction.strength": 1e6})
     rows.append(_cost("creep curve, differences", ts.fit({**design, "scene": alike})))
+    profile = ts.fit({**design, "intervals": "profile"})
+    rows.append(_cost("creep curve, profile likelihood", profile))
     truth = {"wear.coefficient.A": 1.3e-4, "wear.coefficient.B": 2.2e-4,
              "friction.mu": 0.45, "friction.layer": 2e-6}  # fmt: skip
     adaptive = DISCS.replace(**{"wear.stepping": "adaptive", "wear.save": (0, 3000)})
@@ -241,8 +246,11 @@ def cost() -> None:
         | {"noise": 0.02}
     )
     start = [{"key": key, "start": 0.7 * value} for key, value in truth.items()]
-    found = ts.fit({"scene": scene, "free": [*truth], "data": sets, "parameter": start})
+    design = {"scene": scene, "free": [*truth], "data": sets, "parameter": start}
+    found = ts.fit(design)
     rows.append(_cost("twin discs, four parameters", found))
+    profile = ts.fit({**design, "intervals": "profile"})
+    rows.append(_cost("twin discs, profile likelihood", profile))
     write("fit_cost", rows)
     show("Cost of a fit", rows)
     for key, value in truth.items():
@@ -261,7 +269,53 @@ def _cost(name: str, found: ts.FitResult) -> dict:
     }
 
 
-PARTS = {"powers": powers, "exact": exact, "repeats": repeats, "cost": cost}
+def posterior(walkers: int = 16, steps: int = 2000) -> None:
+    """Sample the posterior of the measured powers by emcee, beside the linearised fit."""
+    import emcee  # noqa: PLC0415 - of the extra benchmarks
+
+    design = creep(SCENE, HEAT * 1e3 / (SPEED * TRACK), mesh_check=False, curve=0)
+    found = ts.fit(design)
+    density, _ = log_posterior(design)
+    fitted = np.array([*found.values.values()])
+    rng = np.random.default_rng(5)
+    sampler = emcee.EnsembleSampler(walkers, fitted.size, density)
+    sampler.random_state = np.random.RandomState(5).get_state()
+    sampler.run_mcmc(fitted * (1.0 + 0.05 * rng.standard_normal((walkers, fitted.size))), steps)
+    times = sampler.get_autocorr_time(tol=0)
+    warm_up = int(5 * times.max())
+    samples = sampler.get_chain(discard=warm_up, flat=True)
+    halves = [one.mean(axis=0) for one in np.array_split(samples, 2)]
+    rows = [
+        {
+            "key": key,
+            "fit": found.values[key],
+            "sd": found.sd[key],
+            "mean": samples[:, k].mean(),
+            "sd of samples": samples[:, k].std(),
+            "error of mean": samples[:, k].std() * np.sqrt(times[k] / len(samples)),
+            "difference of halves": halves[1][k] - halves[0][k],
+            "low": np.quantile(samples[:, k], 0.025),
+            "high": np.quantile(samples[:, k], 0.975),
+            "fit low": found.interval(key)[0],
+            "fit high": found.interval(key)[1],
+            "autocorrelation": times[k],
+            "steps": steps,
+            "walkers": walkers,
+            "accepted": sampler.acceptance_fraction.mean(),
+        }
+        for k, key in enumerate(FRICTION)
+    ]
+    write("fit_posterior", rows)
+    show("Posterior samples, beside the linearised fit", rows)
+
+
+PARTS = {
+    "powers": powers,
+    "exact": exact,
+    "repeats": repeats,
+    "cost": cost,
+    "posterior": posterior,
+}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

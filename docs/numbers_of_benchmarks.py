@@ -751,6 +751,22 @@ def fit_repeats() -> str:
     return format_columns(read_rows("fit_repeats.csv"), columns)
 
 
+def fit_posterior() -> str:
+    """Return posterior samples of measured twin discs, beside the linearised fit."""
+    columns = {
+        "key": ("key", str),
+        "fit": ("fit", number(".4g")),
+        "standard deviation": ("sd", number(".3g")),
+        "mean of the samples": ("mean", number(".4g")),
+        "its error": ("error of mean", number(".1g")),
+        "their standard deviation": ("sd of samples", number(".3g")),
+        "95 % from": ("low", number(".4g")),
+        "to": ("high", number(".4g")),
+        "autocorrelation time, steps": ("autocorrelation", number(".0f")),
+    }
+    return format_columns(read_rows("fit_posterior.csv"), columns)
+
+
 def fit_cost() -> str:
     """Return the cost of fits."""
     columns = {
@@ -830,5 +846,6 @@ TABLES = {
         fit_exact,
         fit_repeats,
         fit_cost,
+        fit_posterior,
     )
 }

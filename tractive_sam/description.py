@@ -229,6 +229,17 @@ def text_table(heading: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]
     return "\n".join([heading, *(f"  {label:{width}}  {text}" for label, text in safe.items())])
 
 
+def html_columns(rows: Iterable[Mapping[str, str]]) -> Html:
+    """Return rows of text by the heading of their column as a table of HTML."""
+    rows = list(rows)
+    cells = [("th", [*rows[0]]), *(("td", [*row.values()]) for row in rows)]
+    lines = (
+        fill("<tr>$cells</tr>\n", cells=[fill(f"<{tag}>$text</{tag}>", text=text) for text in row])
+        for tag, row in cells
+    )
+    return fill("<table>$lines</table>", lines=lines)
+
+
 def html_table(rows: Mapping[str, str], picture: Html = Html()) -> Html:  # noqa: B008 - immutable
     """Return rows of label and text as a table of HTML, next to a picture if there is one."""
     line = (

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import errno
 import os
 import stat
 import sys
+from collections.abc import Iterator, Sequence
 from os import PathLike
 from typing import BinaryIO
 
@@ -55,6 +57,57 @@ def read_text(path: str | PathLike[str], max_bytes: int, encoding: str = "utf-8"
     piped = os.fspath(path).startswith(("/dev/stdin", "/dev/fd/", "/proc/self/fd/"))
     with open(path, "rb") if piped else open_regular(path) as file:
         return _read_limited(file, max_bytes, encoding, os.fspath(path))
+
+
+def read_columns(path: str | PathLike[str], max_bytes: int = 2**26) -> dict[str, list[str]]:
+    """Read a text file with a header row; separators are semicolons, tabs or commas.
+
+    If columns are separated by semicolons or tabs, a comma is a decimal sign. Empty lines and lines
+    that begin with # are skipped.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    max_bytes : int
+        Largest size of the file.
+
+    Returns
+    -------
+    dict of str to list of str
+        Cells by the name of their column.
+
+    Raises
+    ------
+    OSError, UnicodeDecodeError
+        See `read_text`.
+    ValueError
+        If rows differ in length, or there is no header row.
+    """
+    lines = [*_content(read_text(path, max_bytes, "utf-8-sig").splitlines())]
+    if not lines:
+        raise ValueError("no header row")
+    separator = next((one for one in ";\t" if one in lines[0][1]), ",")
+    rows = [
+        [cell.strip() for cell in row]
+        for row in csv.reader([line for _, line in lines], delimiter=separator)
+    ]
+    header, body = rows[0], rows[1:]
+    for (line, _), row in zip(lines[1:], body, strict=True):
+        if len(row) != len(header):
+            raise ValueError(f"line {line} of {len(row)} cells, not {len(header)}")
+    if len(set(header)) < len(header):
+        raise ValueError(f"two columns of one name in {', '.join(header)}")
+    if separator != ",":
+        body = [[cell.replace(",", ".") for cell in row] for row in body]
+    return {name: [row[k] for row in body] for k, name in enumerate(header)}
+
+
+def _content(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
+    """Yield lines with their numbers, without empty ones and comments."""
+    for number, line in enumerate(lines, 1):
+        if line.strip() and not line.lstrip().startswith("#"):
+            yield number, line
 
 
 def read_piped(max_bytes: int, encoding: str = "utf-8") -> str:

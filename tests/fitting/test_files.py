@@ -1,6 +1,7 @@
 """The file of a fit: resumed, shown, drawn, and refused where it is another one."""
 
 import json
+from contextlib import ExitStack, nullcontext
 
 import numpy as np
 import pytest
@@ -10,7 +11,8 @@ import tractive_sam as ts
 from tests.fitting.conftest import creep_data
 from tractive_sam.cli import app
 from tractive_sam.fitting import evaluations
-from tractive_sam.fitting.results import FitResult, write_fit
+from tractive_sam.fitting.fit_file import write_fit
+from tractive_sam.fitting.results import FitResult
 
 FIT = """
 [fit]
@@ -93,6 +95,10 @@ def test_file_is_read_again(fitted):
     assert found.finished
     assert found.status == "done"
     assert "friction.mu" in repr(found)
+    page = found._repr_html_()
+    assert page.count("<table>") == 3  # estimates, next test, agreement
+    assert page.count("<img") == 1
+    assert "friction.mu" in page
     assert found.next_tests()[0]["gain"] > 0.0
     data = found.dataset
     assert data["model_error"].size == data["observed"].size == 4
@@ -125,6 +131,7 @@ def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
     assert part.status == "running"
     assert run("plot", tmp_path / "part.nc").exit_code == 2
     assert "running" in run("show", tmp_path / "part.nc").stdout
+    assert "running" in part._repr_html_()
 
     before = len(done)
 
@@ -174,8 +181,30 @@ def test_faults_are_listed_by_the_command(rig, tmp_path):
     assert run("fit", rig / "FIT.toml", "-o", tmp_path / "no" / "x.nc").exit_code == 2
 
 
+@pytest.mark.parametrize("seconds", [0.01, 10.0])
+def test_only_long_computations_are_distributed(seconds, monkeypatch, spheres):
+    sent = []
+
+    def computed(calls, *_):
+        sent.extend(calls)
+        yield from enumerate(call(*arguments) for call, *arguments in calls)
+
+    monkeypatch.setattr("tractive_sam.studies.computed", computed)
+    monkeypatch.setattr("tractive_sam.studies.local_cluster", lambda _: nullcontext(("", None)))
+    cases = [evaluations.FitCase(spheres, ("Qx",), seat=(0, k % 2)) for k in range(4)]
+    monkeypatch.setattr(evaluations, "compute", lambda case, start=None: (case.seat, None))
+    with ExitStack() as stack:
+        workers = evaluations.InWorkers(2, stack)
+        assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
+        assert not sent  # how long a case takes is not known yet
+        workers.here.seconds[:] = [seconds]
+        assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
+    assert len(sent) == (2 if seconds > 1.0 else 0)  # a call for each seat
+
+
 @pytest.mark.slow  # starts processes
-def test_processes_find_the_same(rig, fitted, tmp_path):
+def test_processes_find_the_same(rig, fitted, tmp_path, monkeypatch):
+    monkeypatch.setattr(evaluations.InWorkers, "worthwhile", 0.0)
     found = ts.fit(rig / "FIT.toml", tmp_path / "two.nc", workers=2)
     expected = ts.open_fit(fitted).values["friction.mu"]
     assert found.values["friction.mu"] == pytest.approx(expected, rel=1e-6)

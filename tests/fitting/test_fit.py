@@ -7,6 +7,9 @@ import tractive_sam as ts
 from tests.fitting import laws
 from tests.fitting.conftest import CREEPAGES, creep_data, starts, worn_data
 from tractive_sam.fitting import log_posterior
+from tractive_sam.fitting.likelihood import ProfileLikelihood
+from tractive_sam.fitting.run import make_problem, read_design
+from tractive_sam.fitting.search import Search
 
 EXACT = 1e-6
 """Relative error of estimates from data without noise; the search ends at changes of 1e-7."""
@@ -185,6 +188,9 @@ def test_profile_likelihood_of_a_nearly_linear_problem_is_the_linear_interval(sp
                           strict=True):  # fmt: skip
         assert one == pytest.approx(other, rel=0.01)
     assert (profile.dataset["likelihood"].values[:, 2] >= 0.0).all()
+    # no derivatives: with one parameter each point of the curve is one prediction
+    points = profile.dataset["likelihood"].shape[0] - 1
+    assert profile.solves - linear.solves == points * len(CREEPAGES)
 
 
 @pytest.mark.slow
@@ -268,9 +274,41 @@ def test_the_next_test_is_where_a_parameter_matters(spheres):
     assert best["sd"]["friction.mu"] < found.sd["friction.mu"]
 
 
+@pytest.mark.slow
+def test_derivatives_of_the_estimate_serve_the_profile_likelihood(spheres):
+    """Its ends are those of searches with derivatives at every point, for fewer contacts."""
+    truth = {"friction.mu": 0.35, "friction.layer": layer_of(spheres)}
+    design = {"scene": spheres, "free": [*truth], "data": [creep_data(spheres, truth)]}
+    fit = read_design(design | {"parameter": starts(friction__layer=layer_of(spheres))}).fit
+    ends, contacts = [], []
+    for steps in (4, 0):
+        found = Search(make_problem(fit), fit).run()
+        before = found.problem.evaluations.cost[0]
+        ends.append(ProfileLikelihood(found, fit, 1, steps=steps).interval()[:2])
+        contacts.append(found.problem.evaluations.cost[0] - before)
+    assert ends[0] == pytest.approx(ends[1], rel=0.02)  # found to 2 % of the root of the rise
+    assert contacts[0] < 0.5 * contacts[1]
+
+
 def test_posterior_is_largest_at_the_truth(spheres):
     data = creep_data(spheres, {"friction.mu": 0.35})
     density, start = log_posterior({"scene": spheres, "free": ["friction.mu"], "data": [data]})
     assert start.shape == (1,)
     assert density([0.35]) > max(density([0.33]), density([0.37]))
     assert density([-1.0]) == -np.inf
+
+
+@pytest.mark.slow
+def test_posterior_samples_agree_with_the_linearised_interval(spheres):
+    emcee = pytest.importorskip("emcee", reason="emcee is of the extra benchmarks")
+    data = creep_data(spheres, {"friction.mu": 0.35})
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "curve": 0}
+    found, (density, start) = ts.fit(design), log_posterior(design)
+    sampler = emcee.EnsembleSampler(4, 1, density)
+    sampler.random_state = np.random.RandomState(1).get_state()
+    sampler.run_mcmc(start * np.array([[0.95], [0.98], [1.01], [1.04]]), 150)
+    samples = sampler.get_chain(discard=30, flat=True)
+    # 480 samples, about 8 for each independent one: the mean has an error of 0.13 deviations
+    deviation = found.sd["friction.mu"]
+    assert abs(samples.mean() - found.values["friction.mu"]) < 0.5 * deviation
+    assert samples.std() == pytest.approx(deviation, rel=0.4)

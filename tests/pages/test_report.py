@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam import plot
 from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.pages import arrays, charts, data
 from tractive_sam.results import Grid
@@ -198,3 +199,20 @@ def test_without_plotly_the_extra_is_named(history, tmp_path, monkeypatch):
     with pytest.raises(ImportError, match="extra report"):
         ts.report(history, tmp_path / "page.html")
     assert not list(tmp_path.iterdir())
+
+
+def test_measured_points_are_in_their_chart(history, tmp_path):
+    course, worn = history["revolution"], history["worn_mass"][:, 1]
+    measured = plot.Measurements({"revolution": course, "worn_mass B": worn + 0.25})
+    found = charts.charts(history, measured)
+    lines = [line for chart in found for line in chart["lines"] if "measured" in line]
+    assert len(lines) == 1
+    assert (unpacked(lines[0]["measured"]["x"]) == course).all()
+    assert "0.25 mg" in lines[0]["measured"]["name"]
+    assert ts.report(history, tmp_path / "page.html", measured).stat().st_size > 0
+    with pytest.raises(ValueError, match="p_mox"):
+        ts.report(
+            history,
+            tmp_path / "page.html",
+            plot.Measurements({"revolution": course, "p_mox": course}),
+        )

@@ -47,6 +47,19 @@ def test_measured_points_are_compared_with_their_column(tmp_path):
     assert float(label.split()[-1]) == pytest.approx(0.01, rel=1e-2)
 
 
+def test_every_measured_column_has_a_figure(tmp_path):
+    """Also one that no other figure draws, or of a history with one record."""
+    history = strips.history()
+    course = history["revolution"]
+    measured = plot.Measurements({"revolution": course, "t_gamma": history["t_gamma"] + 2.0})
+    with change_options(measured=measured):
+        (drawing,) = (one for one in plot.list_figures(history) if "measured" in one.name)
+        (axes,) = drawing.draw().axes
+    assert drawing.name == "measured-t-gamma"
+    assert any("rms of differences 2" in text for text in axes.get_legend_handles_labels()[1])
+    assert not any("measured" in one.name for one in plot.list_figures(history))
+
+
 @pytest.mark.parametrize(
     ("content", "named"),
     [("", "m.csv"), ("revolution\n", "m.csv"), ("revolution,p_max\n1,a\n", "p_max")],

@@ -111,46 +111,20 @@ def _check_folder(path: Path) -> None:
 
 
 def print_fit(result: "ts.FitResult") -> None:
-    """Print the estimates of a fit, and what is doubtful about it."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    rows = result.estimates()
-    for heading in rows[0]:
-        table.add_column(heading, justify="left" if heading == "parameter" else "right")
-    for row in rows:
-        table.add_row(*row.values())
+    """Print the tables of a fit, and what is doubtful about it."""
     out = console()
-    out.print(table)
+    for rows in result.tables().values():
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        for number, heading in enumerate(rows[0]):
+            table.add_column(heading, justify="right" if number else "left")
+        for row in rows:
+            table.add_row(*row.values())
+        out.print(table)
     for name, text in result.summary().items():
         if name not in result.keys:
             out.print(f"{name}: {text}")
-    for key, row in zip(result.keys, result.correlation, strict=True):
-        strong = [
-            f"{other} {number:.3f}"
-            for other, number in zip(result.keys, row, strict=True)
-            if other > key and abs(number) > STRONG
-        ]
-        if strong:
-            out.print(f"correlation of {key} with {', '.join(strong)}")
-    _print_tests(result)
     for text in (*result.undetermined, *result.notes):
         print_note(text)
-
-
-STRONG = 0.1
-"""Correlation from which on it is printed."""
-
-
-def _print_tests(result: "ts.FitResult") -> None:
-    """Print the table of the next tests, if there are any."""
-    tests = result.next_tests()
-    if not tests:
-        return
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("next test", "gain", *(f"sd of {key}" for key in result.keys)):
-        table.add_column(heading, justify="left" if heading == "next test" else "right")
-    for one in tests:
-        table.add_row(one["test"], f"{one['gain']:.3g}", *(f"{n:.3g}" for n in one["sd"].values()))
-    console().print(table)
 
 
 def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
@@ -174,12 +148,13 @@ def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
     return True
 
 
-def plot_fit(file: Path, folder: Path | None, format: str, dpi: int) -> bool:
+def plot_fit(file: Path, folder: Path | None, format: str, dpi: int, measured: bool) -> bool:
     """Draw the figures of a fit; False if the file is no fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
         return False
+    _refuse_measured(file, measured)
     result = _open_complete_fit(file)
     with report_errors():
         from tractive_sam.fitting import save_fit_figures
@@ -190,18 +165,26 @@ def plot_fit(file: Path, folder: Path | None, format: str, dpi: int) -> bool:
     return True
 
 
-def write_fit_report(file: Path, output: Path | None) -> bool:
+def write_fit_report(file: Path, output: Path | None, measured: bool) -> bool:
     """Write the page of a fit; False if the file is no fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
         return False
+    _refuse_measured(file, measured)
     result = _open_complete_fit(file)
     with report_errors():
         from tractive_sam.fitting import report_fit
 
         print_line(report_fit(result, output or Path(f"{file.stem}.html")))
     return True
+
+
+def _refuse_measured(file: Path, measured: bool) -> None:
+    """End with a message if measured points are given for a fit, which has its own."""
+    if measured:
+        cure = "its figures show the data of the fit; --measured is for files of tractive-sam run"
+        raise error_exit(ExitStatus.INVALID, f"{file} is a fit: {cure}")
 
 
 def _open_fit(file: Path) -> "ts.FitResult":

@@ -71,8 +71,8 @@ Measured = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.csv",
-        help="Draw measured points: a CSV file with the column revolution (or distance) and "
-        "further columns, for example Qx_over_P or 'worn_mass B'.",
+        help="Draw measured points, with the rms of their differences: a CSV file with the column "
+        "revolution (or distance) and further columns, for example Qx_over_P or 'worn_mass B'.",
     ),
 ]
 Animated = Annotated[
@@ -106,7 +106,7 @@ def plot(
     animated: Animated = False,
 ) -> None:
     """Draw every figure that applies to a results file."""
-    if plot_fit(file, output, format.value, dpi):
+    if plot_fit(file, output, format.value, dpi, measured is not None):
         return
     with report_errors():
         from tractive_sam.plot import Measurements, animate, save_all

@@ -7,6 +7,7 @@ import typer
 
 from tractive_sam.cli.fit import write_fit_report
 from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_note, report_errors
+from tractive_sam.cli.plot import Measured
 from tractive_sam.cli.show import Results
 
 
@@ -22,19 +23,25 @@ def report(
             "folder.",
         ),
     ] = None,
+    measured: Measured = None,
 ) -> None:
     """Write a results file as one interactive page, which needs no other file and no network."""
-    if write_fit_report(file, output):
+    if write_fit_report(file, output, measured is not None):
         return
     with report_errors():
         from tractive_sam import pages
+        from tractive_sam.plot import Measurements
         from tractive_sam.store import open_history
 
         history = open_history(file)
         if not len(history):
             raise error_exit(ExitStatus.INVALID, f"{file} contains no record to show yet")
         path = output or Path(f"{file.stem}.html")
-        pages.report(history, path)
+        try:
+            points = None if measured is None else Measurements.from_file(measured)
+            pages.report(history, path, points)
+        except ValueError as error:
+            raise error_exit(ExitStatus.INVALID, str(error)) from None
     if not history.finished:
         print_note(f"{file} is {history.status}: {history.message}")
     print_line(path)

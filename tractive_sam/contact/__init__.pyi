@@ -4,6 +4,7 @@ from .heat import divide_heat as divide_heat
 from .heat import wear_conditions as wear_conditions
 from .heat import wear_law_at as wear_law_at
 from .heat import with_heat as with_heat
+from .jacobian import LinearSolver as LinearSolver
 from .jacobian import check_jacobian as check_jacobian
 from .jacobian import jacobian_of as jacobian_of
 from .laws import Laws as Laws

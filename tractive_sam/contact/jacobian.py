@@ -18,19 +18,21 @@ load, approach, forces
     the leading edge follow from the load through w;
 mu_k
     the frame F = M R (`mechanics.frame`). With E = dF F^-1, which has 1/mu_k at (k, k) and is zero
-    elsewhere, the tractions p_t = F^T p~ change as if p~ changed by E p~, and with them elastic
-    slip, gap and forces; and the slip s~ = F s changes by E s~. A bound that falls with the slip s
+    elsewhere, the tractions p_t = F^T p~ change by F^T (dp~ + E p~). The sum in brackets is the
+    unknown, so that elastic slip, gap and forces follow from it alone: for constant p_t, the scaled
+    tractions p~ change by -E p~, and the slip s~ = F s by E s~. A bound that falls with the slip s
     does not depend on that change; a strength, divided by mu, falls.
 
-The tractions then change by F^T (dp~ + E p~). For bodies of equal material the pressure depends on
-the load only, so that every other column is solved under a fixed pressure.
+For bodies of equal material the pressure depends on the load only, so that every other column is
+solved under a fixed pressure.
 
 Friction that depends on temperature has a bound that depends on the heat of all elements: on the
 heat due to every change above, and within the matrix on that of every step (`_WarmSystem`).
 """
 
 from collections.abc import Callable, Container, Mapping
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import Any, Self
 
 import numpy as np
@@ -45,14 +47,40 @@ from tractive_sam.results import COLUMNS, State, index_by_name
 from tractive_sam.schema import required, warn
 from tractive_sam.solvers import Iterate, Problem, System, gmres, needed
 
-TOLERANCE = 1e-7
-"""Relative residual of a linear system."""
 
-USELESS = 1e-5
-"""Relative residual above which a solution is not used as a derivative."""
+@dataclass(frozen=True)
+class LinearSolver:
+    """Settings of GMRES for the linear system of one column.
 
-KRYLOV, ROUNDS = 150, 4
-"""Largest number of iterations of GMRES, and of its restarts."""
+    Attributes
+    ----------
+    tolerance : float
+        Relative residual at which to stop.
+    useless : float
+        Relative residual, in tolerances, above which a solution is not used as a derivative.
+    krylov, rounds : int
+        Largest number of iterations, and of restarts.
+    """
+
+    tolerance: float = 1e-7
+    useless: float = 100.0
+    krylov: int = 150
+    rounds: int = 4
+
+    def solve(self, system: System, rhs: np.ndarray) -> np.ndarray:
+        """Return the solution of a linear system; nan without a solution."""
+        size = np.linalg.norm(rhs)
+        vector, residual, missed = np.zeros_like(rhs), rhs, size
+        for _ in range(self.rounds):
+            if missed <= self.tolerance * size:
+                break
+            goal = float(0.9 * self.tolerance * size / missed)
+            step, _ = gmres(system.operator, system.preconditioner, residual, goal, self.krylov)
+            vector += step
+            residual = rhs - system.operator(vector)
+            missed = np.linalg.norm(residual)
+        useful = missed <= self.useless * self.tolerance * size
+        return vector if useful else np.full_like(rhs, np.nan)
 
 
 def check_jacobian(model: Model) -> None:
@@ -71,7 +99,10 @@ def check_jacobian(model: Model) -> None:
 
 
 def jacobian_of(
-    model: Model, contact: State, only: Container[str] | None = None
+    model: Model,
+    contact: State,
+    only: Container[str] | None = None,
+    solver: LinearSolver = LinearSolver(),
 ) -> "xarray.DataArray":
     """Derivatives at a solved contact, on its mesh; see `State.jacobian`.
 
@@ -82,32 +113,18 @@ def jacobian_of(
     contact : State
         Its solution.
     only : container of str, optional
-        Columns that are wanted; by default all.
+        Columns that are wanted; by default all but "mu". That one, for both coefficients of
+        friction together, needs one linear system instead of two.
+    solver : LinearSolver
+        Accuracy of the linear systems.
     """
     if model.scene.friction is not None and model.scene.friction.temperature:
         heat = required(contact.heat, "heat")
         model = model.with_friction(friction_at_temperature(model, heat.temperature["A"]))
-    gap = (model.undeformed_gap + contact.wear) / model.units.gap
-    all_fields = tangential = _Linearised(model, model.problem(gap), contact)
-    if not model.elasticity.coupled:
-        tangential = all_fields.with_fixed_pressure()
-    rows = ["Qx", "Qy", "Mz"]
-    derivatives: dict[str, Callable[[], np.ndarray]] = {}
-    for k, creepage in enumerate(model.scene.contact_type.creepages):
-        if (*model.free, False)[k]:
-            force, rows[k] = rows[k], creepage
-            derivatives[force] = partial(tangential.by_force, k)
-        else:
-            derivatives[creepage] = partial(tangential.by_creepages, *np.eye(3)[k])
-    if model.load is None:
-        rows.append("P")
-        derivatives["approach"] = all_fields.by_approach
-    else:
-        rows.append("approach")
-        derivatives["P"] = all_fields.by_load
-    if type(model.laws.friction) in (Coulomb, FallingCoulomb):  # other laws may have no mu
-        derivatives |= {f"mu{k + 1}": partial(tangential.by_mu, k) for k in (0, 1)}
-    columns = {k: compute() for k, compute in derivatives.items() if only is None or k in only}
+    systems = _Systems(model, contact, solver)
+    rows, derivatives = systems.rows_and_derivatives()
+    wanted = derivatives.keys() - {"mu"} if only is None else only
+    columns = {k: compute() for k, compute in derivatives.items() if k in wanted}
 
     unsolved = [name for name, column in columns.items() if np.isnan(column).any()]
     if unsolved:
@@ -115,12 +132,73 @@ def jacobian_of(
     quantities = index_by_name(column.with_units_of(model.scene) for column in COLUMNS)
     names = (*rows, *columns)
     units = {name: quantities[name].unit if name in quantities else "1" for name in names}
-    cost = sum(problem.applications for problem in {all_fields, tangential})
     return xarray.DataArray(
         np.stack(list(columns.values()), axis=1),
         [("result", rows), ("parameter", list(columns))],
-        attrs={"units": UnitsByName.from_mapping(units), "operator_applications": cost},
+        attrs={
+            "units": UnitsByName.from_mapping(units),
+            "operator_applications": systems.applications,
+        },
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Systems:
+    """The linearised problems of a contact: of all fields, and of the tractions alone."""
+
+    model: Model
+    contact: State
+    solver: LinearSolver
+
+    @cached_property
+    def all_fields(self) -> "_Linearised":
+        """Pressure and tractions."""
+        return _Linearised(self.model, self._problem, self.contact, self.solver)
+
+    @cached_property
+    def tangential(self) -> "_Linearised":
+        """Tractions, under the pressure of the contact if they do not change it."""
+        if self.model.elasticity.coupled:
+            return self.all_fields
+        pressure = needed(dimensionless_start(self.model, self.contact).pressure, "start.pressure")
+        problem = self._problem.with_pressure(pressure, self.contact.gap / self.model.units.gap)
+        return _Linearised(self.model, problem, self.contact, self.solver)
+
+    @property
+    def _problem(self) -> Problem:
+        """The problem that was solved."""
+        return self.model.problem(
+            (self.model.undeformed_gap + self.contact.wear) / self.model.units.gap
+        )
+
+    @property
+    def applications(self) -> int:
+        """Number of applications of the elastic operators so far."""
+        used = {one for one in vars(self).values() if isinstance(one, _Linearised)}
+        return sum(one.applications for one in used)
+
+    def rows_and_derivatives(self) -> tuple[list[str], dict[str, Callable[[], np.ndarray]]]:
+        """Return the names of the rows, and what computes each column."""
+        rows = ["Qx", "Qy", "Mz"]
+        derivatives: dict[str, Callable[[], np.ndarray]] = {}
+        for k, creepage in enumerate(self.model.scene.contact_type.creepages):
+            if (*self.model.free, False)[k]:
+                force, rows[k] = rows[k], creepage
+                derivatives[force] = partial(self.tangential.by_force, k)
+            else:
+                derivatives[creepage] = partial(self.tangential.by_creepages, *np.eye(3)[k])
+        if self.model.load is None:
+            rows.append("P")
+            derivatives["approach"] = lambda: self.all_fields.by_approach()  # noqa: PLW0108 - built if called
+        else:
+            rows.append("approach")
+            derivatives["P"] = lambda: self.all_fields.by_load()  # noqa: PLW0108 - built if called
+        if type(self.model.laws.friction) in (Coulomb, FallingCoulomb):  # other laws may have no mu
+            derivatives |= {
+                f"mu{k + 1}": partial(self.tangential.by_mu, np.eye(2)[k]) for k in (0, 1)
+            }
+            derivatives["mu"] = partial(self.tangential.by_mu, np.ones(2))
+        return rows, derivatives
 
 
 class UnitsByName(str):
@@ -159,8 +237,8 @@ class _Linearised:
     Every derivative has the shape (4,): Q_x or xi_x, Q_y or xi_y, M_z, approach or P.
     """
 
-    def __init__(self, model: Model, problem: Problem, contact: State):
-        self.model, self.problem, self.contact = model, problem, contact
+    def __init__(self, model: Model, problem: Problem, contact: State, solver: LinearSolver):
+        self.model, self.problem, self.contact, self.solver = model, problem, contact, solver
         start = dimensionless_start(model, contact)
         self.at = Iterate(
             problem,
@@ -176,19 +254,13 @@ class _Linearised:
             if self.warm
             else System(problem, self.at, np.float64)
         )
-        self._applications = 1  # in addition to those of the system
         self._force = model.units.pressure * model.grid.element_area
         self._none = np.zeros((3, *model.grid.elements))
-
-    def with_fixed_pressure(self) -> "_Linearised":
-        """Return the tangential problem under the pressure of this one."""
-        problem = self.problem.with_pressure(self.at.pressure, self.at.gap)
-        return _Linearised(self.model, problem, self.contact)
 
     @property
     def applications(self) -> int:
         """Number of applications of the elastic operators so far."""
-        return self.system.applications + self._applications
+        return self.system.applications + 1  # that of the iterate
 
     def by_creepages(self, *creepages: float) -> np.ndarray:
         """Return the derivatives by creepages (longitudinal, lateral, spin)."""
@@ -212,31 +284,27 @@ class _Linearised:
         gap = np.full(self.at.pressure.shape, -1.0 / self.model.units.gap)
         return self._derivatives(gap, self._slip_change(self._none[1:], self._none, gap))
 
-    def by_mu(self, axis: int) -> np.ndarray:
-        """Return the derivatives by a coefficient of friction; for a falling law the static one."""
+    def by_mu(self, change: np.ndarray) -> np.ndarray:
+        """Return the derivatives along a change of the coefficients of friction.
+
+        Parameters
+        ----------
+        change : ndarray, shape (2,)
+            Change of mu1 and mu2; for a falling law, of the static coefficients.
+        """
         at, law = self.at, self.model.laws.friction
-        E = np.eye(2)[axis] / self.model.frame.mu[axis]
-        stretched = np.concatenate((self._none[:1], E[:, None, None] * at.traction))
-        response = self.problem.response(stretched[-self.problem.shape[0] :])
-        self._applications += 1
-        gap = self._none[0] if self.problem.is_pressure_fixed else response[0]
+        E = change / self.model.frame.mu
         # The unit of slip is proportional to the square of the larger coefficient.
-        unit = 2.0 * self.model.frame.largest_by(axis)
-        turned = at.seen.stretched(at.slip, at.traction, E, unit)
-        bound = self._bound_change(stretched[1:], response[-2:])
+        unit = 2.0 * self.model.frame.largest_by(change)
+        slip = at.seen.stretched(at.slip, at.traction, E, unit)
+        bound: np.ndarray | float = 0.0
         if isinstance(law, FallingCoulomb):
             # A bound depends on the slip itself, not on the scaled slip.
             framed = E[:, None, None] * at.seen.sticking(at.slip, at.traction)
-            bound = bound + law.by_mu(at.bound, axis)
+            bound = law.by_mu(at.bound, change)
             if at.law.falling is not None:
                 bound = bound - at.law.falling.change(framed, at.seen.bound)
-        return self._derivatives(
-            gap,
-            self._slip_change(response[-2:], stretched, gap) + turned,
-            forces=-self.problem.forces.force(stretched[1:]),
-            bound=bound,
-            stretched=stretched[1:],
-        )
+        return self._derivatives(slip=slip, bound=bound, traction=-E[:, None, None] * at.traction)
 
     def _bound_change(self, traction: np.ndarray, slip: np.ndarray) -> np.ndarray | float:
         """Return the change of the bound by the heat of changed scaled tractions and slip."""
@@ -264,7 +332,7 @@ class _Linearised:
         return at.seen.sticking_change(slip, at.traction, fields, gap, at.slip)
 
     def _derivatives(
-        self, gap=0.0, slip=None, load=0.0, forces=0.0, bound=0.0, stretched=0.0
+        self, gap=0.0, slip=None, load=0.0, forces=0.0, bound=0.0, traction=None
     ) -> np.ndarray:
         """Return the derivatives of the results from the direct effects of a parameter.
 
@@ -276,43 +344,29 @@ class _Linearised:
             Bound of the tractions, except for its dependence on the slip.
         load, forces : float and ndarray
             Prescribed load and forces.
-        stretched : ndarray
-            Tractions, by their frame.
+        traction : ndarray
+            Scaled tractions of constant physical ones.
         """
         model, system, at = self.model, self.system, self.at
         rhs = np.zeros(system.length)
         rows, under_load = system.fields(rhs), int(system.under_load)
         rows[:-2] = -np.where(at.active, gap, 0.0)
         if slip is not None:
-            at.law.rows(self._none[1:], slip, rows[-2:])
+            at.law.rows(self._none[1:] if traction is None else traction, slip, rows[-2:])
             rows[-2:] = at.ratio * (bound * at.law.direction - rows[-2:])
         border = rhs[system.size :]
         border[:under_load] = system.weight * load
         border[under_load:] = system.weight * at.ratio * forces
 
-        vector = self._solve(rhs)
+        vector = self.solver.solve(system, rhs)
         step, extra = system.fields(vector), vector[system.size :]
-        traction = self._force * model.frame.to_physical(step[-2:] + stretched)
+        force = self._force * model.frame.to_physical(step[-2:])
         x, y = model.grid.x[:, None], model.grid.y[None, :]
-        moment = (x * traction[1] - y * traction[0]).sum()
-        results = np.array([*traction.sum(axis=(1, 2)), moment, 0.0])
+        moment = (x * force[1] - y * force[0]).sum()
+        results = np.array([*force.sum(axis=(1, 2)), moment, 0.0])
         results[np.flatnonzero(model.free)] = model.units.slip * extra[under_load:]
         if under_load:
             results[3] = model.units.gap * extra[0]
         elif system.free:
             results[3] = self._force * step[0].sum()
         return results
-
-    def _solve(self, rhs: np.ndarray) -> np.ndarray:
-        """Solve the linear system; return nan without a solution."""
-        system, size = self.system, np.linalg.norm(rhs)
-        vector, residual, missed = np.zeros_like(rhs), rhs, size
-        for _ in range(ROUNDS):
-            if missed <= TOLERANCE * size:
-                break
-            goal = float(0.9 * TOLERANCE * size / missed)
-            step, _ = gmres(system.operator, system.preconditioner, residual, goal, KRYLOV)
-            vector += step
-            residual = rhs - system.operator(vector)
-            missed = np.linalg.norm(residual)
-        return vector if missed <= USELESS * size else np.full_like(rhs, np.nan)

@@ -5,10 +5,10 @@ from .design import FitError as FitError
 from .evaluations import Evaluations as Evaluations
 from .figures import fit_figures as fit_figures
 from .figures import save_fit_figures as save_fit_figures
+from .fit_file import is_fit as is_fit
+from .fit_file import open_fit as open_fit
 from .page import report_fit as report_fit
 from .posterior import log_posterior as log_posterior
 from .results import FitResult as FitResult
-from .results import is_fit as is_fit
-from .results import open_fit as open_fit
 from .run import fit as fit
 from .run import read_design as read_design

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import math
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -11,7 +13,7 @@ import numpy as np
 
 from tractive_sam.fitting.case import Answer
 from tractive_sam.fitting.design import FitDesign
-from tractive_sam.fitting.results import arrays_of, layout_of, open_fit
+from tractive_sam.fitting.fit_file import open_fit
 from tractive_sam.store import DamagedError, ResultsError, versions
 
 
@@ -71,3 +73,18 @@ def answer_variables(known: Mapping[str, Answer]) -> dict[str, tuple]:
         "answer_cost": (("answers", "cost"), costs, "1", "contacts, rolls, transforms"),
         "answer_numbers": (("numbers",), flat, "1", "numbers of all computations"),
     }
+
+
+def layout_of(numbers: Mapping[str, np.ndarray]) -> str:
+    """Return the names and shapes of arrays as text."""
+    return json.dumps([[name, list(np.shape(one))] for name, one in numbers.items()])
+
+
+def arrays_of(layout: str, flat: np.ndarray) -> dict[str, np.ndarray]:
+    """Return arrays by a layout, from their numbers one after another."""
+    found, first = {}, 0
+    for name, shape in json.loads(layout):
+        count = math.prod(shape)
+        found[name] = flat[first : first + count].reshape(shape)
+        first += count
+    return found

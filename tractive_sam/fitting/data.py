@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tractive_sam.fitting.design import FitError
 from tractive_sam.fitting.tables import COORDINATES, DEPTH, Data, Noise
-from tractive_sam.input_file import read_text
+from tractive_sam.input_file import read_columns
 from tractive_sam.schema import Fault, shorten, suggest_name
-
-MOST_BYTES = 2**26
-"""Largest data file, bytes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +154,7 @@ def _numbers(cells: Sequence[Any]) -> tuple[np.ndarray, list[tuple[int, Any]]]:
     return found, wrong
 
 
-def _columns_of(data: Data) -> dict[str, Sequence[Any]]:
+def _columns_of(data: Data) -> Mapping[str, Sequence[Any]]:
     """Return the columns of a data set by name, as they are given."""
     if data.values is not None:
         columns = {
@@ -169,36 +164,5 @@ def _columns_of(data: Data) -> dict[str, Sequence[Any]]:
         lengths = {name: len(values) for name, values in columns.items()}
         if len(set(lengths.values())) > 1:
             raise ValueError(", ".join(f"{n} values of {name}" for name, n in lengths.items()))
-        return dict(columns)
-    return _read_columns(Path(str(data.file)))
-
-
-def _read_columns(path: Path) -> dict[str, Sequence[str]]:
-    """Read a text file with a header row; separators are semicolons, tabs or commas.
-
-    Where columns are separated by semicolons or tabs, a comma is a decimal sign.
-    """
-    lines = [*_content(read_text(path, MOST_BYTES, "utf-8-sig").splitlines())]
-    if not lines:
-        raise ValueError("no header row")
-    separator = next((one for one in ";\t" if one in lines[0][1]), ",")
-    rows = [
-        [cell.strip() for cell in row]
-        for row in csv.reader([line for _, line in lines], delimiter=separator)
-    ]
-    header, body = rows[0], rows[1:]
-    for (line, _), row in zip(lines[1:], body, strict=True):
-        if len(row) != len(header):
-            raise ValueError(f"line {line} of {len(row)} cells, not {len(header)}")
-    if len(set(header)) < len(header):
-        raise ValueError(f"two columns of one name in {', '.join(header)}")
-    if separator != ",":
-        body = [[cell.replace(",", ".") for cell in row] for row in body]
-    return {name: [row[k] for row in body] for k, name in enumerate(header)}
-
-
-def _content(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers, without empty ones and comments."""
-    for number, line in enumerate(lines, 1):
-        if line.strip() and not line.lstrip().startswith("#"):
-            yield number, line
+        return columns
+    return read_columns(str(data.file))

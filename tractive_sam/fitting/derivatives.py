@@ -25,15 +25,15 @@ FORMULAS: Mapping[str, Callable[[Mapping[str, complex]], complex]] = {
 
 
 COLUMNS_OF = {
-    "creepage.longitudinal": ("xi_x",),
-    "creepage.lateral": ("xi_y",),
-    "creepage.spin": ("spin",),
-    "load.normal": ("P",),
-    "friction.mu": ("mu1", "mu2"),
-    "friction.mu[0]": ("mu1",),
-    "friction.mu[1]": ("mu2",),
+    "creepage.longitudinal": "xi_x",
+    "creepage.lateral": "xi_y",
+    "creepage.spin": "spin",
+    "load.normal": "P",
+    "friction.mu": "mu",
+    "friction.mu[0]": "mu1",
+    "friction.mu[1]": "mu2",
 }
-"""Columns of the Jacobian that give the derivative with respect to a key."""
+"""Columns of the Jacobian by the keys of their parameters."""
 
 
 def derivatives_of(
@@ -74,10 +74,8 @@ def derivatives_of(
     return found
 
 
-def exact_columns(
-    scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]
-) -> dict[str, tuple[str, ...]]:
-    """Return keys whose derivatives the Jacobian of one contact has, with its columns."""
+def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]) -> dict[str, str]:
+    """Return keys whose derivatives the Jacobian of one contact has, with its column."""
     law = scene.friction
     if law is None or any(name not in FORMULAS for name in columns):
         return {}
@@ -87,8 +85,8 @@ def exact_columns(
               if force is not None}  # fmt: skip
     found = {}
     for key in keys:
-        names = COLUMNS_OF.get(key, ())
-        known = not sought.intersection(names) and (coulomb or base_of(key) != "friction.mu")
-        if names and known and (names != ("P",) or given.normal is not None):
-            found[key] = names
+        column = COLUMNS_OF.get(key, "")
+        known = column not in sought and (coulomb or base_of(key) != "friction.mu")
+        if column and known and (column != "P" or given.normal is not None):
+            found[key] = column
     return found

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
-from time import monotonic
-from typing import TypeVar
+from statistics import median
+from time import monotonic, process_time
+from typing import Any, TypeVar
 
 from tractive_sam import interrupt
 from tractive_sam.fitting.case import Answer, FitCase, compute
@@ -18,56 +19,102 @@ Compute = Callable[[Sequence[FitCase]], Iterator[tuple[int, Answer]]]
 """Computes cases; yields their places and answers as they end."""
 
 
-class Here:
-    """Computes in this process, each contact from the last one of its seat."""
+class InProcess:
+    """Computes in this process, each contact from the last one of its seat.
+
+    Attributes
+    ----------
+    seconds : list of float
+        CPU times of the cases so far.
+    """
 
     def __init__(self) -> None:
         self._contacts: dict[tuple[int, ...], State] = {}
+        self.seconds: list[float] = []
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
         """See `Compute`."""
         for k, case in enumerate(cases):
             interrupt.raise_if_interrupted()
+            began = process_time()
             answer, contact = compute(case, self._contacts.get(case.seat))
+            self.seconds.append(process_time() - began)
             if contact is not None:
                 self._contacts[case.seat] = contact
             yield k, answer
 
 
-def compute_answer(case: FitCase) -> Answer:
-    """Return the answer of a case alone, for workers."""
-    return compute(case)[0]
+def compute_in_turn(cases: Sequence[FitCase]) -> list[Answer]:
+    """Return the answers of similar cases, each contact from the one before it, for workers."""
+    return [answer for _, answer in InProcess()(cases)]
+
+
+@dataclass
+class InWorkers:
+    """Computes in processes of this machine, if that takes less time than in this process.
+
+    A worker computes all contacts of one seat, so that each but the first starts from another.
+
+    Attributes
+    ----------
+    number : int
+        Processes.
+    stack : ExitStack
+        Ends the processes.
+    say : callable
+        Called with a text if something has to be waited for.
+    worthwhile : float
+        Least CPU time of all cases that are computed together, s, in this process: shorter ones
+        take longer in workers, which need seconds to start and know no contact to start from.
+    here : InProcess
+        Computes what is not worthwhile, and what comes first.
+    """
+
+    number: int
+    stack: ExitStack
+    say: Callable[[str], None] = print
+    worthwhile: float = 2.0
+    here: InProcess = field(default_factory=InProcess)
+    _cluster: tuple[str, Any] | None = None
+
+    def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
+        """See `Compute`."""
+        known = self.here.seconds
+        if not known or median(known) * len(cases) < self.worthwhile:
+            yield from self.here(cases)
+            return
+        # dask is an extra, and takes long to load
+        from tractive_sam.studies import computed, local_cluster  # noqa: PLC0415
+
+        if self._cluster is None:
+            self._cluster = self.stack.enter_context(local_cluster(self.number))
+        groups: dict[tuple, list[int]] = {}
+        for k, case in enumerate(cases):
+            groups.setdefault(case.seat if case.one_contact else (k,), []).append(k)
+        places = list(groups.values())
+        calls = [(compute_in_turn, [cases[k] for k in group]) for group in places]
+        address, security = self._cluster
+        for n, answers in computed(calls, address, self.say, security):
+            yield from zip(places[n], answers, strict=True)
 
 
 @contextmanager
-def compute_with(number: int, say: Callable[[str], None] = print) -> Iterator[Compute]:
-    """Compute in this process, or in processes of this machine.
+def compute_with(number: int) -> Iterator[Compute]:
+    """Compute in this process, or in processes of this machine if the cases take long enough.
 
     Parameters
     ----------
     number : int
         Processes; 0: this one.
-    say : callable
-        Called with a text where something has to be waited for.
     """
     if not number:
-        yield Here()
+        yield InProcess()
         return
-    # dask is an extra, and takes long to load
-    from tractive_sam.studies import (  # noqa: PLC0415
-        check_installed,
-        computed,
-        local_cluster,
-    )
+    from tractive_sam.studies import check_installed  # noqa: PLC0415 - loads dask
 
     check_installed()
-    with local_cluster(number) as (address, security):
-
-        def elsewhere(cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
-            calls = [(compute_answer, case) for case in cases]
-            yield from computed(calls, address, say, security)
-
-        yield elsewhere
+    with ExitStack() as stack:
+        yield InWorkers(number, stack)
 
 
 @dataclass

@@ -1,29 +1,23 @@
-"""Intervals by the profile likelihood: one parameter held, all others fitted again."""
+"""Intervals by the profile likelihood: one parameter is fixed, and all others are fitted again."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.stats import norm
 
 from tractive_sam.fitting.design import Fit, FitError
-from tractive_sam.fitting.estimate import Estimate, search
-
-CLOSE = 0.02
-"""Error of the root of the rise of the cost at which an end of an interval is accepted."""
-
-MOST = 8
-"""Most points on each side of the estimate."""
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.search import LOSSES, Search
 
 
-def profile_interval(found: Estimate, fit: Fit, k: int) -> tuple[float, float, np.ndarray]:
-    """Return the ends of an interval by the profile likelihood, and the points of the curve.
+@dataclass(frozen=True, eq=False)
+class ProfileLikelihood:
+    """Profile likelihood of one parameter about a minimum.
 
-    Twice the rise of the cost is chi-square distributed with one degree of freedom: the interval
-    ends where it is the square of the quantile.
-
-    Parameters
+    Attributes
     ----------
     found : Estimate
         The minimum.
@@ -31,57 +25,121 @@ def profile_interval(found: Estimate, fit: Fit, k: int) -> tuple[float, float, n
         The loss, and the probability of the interval.
     k : int
         The parameter.
-
-    Returns
-    -------
-    low, high : float
-        Ends; infinite where the data set no end, or the bound of the parameter.
-    curve : ndarray, shape (m, 2)
-        Values of the parameter, and the rise of twice the cost there.
+    accuracy : float
+        Error of the root of the rise of the cost at which an end of an interval is accepted.
+    points : int
+        Most points on each side of the estimate.
+    steps : int
+        Most steps with the derivatives at the minimum before they are computed again.
     """
-    goal = found.scatter * float(norm.ppf(0.5 + 0.5 * fit.level))
-    deviation = math.sqrt(found.covariance[k, k])
-    points = [(found.u[k], 0.0)]
-    ends = [_end(found, fit, k, sign, goal, deviation, points) for sign in (-1.0, 1.0)]
-    values = [_value(found, k, u) for u, _ in sorted(points)]
-    curve = np.array([values, [rise for _, rise in sorted(points)]]).T
-    low, high = (_value(found, k, end) if math.isfinite(end) else math.nan for end in ends)
-    return low, high, curve
 
+    found: Estimate
+    fit: Fit
+    k: int
+    accuracy: float = 0.02
+    points: int = 8
+    steps: int = 4
 
-def _value(found: Estimate, k: int, u: float) -> float:
-    """Return the value of a parameter at a coordinate."""
-    at = found.u.copy()
-    at[k] = u
-    return float(found.problem.parameters.values(at)[k])
+    def interval(self) -> tuple[float, float, np.ndarray]:
+        """Return the ends of the interval, and the points of the curve.
 
+        Twice the rise of the cost is chi-square distributed with one degree of freedom: the
+        interval ends where it is the square of the quantile.
 
-def _end(
-    found: Estimate, fit: Fit, k: int, sign: float, goal: float, deviation: float, points: list
-) -> float:
-    """Return the coordinate of one end, by the secant of the root of the rise."""
-    if not math.isfinite(deviation):
-        return math.nan
-    bound = float(found.problem.parameters.bounds[int(sign > 0.0)][k])
-    covariance = found.covariance[:, k] / found.covariance[k, k]
-    before, step = (0.0, 0.0), goal * deviation
-    for _ in range(MOST):
-        step = min(step, sign * (bound - found.u[k]))
-        start = found.u + sign * step * np.nan_to_num(covariance)
-        start[k] = found.u[k] + sign * step
-        try:
-            there = search(found.problem, fit, start, fixed=k)
-        except FitError:
+        Returns
+        -------
+        low, high : float
+            Ends; NaN where the data set no end, or the bound of the parameter.
+        curve : ndarray, shape (m, 2)
+            Values of the parameter, and the rise of twice the cost there.
+        """
+        points = [(self.found.u[self.k], 0.0)]
+        low, high = (self._value(self._end(sign, points)) for sign in (-1.0, 1.0))
+        curve = [(self._value(u), rise) for u, rise in sorted(points)]
+        return low, high, np.array(curve)
+
+    def _value(self, coordinate: float) -> float:
+        """Return the value of the parameter at its coordinate."""
+        u = self.found.u.copy()
+        u[self.k] = coordinate
+        return float(self.found.problem.parameters.values(u)[self.k])
+
+    @property
+    def goal(self) -> float:
+        """Root of the rise of twice the cost at the ends of the interval."""
+        return self.found.scatter * float(norm.ppf(0.5 + 0.5 * self.fit.level))
+
+    def _end(self, sign: float, points: list[tuple[float, float]]) -> float:
+        """Return the coordinate of one end, by the secant of the root of the rise.
+
+        The others start in proportion to the parameter: first as the covariance has it, then as
+        they were at the point before.
+        """
+        found, k, goal = self.found, self.k, self.goal
+        variance = found.covariance[k, k]
+        farthest = sign * (float(found.problem.parameters.bounds[int(sign > 0.0)][k]) - found.u[k])
+        if not math.isfinite(variance):
             return math.nan
-        rise = max(2.0 * (there.cost - found.cost), 0.0)
-        points.append((start[k], rise))
-        root = math.sqrt(rise)
-        if abs(root - goal) < CLOSE * goal:
-            return float(start[k])
-        if step == sign * (bound - found.u[k]) and root < goal:
-            return bound
-        slope = (root - before[0]) / (step - before[1]) if step != before[1] else 0.0
-        before_step, before = step, (root, step)
-        step = before_step + (goal - root) / slope if slope > 0.0 else 2.0 * before_step
-        step = min(max(step, 0.2 * before_step), 4.0 * before_step)
-    return math.nan
+        if farthest <= 0.0:  # the estimate is at its bound
+            return float(found.u[k])
+        along = np.nan_to_num(found.covariance[:, k] / variance)
+        before, step = (0.0, 0.0), min(goal * math.sqrt(variance), farthest)
+        for _ in range(self.points):
+            start = found.u + sign * step * along
+            start[k] = found.u[k] + sign * step
+            try:
+                u, cost = self._least_cost(start)
+            except FitError:
+                return math.nan
+            along = (u - found.u) / (sign * step)
+            rise = max(2.0 * (cost - found.cost), 0.0)
+            points.append((u[k], rise))
+            root = math.sqrt(rise)
+            if abs(root - goal) < self.accuracy * goal:
+                return float(u[k])
+            if step == farthest and root < goal:
+                return float(u[k])
+            slope = (root - before[0]) / (step - before[1]) if step != before[1] else 0.0
+            further = step + (goal - root) / slope if slope > 0.0 else 2.0 * step
+            before, step = (root, step), min(np.clip(further, 0.2 * step, 4.0 * step), farthest)
+        return math.nan
+
+    def _least_cost(self, u: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return the minimum with the parameter fixed, and its cost.
+
+        Gauss-Newton steps with the derivatives at the estimate, which Broyden's update corrects:
+        a step costs one prediction. If they do not converge, the full search takes over.
+
+        Parameters
+        ----------
+        u : ndarray, shape (size,)
+            Coordinates to start from.
+
+        Raises
+        ------
+        FitError
+            If the predictions there cannot be computed.
+        """
+        problem, found = self.found.problem, self.found
+        varies = np.arange(problem.size) != self.k
+        slopes, before = found.jacobian, (found.u, found.predicted)
+        for _ in range(self.steps):
+            predicted = problem.predict(u)
+            if not np.isfinite(predicted).all():
+                break
+            change = u - before[0]
+            missed = predicted - before[1] - slopes @ change
+            slopes, before = slopes + np.outer(missed, change) / (change @ change), (u, predicted)
+            residuals = problem.residuals(u, predicted)
+            loss, weights = LOSSES[self.fit.loss](np.square(residuals))
+            rows = np.sqrt(weights)[:, None] * problem.residual_slopes(u, slopes)[:, varies]
+            residuals *= np.sqrt(weights)
+            step = -np.linalg.lstsq(rows, residuals, rcond=1e-6)[0]
+            gain = -residuals @ rows @ step  # twice the fall of the cost by the step
+            u = u.copy()
+            u[varies] += step
+            u = np.clip(u, *problem.bounds)
+            if gain < 0.5 * self.accuracy * self.goal**2:
+                return u, 0.5 * (float(loss.sum()) - float(gain))
+        at = Search(problem, self.fit).minimise(u, fixed=self.k)
+        return at.u, at.cost

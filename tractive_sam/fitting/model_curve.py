@@ -10,7 +10,7 @@ from tractive_sam.fitting.case import is_one_contact
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import Fit, FitError
 from tractive_sam.fitting.estimate import Estimate
-from tractive_sam.fitting.problem import Series
+from tractive_sam.fitting.series import Series
 from tractive_sam.fitting.variables import Variables
 
 

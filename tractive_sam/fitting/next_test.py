@@ -10,8 +10,9 @@ from tractive_sam.fitting.data import Measured, noise_at
 from tractive_sam.fitting.design import Fit, FitError
 from tractive_sam.fitting.estimate import Estimate
 from tractive_sam.fitting.parameters import Parameters
-from tractive_sam.fitting.problem import FitProblem, Series
+from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import Gain
+from tractive_sam.fitting.series import Series
 from tractive_sam.fitting.tables import CandidateTest, Data
 from tractive_sam.schema import Fault
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 
 from tractive_sam import interrupt
+from tractive_sam.description import html_columns
 from tractive_sam.fitting.entries import base_of
 from tractive_sam.fitting.figures import fit_figures
 from tractive_sam.fitting.results import DONE, FitResult
@@ -65,9 +65,7 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
             for name, text in result.summary().items()
             if name not in (*result.keys, "title", "status")
         ),
-        estimates=_estimates(result),
-        correlation=_correlation(result),
-        tests=_tests(result),
+        tables=_tables(result),
         pictures=_pictures(result),
         design=result.design.to_toml(),
         version=str(result.dataset.attrs.get("version", "")),
@@ -83,43 +81,13 @@ def _pictures(result: FitResult) -> Iterator[Html]:
         yield fill(card, caption=caption, image=figure.to_html(WIDTH))
 
 
-def _estimates(result: FitResult) -> Html:
-    """Return the table of the estimates, with the meaning of each parameter."""
-    rows = result.estimates()
-    meanings = (Scene.find_field(base_of(key)).title or "" for key in result.keys)
-    lines = [[*row.values(), text] for row, text in zip(rows, meanings, strict=True)]
-    return _section("Estimates", [[*rows[0], "meaning"], *lines])
-
-
-def _correlation(result: FitResult) -> Html:
-    """Return the table of correlations; nothing for one parameter."""
-    if len(result.keys) < 2:
-        return Html()
-    rows = [["", *result.keys]]
-    for key, numbers in zip(result.keys, result.correlation, strict=True):
-        rows.append([key, *("" if math.isnan(one) else f"{one:.2f}" for one in numbers)])
-    return _section("Correlation", rows)
-
-
-def _tests(result: FitResult) -> Html:
-    """Return the table of candidates of the next test, if there are any."""
-    tests = result.next_tests()
-    if not tests:
-        return Html()
-    rows = [["next test", "gain", *(f"sd of {key}" for key in result.keys)]]
-    for one in tests:
-        deviations = (f"{sd:.3g}" for sd in one["sd"].values())
-        rows.append([one["test"], f"{one['gain']:.3g}", *deviations])
-    return _section("Next test", rows)
-
-
-def _section(title: str, rows: list[list[str]]) -> Html:
-    """Return a section of rows as HTML."""
-    lines = (
-        fill("<tr>$cells</tr>\n", cells=[fill(f"<{tag}>$text</{tag}>", text=text) for text in row])
-        for tag, row in zip(["th", *["td"] * len(rows)], rows, strict=False)
-    )
-    return fill("<h2>$title</h2>\n<table>$lines</table>\n", title=title, lines=lines)
+def _tables(result: FitResult) -> Iterator[Html]:
+    """Yield the tables of a fit as HTML; that of the estimates has the meanings of the keys."""
+    tables = result.tables()
+    for row in tables["Estimates"]:
+        row["meaning"] = Scene.find_field(base_of(row["parameter"])).title or ""
+    for title, rows in tables.items():
+        yield fill("<h2>$title</h2>\n$table\n", title=title, table=html_columns(rows))
 
 
 _STYLE = """table { width: auto; }
@@ -144,12 +112,10 @@ $policy
 $notes
 </header>
 <main>
-$estimates
+$tables
 <h2>Agreement and cost</h2>
 <table>
 $facts</table>
-$correlation
-$tests
 <h2>Figures</h2>
 <div class="cards">
 $pictures</div>

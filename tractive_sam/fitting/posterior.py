@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.fitting.design import FitDesign
-from tractive_sam.fitting.estimate import LOSSES
 from tractive_sam.fitting.run import make_problem, read_design
+from tractive_sam.fitting.search import LOSSES
 
 
 def log_posterior(
@@ -59,11 +59,11 @@ def log_posterior(
         if not (inside & ((values[:n] > 0.0) | ~problem.parameters.logarithmic)).all():
             return -np.inf
         u = np.concatenate([problem.parameters.coordinates(values[:n]), values[n:]])
-        left = (problem.predict(u) - problem.observed) / problem.noise
-        if not np.isfinite(left).all():
+        residuals = problem.residuals(u, problem.predict(u))
+        problem.evaluations.known.clear()  # samplers hardly return to the same values
+        if not np.isfinite(residuals).all():
             return -np.inf
-        squares = np.square(np.concatenate([left, problem.prior_residuals(u)]))
-        return -0.5 * float(loss(squares)[0].sum())
+        return -0.5 * float(loss(np.square(residuals))[0].sum())
 
     first = np.ones(problem.size)
     first[n:] = 0.0

@@ -5,207 +5,22 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from tractive_sam.fitting import prepare
-from tractive_sam.fitting.case import FitCase, Reply, Y, is_one_contact, merged
-from tractive_sam.fitting.data import Measured
-from tractive_sam.fitting.derivatives import exact_columns
+from tractive_sam.fitting.case import FitCase, Reply, is_one_contact, merged
 from tractive_sam.fitting.design import FitError
-from tractive_sam.fitting.entries import changes_of
 from tractive_sam.fitting.evaluations import Evaluations
 from tractive_sam.fitting.parameters import Parameters
-from tractive_sam.fitting.profile import ProfilePosition
-from tractive_sam.fitting.tables import column_of
-from tractive_sam.scene import Scene
+from tractive_sam.fitting.series import Series
 from tractive_sam.schema import Fault, SceneError
 
 ROLL_STEP = 1e-2
 """Relative step of differences of rolls. Fixed steps leave a noise of some 1e-6 of the wear, so
 that a derivative has an error of 1e-4 by it, and of about half the step by curvature."""
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """One data set: its scenes, and how the numbers of their records are compared.
-
-    Attributes
-    ----------
-    key : str
-        Its key in messages.
-    measured : Measured
-        The measurements.
-    base : Scene
-        The scene with the entries of the data set.
-    columns : tuple of str
-        Columns of a record, one for each observation.
-    groups : tuple of (tuple of int, mapping)
-        Rows that share a computation, and the entries that set it and fix its mesh and steps.
-    exact : mapping of str to tuple of str
-        Free keys whose derivatives are exact, with their columns of the Jacobian.
-    unworn : bool
-        Whether [wear] is left out once the parameters are set.
-    """
-
-    key: str
-    measured: Measured
-    base: Scene
-    columns: tuple[str, ...]
-    groups: tuple[tuple[tuple[int, ...], Mapping[str, Any]], ...]
-    exact: Mapping[str, tuple[str, ...]]
-    unworn: bool
-
-    @classmethod
-    def of(
-        cls,
-        key: str,
-        measured: Measured,
-        scene: Scene,
-        start: Parameters,
-        done: Evaluations | None,
-        shared: prepare.SharedPlaces | None = None,
-    ) -> Series:
-        """Prepare a data set at the first values of the parameters.
-
-        Parameters
-        ----------
-        key : str
-            Its key in messages.
-        measured : Measured
-            The measurements.
-        scene : Scene
-            The scene of the fit.
-        start : Parameters
-            First values.
-        done : Evaluations, optional
-            Stores the steps of rolls; without it the scenes are checked, and nothing is rolled.
-        shared : SharedPlaces, optional
-            Records that all data sets observe.
-
-        Raises
-        ------
-        FitError
-            If its scenes are not valid, or cannot be computed there.
-        """
-        data = measured.data
-        columns = tuple(column_of(name, data.body) for name in data.observe)
-        shared = shared or prepare.SharedPlaces()
-        try:
-            base = scene.replace(**data.set) if data.set else scene
-            bare = cls(key, measured, base, columns, (), {}, data.at == 0.0)
-            for _, settings in _groups_of(measured):  # faults, before anything is rolled
-                bare.scene_at(start.named(np.ones(len(start))), settings)
-            groups, exact = [], {}
-            for rows, settings in _groups_of(measured):
-                first, *others = bare._scenes_near(start, settings)
-                shared.add(first, [float(measured.places[row]) for row in rows])
-                if done is None or not shared.complete:
-                    continue
-                changes = prepare.fixed(first, others, shared.of(first), done.remember)
-                groups.append((rows, {**settings, **changes}))
-                one = is_one_contact(first)
-                exact = exact_columns(first, columns, start.keys) if one else {}
-        except SceneError as error:
-            raise FitError(one.under(key) for one in error.faults) from None
-        return replace(bare, groups=tuple(groups), exact=exact)
-
-    def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
-        """Return the scene at the first values, and with each parameter changed."""
-        values = start.named(np.ones(len(start)))
-        scenes = [self.scene_at(values, settings)]
-        for k in range(len(start)):
-            u = np.ones(len(start))
-            u[k] += 0.05
-            try:
-                scenes.append(self.scene_at(start.named(u), settings))
-            except SceneError:  # beyond what the scene allows
-                continue
-        return scenes
-
-    def scene_at(self, values: Mapping[str, float], settings: Mapping[str, Any]) -> Scene:
-        """Return the scene of some rows at values of the parameters.
-
-        Raises
-        ------
-        SceneError
-            If it is not valid.
-        """
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            base = self.base.replace(**settings) if settings else self.base
-            changes = prepare.scaled_steps(base, changes_of(base, values))
-            return prepare.trimmed(base.replace(**changes), self.columns, self.unworn)
-
-    def cases(self, values: Mapping[str, float], number: int, derivatives: bool) -> list[FitCase]:
-        """Return the computation of each group of rows.
-
-        Parameters
-        ----------
-        values : mapping of str to float
-            Values of the parameters.
-        number : int
-            Place of the data set among all.
-        derivatives : bool
-            Whether the exact derivatives are wanted, too.
-        """
-        names = (name for names in self.exact.values() for name in names)
-        wanted = tuple(dict.fromkeys(names)) if derivatives else ()
-        found = []
-        for k, (rows, settings) in enumerate(self.groups):
-            places = tuple(float(self.measured.places[row]) for row in rows)
-            scene = self.scene_at(values, settings)
-            places = (
-                (math.nan,)
-                if is_one_contact(scene)
-                else tuple({repr(at): at for at in places}.values())
-            )
-            found.append(FitCase(scene, self.columns, places, wanted, (number, k)))
-        return found
-
-    def predictions(self, replies: list[Reply], position: np.ndarray, of: str = "") -> np.ndarray:
-        """Return predicted values of the rows, or a derivative of them.
-
-        Parameters
-        ----------
-        replies : list of Reply
-            The answers of `cases`.
-        position : ndarray
-            Offset, tilt and level of a profile, as the data set has them.
-        of : str
-            Suffix of the numbers: "/P" gives derivatives with respect to P.
-        """
-        if self.measured.data.profile:
-            return self.position.predict(*self.profile_of(replies[0]), position)[:, None]
-        found = np.full(self.measured.observed.shape, math.nan)
-        for (rows, _), reply in zip(self.groups, replies, strict=True):
-            if not reply.failed:
-                places = [float(self.measured.places[row]) for row in rows]
-                for column, name in enumerate(self.columns):
-                    found[list(rows), column] = reply.at(name + of, places)
-        return found
-
-    def profile_of(self, reply: Reply) -> tuple[np.ndarray, np.ndarray]:
-        """Return lateral places and depths of the predicted profile, each of shape (n_y,)."""
-        (at,) = (float(place) for place in self.measured.places)
-        return reply.answer.numbers[Y], reply.at(self.columns[0], [at])[0]
-
-    @cached_property
-    def position(self) -> ProfilePosition:
-        """The unknown position of a profile."""
-        measured = self.measured
-        return ProfilePosition(measured.data.nuisance, measured.y, measured.observed[:, 0])
-
-
-def _groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:
-    """Return rows of the same settings together, with these; a profile is one group."""
-    groups: dict[tuple, list[int]] = {}
-    for k, settings in enumerate(measured.settings):
-        groups.setdefault(tuple(settings.items()), []).append(k)
-    return [(tuple(rows), dict(settings)) for settings, rows in groups.items()]
 
 
 @dataclass(frozen=True, eq=False)
@@ -256,6 +71,28 @@ class FitProblem:
         """Their standard deviations."""
         return np.concatenate([one.measured.noise.ravel() for one in self.series])
 
+    @property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the coordinates, each of shape (size,)."""
+        low, high = (np.full(self.size, bound) for bound in (-np.inf, np.inf))
+        n = len(self.parameters)
+        low[:n], high[:n] = self.parameters.bounds
+        return low, high
+
+    @property
+    def priors(self) -> int:
+        """Number of priors."""
+        return int(np.isfinite(self.parameters.prior[:, 0]).sum())
+
+    def residuals(self, u: np.ndarray, predicted: np.ndarray) -> np.ndarray:
+        """Return predicted less measured values over the noise, and those of the priors."""
+        left = (predicted - self.observed) / self.noise
+        return np.concatenate([left, self.prior_residuals(u)])
+
+    def residual_slopes(self, u: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Return the derivatives of `residuals` from those of the predictions."""
+        return np.concatenate([slopes / self.noise[:, None], self.prior_jacobian(u)])
+
     def prior_residuals(self, u: np.ndarray) -> np.ndarray:
         """Return deviations from the priors over their standard deviations."""
         mean, sd = self.parameters.prior.T
@@ -299,8 +136,8 @@ class FitProblem:
             here = one.predictions(base, u[place]).ravel()
             for key, (k, at) in moved.items():
                 if key in one.exact:
-                    parts = [one.predictions(base, u[place], f"/{name}") for name in one.exact[key]]
-                    block[:, k] = np.sum(parts, axis=0).ravel() * slopes[k]
+                    by = one.predictions(base, u[place], f"/{one.exact[key]}")
+                    block[:, k] = by.ravel() * slopes[k]
                 else:
                     there = [replies[n, key, g] for g in range(len(one.groups))]
                     change = one.predictions(there, u[place]).ravel() - here

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import math
 import warnings
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tractive_sam.description import text_table
-from tractive_sam.extras import require_extra
+from tractive_sam.description import html_columns, html_table, text_table
 from tractive_sam.fitting.design import FitDesign
 from tractive_sam.fitting.entries import changes_of
+from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.scene import Scene
-from tractive_sam.store import ResultsError, netcdf_format, read_netcdf, write_netcdf
 
 if TYPE_CHECKING:
     import xarray
-
-FIT_FORMAT = "fit 1"
-"""What a file says of itself; another number is another version."""
 
 DONE = "done"
 """Status of a fit that is complete."""
@@ -96,7 +88,22 @@ class FitResult:
     dataset: xarray.Dataset
 
     def __repr__(self) -> str:
-        return text_table("Fit", self.summary())
+        return text_table("Fit", self.summary() | self._remarks())
+
+    def _repr_html_(self) -> Html:
+        # Figures read results; they are taken from the public package, as a user does.
+        from tractive_sam.fitting import fit_figures  # noqa: PLC0415
+
+        facts = {k: text for k, text in self.summary().items() if k not in self.keys}
+        facts |= self._remarks()
+        if not self.finished:
+            return html_table(facts)
+        _, _, figure = next(fit_figures(self))
+        tables = as_html(
+            fill("<b>$title</b>$table", title=title, table=html_columns(rows))
+            for title, rows in self.tables().items()
+        )
+        return as_html((tables, html_table(facts, figure.to_html(380))))
 
     @cached_property
     def design(self) -> FitDesign:
@@ -251,6 +258,30 @@ class FitResult:
             })  # fmt: skip
         return rows
 
+    def tables(self) -> dict[str, list[dict[str, str]]]:
+        """Return rows of text by table and column: what terminals, notebooks and pages show."""
+        tables = {"Estimates": self.estimates()}
+        if len(self.keys) > 1:
+            tables["Correlation"] = [
+                {"": key} | {
+                    other: "" if math.isnan(number) else f"{number:.2f}"
+                    for other, number in zip(self.keys, numbers, strict=True)
+                }
+                for key, numbers in zip(self.keys, self.correlation, strict=True)
+            ]  # fmt: skip
+        if tests := self.next_tests():
+            tables["Next test"] = [
+                {"next test": one["test"], "gain": f"{one['gain']:.3g}"}
+                | {f"sd of {key}": f"{sd:.3g}" for key, sd in one["sd"].items()}
+                for one in tests
+            ]
+        return tables
+
+    def _remarks(self) -> dict[str, str]:
+        """Return what is not determined, and what is doubtful, as rows of a description."""
+        rows = {"not determined": "; ".join(self.undetermined), "notes": "; ".join(self.notes)}
+        return {name: text for name, text in rows.items() if text}
+
     def summary(self) -> dict[str, str]:
         """Return what the fit found, in words."""
         rows = {"title": self.title, "status": f"{self.status}; {self.dataset.attrs['message']}"}
@@ -314,89 +345,3 @@ def _describe_model_error(dataset: xarray.Dataset) -> str:
         return "not known: the finer mesh was not solved"
     share = float(np.sqrt(np.mean(np.square(error / noise))))
     return f"{share:.2g} of the noise by the mesh (root mean square)"
-
-
-def is_fit(path: str | PathLike[str]) -> bool:
-    """Whether a file is the result of a fit.
-
-    Examples
-    --------
-    >>> from tractive_sam import fitting
-    >>> fitting.is_fit("twin-discs.h5")
-    False
-    """
-    return str(path).endswith(".nc") and netcdf_format(path).startswith("fit ")
-
-
-def open_fit(path: str | PathLike[str]) -> FitResult:
-    """Open the result of a fit, also of one that was interrupted.
-
-    Raises
-    ------
-    ResultsError
-        If the file does not exist, is damaged, or no fit of this version.
-
-    Examples
-    --------
-    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
-    >>> creep = {"creepage.longitudinal": [-1e-3, -4e-3], "Qx_over_P": [0.1, 0.27]}
-    >>> data = {"values": creep, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
-    >>> data["noise"] = 0.05
-    >>> found = ts.fit({"scene": coarse, "free": ["friction.mu"], "data": [data]}, "mu.nc")
-    >>> ts.open_fit("mu.nc").values == found.values
-    True
-    """
-    if not Path(path).is_file():
-        raise ResultsError(f"{path} does not exist; tractive-sam fit FIT.toml -o {path} writes it")
-    dataset = read_netcdf(path)
-    kind = str(dataset.attrs.get("format", ""))
-    if kind != FIT_FORMAT:
-        raise ResultsError(
-            f"{path} is no fit of this version ({FIT_FORMAT}): {kind or 'no format'}"
-        )
-    if missing := {"status", "message"} - dataset.attrs.keys() or {"design"} - {*dataset}:
-        raise ResultsError(f"{path} is damaged: it lacks {', '.join(missing)}; fit again")
-    return FitResult(dataset)
-
-
-def write_fit(path: str | PathLike[str], result: FitResult) -> None:
-    """Write the result of a fit; a file that is there is replaced as a whole."""
-    write_netcdf(path, result.dataset)
-
-
-def make_dataset(
-    variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
-) -> xarray.Dataset:
-    """Return a dataset.
-
-    Parameters
-    ----------
-    variables : mapping of str to tuple
-        Dimensions, values, unit and description by name.
-    attributes : mapping
-        Attributes of the dataset.
-    """
-    with require_extra("fit"):
-        import xarray  # noqa: PLC0415 - of an extra
-
-    found = {}
-    for name, (dims, values, unit, meaning) in variables.items():
-        array = np.asarray(values)
-        plain = array.astype(object) if array.dtype.kind == "U" else array
-        found[name] = (dims, plain, {"units": unit, "long_name": meaning})
-    return xarray.Dataset(found, attrs={"format": FIT_FORMAT, **attributes})
-
-
-def layout_of(numbers: Mapping[str, np.ndarray]) -> str:
-    """Return the names and shapes of arrays as text."""
-    return json.dumps([[name, list(np.shape(one))] for name, one in numbers.items()])
-
-
-def arrays_of(layout: str, flat: np.ndarray) -> dict[str, np.ndarray]:
-    """Return arrays by a layout, from their numbers one after another."""
-    found, first = {}, 0
-    for name, shape in json.loads(layout):
-        count = math.prod(shape)
-        found[name] = flat[first : first + count].reshape(shape)
-        first += count
-    return found

@@ -12,15 +12,18 @@ from tractive_sam.extras import check_extra
 from tractive_sam.fitting.answer_file import answer_variables, read_answers
 from tractive_sam.fitting.data import Measured, read_measured
 from tractive_sam.fitting.design import Fit, FitDesign, FitError
-from tractive_sam.fitting.estimate import Estimate, estimate
-from tractive_sam.fitting.evaluations import Evaluations, Here, compute_with
-from tractive_sam.fitting.likelihood import profile_interval
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.evaluations import Evaluations, InProcess, compute_with
+from tractive_sam.fitting.fit_file import make_dataset, write_fit
+from tractive_sam.fitting.likelihood import ProfileLikelihood
 from tractive_sam.fitting.model_curve import curve_variables
 from tractive_sam.fitting.next_test import check_tests, rank_tests
 from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.prepare import SharedPlaces
-from tractive_sam.fitting.problem import FitProblem, Series
-from tractive_sam.fitting.results import FitResult, Intervals, make_dataset, write_fit
+from tractive_sam.fitting.problem import FitProblem
+from tractive_sam.fitting.results import FitResult, Intervals
+from tractive_sam.fitting.search import Search
+from tractive_sam.fitting.series import Series
 from tractive_sam.fitting.variables import (
     attributes_of,
     parameter_variables,
@@ -58,7 +61,8 @@ def fit(
         The result (netCDF), to which computations are streamed: an interrupted fit resumes from
         those in the file.
     workers : int
-        Processes on this machine; 0: this one.
+        Processes on this machine; 0: this one. Computations that take less than about 2 s together
+        are not distributed.
     overwrite : bool
         Whether to replace a file that holds the fit of another scene.
     next_test : bool
@@ -103,7 +107,7 @@ def fit(
         if path is not None:
             done.save = lambda: write_fit(path, _unfinished(document, done))
         problem = make_problem(table, done)
-        found = estimate(problem, table)
+        found = Search(problem, table).run()
         result = _complete(document, found, next_test)
     if path is not None:
         write_fit(path, result)
@@ -128,7 +132,7 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
     measured = _read_all(table)
     parameters = Parameters.of(table)
     _check_count(measured, parameters)
-    done = done or Evaluations(Here())
+    done = done or Evaluations(InProcess())
     shared = SharedPlaces(complete=False)
 
     def prepared() -> tuple[Series, ...]:
@@ -176,7 +180,7 @@ def _check_count(measured: list[Measured], parameters: Parameters) -> None:
     """Raise an error if there are fewer measurements than parameters."""
     points = sum(one.points for one in measured)
     positions = sum(len(one.data.nuisance) for one in measured if one.data.profile)
-    priors = int(np.isfinite(parameters.prior[:, 0]).sum())
+    priors = np.isfinite(parameters.prior[:, 0]).sum()
     if points + priors < len(parameters) + positions:
         sought = f"{len(parameters)} parameters"
         sought += f" and {positions} positions of profiles" if positions else ""
@@ -201,7 +205,7 @@ def _intervals_of(found: Estimate, table: Fit) -> Intervals:
     curves = []
     if table.intervals == "profile":
         for k in np.flatnonzero(np.isfinite(sd)):
-            low[k], high[k], curve = profile_interval(found, table, int(k))
+            low[k], high[k], curve = ProfileLikelihood(found, table, int(k)).interval()
             curves.append(np.column_stack([np.full(len(curve), k), curve]))
     return Intervals(low, high, sd, tuple(curves))
 

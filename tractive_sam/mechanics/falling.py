@@ -278,8 +278,10 @@ class FallingCoulomb(Coulomb):
         along = slip / np.where(size > 0.0, size, 1.0)
         return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, kept))
 
-    def by_mu(self, bound: Bound, axis: int) -> np.ndarray:
-        """Return the derivative of a bound by a coefficient at rest, at constant pressure and slip.
+    def by_mu(self, bound: Bound, change: np.ndarray) -> np.ndarray:
+        """Return the derivative of a bound along a change of the coefficients at rest.
+
+        Pressure and slip are constant.
 
         Only the strength depends on a coefficient, the larger one (`Frame.largest_by`).
 
@@ -287,11 +289,11 @@ class FallingCoulomb(Coulomb):
         ----------
         bound : Bound
             Result of `bound` or `bound_sliding`.
-        axis : int
-            Axis of the coefficient, 0 or 1.
+        change : ndarray, shape (2,)
+            Change of both coefficients.
         """
         capped = (bound.radius > 0.0) & (bound.by_pressure == 0.0)
-        return np.where(capped, -self.frame.largest_by(axis) * bound.radius, 0.0)
+        return np.where(capped, -self.frame.largest_by(change) * bound.radius, 0.0)
 
     def friction_factor(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
         """Return the coefficients under a slip over those at rest, shape (n_x, n_y).

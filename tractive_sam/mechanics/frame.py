@@ -45,13 +45,19 @@ class Frame:
         first, second = ((max(self.mu) / mu) ** 2 for mu in self.mu)
         return first, second
 
-    def largest_by(self, axis: int) -> float:
-        """Return the derivative of the logarithm of max(mu1, mu2) by one coefficient.
+    def largest_by(self, change: np.ndarray) -> float:
+        """Return the derivative of the logarithm of max(mu1, mu2) along a change of both.
 
-        For equal coefficients it is half of the one-sided derivative, as for central differences.
+        For equal coefficients it is half of the one-sided derivative by each, as for central
+        differences.
+
+        Parameters
+        ----------
+        change : ndarray, shape (2,)
+            Change of both coefficients.
         """
-        largest = [mu == max(self.mu) for mu in self.mu]
-        return largest[axis] / (sum(largest) * max(self.mu))
+        largest = np.equal(self.mu, max(self.mu))
+        return float(largest @ change / (largest.sum() * max(self.mu)))
 
     def to_scaled(self, traction: np.ndarray) -> np.ndarray:
         """Return p~ = F^-T p_t for a field of shape (2, ...)."""

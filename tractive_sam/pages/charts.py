@@ -9,6 +9,7 @@ import numpy as np
 from tractive_sam.description import format_unit, html_symbol
 from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.pages.arrays import pack_array
+from tractive_sam.plot import Measurements
 from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
 
 TOGETHER = (
@@ -34,13 +35,13 @@ SOLVER = {
 """Columns of the solver, whose charts are the last ones."""
 
 
-def charts(history: History) -> list[dict[str, Any]]:
+def charts(history: History, measured: Measurements | None = None) -> list[dict[str, Any]]:
     """Return the charts over the course: titles, units, and lines with their numbers.
 
-    Columns that do not change are omitted: the table of numbers contains them. For a duty cycle a
-    chart has the column of the cycle and that of its blocks.
+    Columns that neither change nor were measured are omitted: the table of numbers contains them.
+    For a duty cycle a chart has the column of the cycle and that of its blocks.
     """
-    if len(history) < 2:
+    if len(history) < 2 and measured is None:
         return []
     free = {
         name: one
@@ -56,7 +57,7 @@ def charts(history: History) -> list[dict[str, Any]]:
         names = [name for name, one in free.items() if name in keys or one.role in keys]
         groups.append((title, {name: free.pop(name) for name in names}))
     groups += [(chart_title(one), {name: one}) for name, one in free.items()]
-    found = [_chart(history, title, list(group.values())) for title, group in groups]
+    found = [_chart(history, title, list(group.values()), measured) for title, group in groups]
     return sorted((chart for chart in found if chart["lines"]), key=lambda chart: chart["aside"])
 
 
@@ -92,7 +93,9 @@ def chart_title(quantity: Quantity) -> str:
     return quantity.long_name[:1].upper() + quantity.long_name[1:]
 
 
-def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any]:
+def _chart(
+    history: History, title: str, group: list[Quantity], measured: Measurements | None
+) -> dict[str, Any]:
     """Return a chart: its title, the label of its axis, its lines, and whether it is last."""
     units = [format_unit(one.unit) for one in group]
     label = as_html(", ".join(dict.fromkeys(filter(None, units))))
@@ -102,13 +105,15 @@ def _chart(history: History, title: str, group: list[Quantity]) -> dict[str, Any
     return {
         "title": as_html(title),
         "label": label,
-        "lines": [line for one in group for line in _lines(history, one, len(group))],
+        "lines": [line for one in group for line in _lines(history, one, len(group), measured)],
         "aside": names <= SOLVER and bool(group),
     }
 
 
-def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, Any]]:
-    """Yield the lines of a column that changes, one for each body and axis."""
+def _lines(
+    history: History, one: Quantity, several: int, measured: Measurements | None
+) -> Iterator[dict[str, Any]]:
+    """Yield the lines of a column that changes or was measured, one for each body and axis."""
     values, noise = history[one.name], _noise(history, one.name)
     labels = {**LABELS, "block": history.block_names}
     for place in product(*(labels[dim] for dim in one.dims)):
@@ -116,7 +121,10 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         at: Any = (..., *(labels[dim].index(k) for dim, k in place_of))
         line = values[at].astype(float)
         known = line[np.isfinite(line)]
-        if known.size < 2 or np.ptp(known) <= max(noise, 1e-9 * np.abs(known).max()):
+        column = " ".join((one.name, *place))
+        compared = measured is not None and column in measured.columns
+        constant = known.size < 2 or np.ptp(known) <= max(noise, 1e-9 * np.abs(known).max())
+        if constant and not compared:
             continue
         if one.place_of and jumps(known):
             continue
@@ -133,4 +141,8 @@ def _lines(history: History, one: Quantity, several: int) -> Iterator[dict[str, 
         bars = history.values.get(f"{one.name}_error")
         if bars is not None and np.isfinite(bars[at]).any():
             chart_line["bars"] = pack_array(bars[at])
+        if measured is not None and compared:
+            places, points, text = measured.compare(history, column)
+            packed = {"x": pack_array(places), "y": pack_array(points)}
+            chart_line["measured"] = packed | {"name": as_html(text)}
         yield chart_line

@@ -14,6 +14,7 @@ from tractive_sam.pages.arrays import pack_array
 from tractive_sam.pages.charts import charts
 from tractive_sam.plot import (
     ContactView,
+    Measurements,
     Scale,
     edge_level,
     extend_outwards,
@@ -47,7 +48,9 @@ class PageLimits:
     stress_margin: float = 1.0
 
 
-def page_data(history: History, limits: PageLimits | None = None) -> dict[str, Any]:
+def page_data(
+    history: History, limits: PageLimits | None = None, measured: Measurements | None = None
+) -> dict[str, Any]:
     """Return all data of the page, and notes on omitted data."""
     limits, blocks = limits or PageLimits(), _blocks(history)
     saved = select_evenly(history.saved, limits.records)
@@ -80,7 +83,7 @@ def page_data(history: History, limits: PageLimits | None = None) -> dict[str, A
             for _, block in blocks
         ],
         "course": pack_array(history[along.name]),
-        "charts": charts(history),
+        "charts": charts(history, measured),
         "leftOut": list(_left_out(history, saved, surface)),
     }
 

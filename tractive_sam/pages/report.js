@@ -485,10 +485,14 @@ function courseCards() {
         dash: m >= COLOURS.length ? "dash" : "solid"}, marker: {size: 4},
         ...(line.bars ? {error_y: {type: "data", array: unpack(line.bars), thickness: 1, width: 2}} : {}),
         hovertemplate: `${data.along.symbol} = %{x}<br>%{y:.5g}`}));
+      one.lines.forEach(({measured}, m) => measured && traces.push({type: "scatter", mode: "markers",
+        name: measured.name, x: unpack(measured.x), y: unpack(measured.y),
+        marker: {size: 8, symbol: "x", color: COLOURS[m % COLOURS.length]},
+        hovertemplate: `${data.along.symbol} = %{x}<br>%{y:.5g}`}));
       const shapes = places.length > 1 ? [{type: "line", yref: "paper", y0: 0, y1: 1, x0: places[k],
         x1: places[k], line: {color: "#56616b", width: 1, dash: "dot"}}] : [];
       const log = $("logarithmic").checked;
-      return {traces, layout: layout({shapes, showlegend: one.lines.length > 1, uirevision: String(log),
+      return {traces, layout: layout({shapes, showlegend: traces.length > 1, uirevision: String(log),
         xaxis: axis(name, {type: log ? "log" : "linear", nticks: 6,
           ...(log ? {} : {separatethousands: true, exponentformat: "none", rangemode: "tozero"})}),
         yaxis: axis(one.label)})};

@@ -14,7 +14,7 @@ from tractive_sam.extras import require_extra
 from tractive_sam.markup import Html, fill, security_policy
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import page_data
-from tractive_sam.plot import list_figures
+from tractive_sam.plot import Measurements, list_figures
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
 
@@ -38,7 +38,9 @@ slip-over-{coordinate} wear-over-{coordinate} wear-regimes
 compilers. All others are pictures."""
 
 
-def report(history: History, path: str | PathLike[str]) -> Path:
+def report(
+    history: History, path: str | PathLike[str], measured: Measurements | None = None
+) -> Path:
     """Write a history as one interactive page that needs no other file and no network.
 
     A slider over the stored records moves pressure, traction with the edge of stick, slip, wear,
@@ -51,6 +53,8 @@ def report(history: History, path: str | PathLike[str]) -> Path:
         History to show; also of one record, of a line contact, or of a running computation.
     path : path-like
         The page, such as "twin-discs.html"; an existing one is replaced.
+    measured : Measurements, optional
+        Measured points, which are drawn in the charts of the columns that have their names.
 
     Returns
     -------
@@ -61,6 +65,8 @@ def report(history: History, path: str | PathLike[str]) -> Path:
     ------
     ImportError
         If plotly is not installed, which comes with the extra ``report``.
+    ValueError
+        If measured columns are unknown.
     OSError
         If the page cannot be written; an existing one is unchanged.
 
@@ -69,13 +75,15 @@ def report(history: History, path: str | PathLike[str]) -> Path:
     >>> ts.report(history, "discs.html").stat().st_size < 15e6
     True
     """
-    return write_file(path, _page(history))
+    if measured is not None:
+        measured.check(history)
+    return write_file(path, _page(history, measured))
 
 
-def _page(history: History) -> str:
+def _page(history: History, measured: Measurements | None) -> str:
     """Return the HTML of the page."""
     script, colours = _plotly()
-    data = page_data(history) | {"colours": colours}
+    data = page_data(history, measured=measured) | {"colours": colours}
     parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in _PARTS}
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)

@@ -34,6 +34,7 @@ from .heat import friction as friction
 from .heat import temperature as temperature
 from .history_curves import creepages as creepages
 from .history_curves import forces as forces
+from .history_curves import measured_column as measured_column
 from .history_curves import stress_course as stress_course
 from .history_curves import wear_depth as wear_depth
 from .history_curves import widths as widths

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from tractive_sam.description import format_with_unit
+from tractive_sam.description import format_with_unit, math_label
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.needs import has_course, is_worn
 from tractive_sam.plot.options import current_options
@@ -183,6 +183,40 @@ def stress_course(history: History) -> Figure:
     if np.isnan(history[history.of_role("stress_interior").name]).any():
         note += " Where a line ends, no maximum is deeper than two elements."
     figure.supxlabel(note, fontsize="small", wrap=True)
+    return figure
+
+
+def _measured_columns(history: History) -> list[dict[str, str]]:
+    """Return the measured columns, as arguments of their figures."""
+    measured = current_options().measured
+    return [] if measured is None else [{"column": name} for name in measured.compared(history)]
+
+
+@history_figure("measured-{column}", each=_measured_columns)
+def measured_column(history: History, column: str) -> Figure:
+    """Measured points, and the computed values over the course.
+
+    Parameters
+    ----------
+    history : History
+        History with the column.
+    column : str
+        Name of the column, with its body, as in the measured points.
+
+    Examples
+    --------
+    >>> weighed = {"revolution": np.array([0.0, 2.0]), "worn_mass B": np.array([0.0, 1e-4])}
+    >>> measured = plot.Measurements(weighed)
+    >>> names = [path.name for path in plot.save_all(history, "figures", measured=measured)]
+    >>> "measured-worn-mass-B.png" in names
+    True
+    """
+    name, _, body = column.partition(" ")
+    quantity = history.columns[name]
+    of = f" of body {body}" if body else ""
+    figure, axes = course_axes(history, f"{quantity.long_name}{of}")
+    draw_column(axes, history, name, body, label="computed")
+    axes.set_ylabel(math_label(quantity))
     return figure
 
 

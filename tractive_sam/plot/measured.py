@@ -1,17 +1,16 @@
 """Measured points, drawn with the columns of a history that have their names."""
 
-import csv
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from tractive_sam.description import ShortArrays
+from tractive_sam.description import ShortArrays, format_unit
+from tractive_sam.input_file import read_columns
 from tractive_sam.results import BODIES, History
 
 
@@ -37,7 +36,7 @@ class Measurements(ShortArrays):
 
     @classmethod
     def from_file(cls, path: str | PathLike[str]) -> Self:
-        """Read a CSV file, whose first line has the names of the columns.
+        """Read a text file, whose first row has the names of the columns; empty cells are NaN.
 
         Raises
         ------
@@ -45,21 +44,21 @@ class Measurements(ShortArrays):
             If the file cannot be read, is not a table, or an entry is not a number.
         """
         try:
-            lines = list(csv.reader(Path(path).read_text("utf-8-sig").splitlines()))
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise ValueError(f"{path} cannot be read as CSV: {error}") from None
-        names, *rows = [line for line in lines if line] or [[]]
-        if not rows or any(len(row) != len(names) for row in rows):
+            cells = read_columns(path)
+        except (OSError, ValueError) as error:  # a UnicodeDecodeError is a ValueError
+            reason = getattr(error, "strerror", None) or error
             raise ValueError(
-                f"{path} is not a table; allowed: CSV with a line of column names and one line a "
-                "point, all of the same length"
-            )
+                f"{path} is not a table ({reason}); allowed: a text file with a row of column "
+                "names and a row for each point"
+            ) from None
         columns = {}
-        for k, name in enumerate(map(str.strip, names)):
+        for name, column in cells.items():
             try:
-                columns[name] = np.array([float(row[k] or "nan") for row in rows])
+                columns[name] = np.array([float(cell or "nan") for cell in column])
             except ValueError as error:
                 raise ValueError(f"{path}, column {name}: {error}; use numbers") from None
+        if not all(column.size for column in columns.values()):
+            raise ValueError(f"{path} has no row of numbers; add a row for each point")
         return cls(columns)
 
     def check(self, history: History) -> None:
@@ -79,6 +78,38 @@ class Measurements(ShortArrays):
                 allowed = ", ".join(sorted(known))
                 raise ValueError(f"measured points: the column {name} is unknown; use {allowed}")
 
+    def compared(self, history: History) -> list[str]:
+        """Return the names of the columns that are compared: all but the coordinate."""
+        return [name for name in self.columns if name != history.coordinate.name]
+
+    def compare(self, history: History, name: str) -> tuple[np.ndarray, np.ndarray, str]:
+        """Compare a measured column with a history.
+
+        Parameters
+        ----------
+        history : History
+            History that is compared.
+        name : str
+            Name of the column, with its body.
+
+        Returns
+        -------
+        places, values : ndarray, shape (n,)
+            Coordinates and values of the measured points.
+        text : str
+            Root mean square of the differences, in the unit of the column.
+        """
+        column, _, body = name.partition(" ")
+        quantity = history.columns[column]
+        stored = history[column][:, BODIES.index(body)] if body else history[column]
+        course = history[history.coordinate.name]
+        places, measured = self.columns[history.coordinate.name], self.columns[name]
+        known = np.isfinite(measured) & (places >= course[0]) & (places <= course[-1])
+        differences = np.interp(places[known], course, stored) - measured[known]
+        rms = math.sqrt(np.mean(differences**2)) if known.any() else math.nan
+        unit = format_unit(quantity.unit)
+        return places, measured, f"measured, rms of differences {rms:.2g} {unit}".rstrip()
+
     def draw(self, axes: Axes, history: History, name: str, divisor: float, **style: Any) -> None:
         """Draw the points of a column, with the rms of their differences in the legend.
 
@@ -95,14 +126,6 @@ class Measurements(ShortArrays):
         **style
             Style of the markers.
         """
-        if name not in self.columns:
-            return
-        column, _, body = name.partition(" ")
-        stored = history[column][:, BODIES.index(body)] if body else history[column]
-        course = history[history.coordinate.name]
-        places, measured = self.columns[history.coordinate.name], self.columns[name]
-        known = np.isfinite(measured) & (places >= course[0]) & (places <= course[-1])
-        differences = (np.interp(places[known], course, stored) - measured[known]) / divisor
-        rms = math.sqrt(np.mean(differences**2)) if known.any() else math.nan
-        label = f"measured, rms of differences {rms:.2g}"
-        axes.plot(places, measured / divisor, "x", label=label, clip_on=False, **style)
+        if name in self.columns:
+            places, measured, label = self.compare(history, name)
+            axes.plot(places, measured / divisor, "x", label=label, clip_on=False, **style)

@@ -97,7 +97,7 @@ class FigureEntry:
         roles[COORDINATE] = subject.coordinate.name + "s" * subject.coordinate.whole
         for arguments in self.each(subject):
             name = self.name.format_map(roles | dict(arguments)) + ending
-            name = re.sub(r"[_/\\]", "-", name).replace("=", "")
+            name = re.sub(r"[_/\\ ]", "-", name).replace("=", "")
             yield Drawing(name, self, partial(self.draw, subject, **arguments))
 
     def _missing(self, subject: ContactView | History) -> list[str]:

@@ -1,0 +1,91 @@
+"""The file of a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tractive_sam.extras import require_extra
+from tractive_sam.fitting.results import FitResult
+from tractive_sam.store import ResultsError, netcdf_format, read_netcdf, write_netcdf
+
+if TYPE_CHECKING:
+    import xarray
+
+FIT_FORMAT = "fit 1"
+"""What a file says of itself; another number is another version."""
+
+
+def is_fit(path: str | PathLike[str]) -> bool:
+    """Whether a file is the result of a fit.
+
+    Examples
+    --------
+    >>> from tractive_sam import fitting
+    >>> fitting.is_fit("twin-discs.h5")
+    False
+    """
+    return str(path).endswith(".nc") and netcdf_format(path).startswith("fit ")
+
+
+def open_fit(path: str | PathLike[str]) -> FitResult:
+    """Open the result of a fit, also of one that was interrupted.
+
+    Raises
+    ------
+    ResultsError
+        If the file does not exist, is damaged, or no fit of this version.
+
+    Examples
+    --------
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
+    >>> creep = {"creepage.longitudinal": [-1e-3, -4e-3], "Qx_over_P": [0.1, 0.27]}
+    >>> data = {"values": creep, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
+    >>> data["noise"] = 0.05
+    >>> found = ts.fit({"scene": coarse, "free": ["friction.mu"], "data": [data]}, "mu.nc")
+    >>> ts.open_fit("mu.nc").values == found.values
+    True
+    """
+    if not Path(path).is_file():
+        raise ResultsError(f"{path} does not exist; tractive-sam fit FIT.toml -o {path} writes it")
+    dataset = read_netcdf(path)
+    kind = str(dataset.attrs.get("format", ""))
+    if kind != FIT_FORMAT:
+        raise ResultsError(
+            f"{path} is no fit of this version ({FIT_FORMAT}): {kind or 'no format'}"
+        )
+    if missing := {"status", "message"} - dataset.attrs.keys() or {"design"} - {*dataset}:
+        raise ResultsError(f"{path} is damaged: it lacks {', '.join(missing)}; fit again")
+    return FitResult(dataset)
+
+
+def write_fit(path: str | PathLike[str], result: FitResult) -> None:
+    """Write the result of a fit; a file that is there is replaced as a whole."""
+    write_netcdf(path, result.dataset)
+
+
+def make_dataset(
+    variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
+) -> xarray.Dataset:
+    """Return a dataset.
+
+    Parameters
+    ----------
+    variables : mapping of str to tuple
+        Dimensions, values, unit and description by name.
+    attributes : mapping
+        Attributes of the dataset.
+    """
+    with require_extra("fit"):
+        import xarray  # noqa: PLC0415 - of an extra
+
+    found = {}
+    for name, (dims, values, unit, meaning) in variables.items():
+        array = np.asarray(values)
+        plain = array.astype(object) if array.dtype.kind == "U" else array
+        found[name] = (dims, plain, {"units": unit, "long_name": meaning})
+    return xarray.Dataset(found, attrs={"format": FIT_FORMAT, **attributes})

@@ -1,0 +1,192 @@
+"""Search for the least cost of a fit."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import qmc
+
+from tractive_sam.fitting.design import Fit, FitError
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.problem import FitProblem
+from tractive_sam.schema import Fault
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """Minimises the weighted squares of a problem.
+
+    Attributes
+    ----------
+    problem : FitProblem
+        The problem.
+    fit : Fit
+        Loss, starts and iterations.
+    accuracy : float
+        Change of the parameters, in standard deviations, at which the search ends. Elements that
+        begin to slip leave kinks of about this size.
+    converged : float
+        Change of the coordinates at which the search ends. Of data without noise the cost falls to
+        zero, and this change decides.
+    near : float
+        Change of the coordinates up to which derivatives are not computed again: they change by
+        about as much, and so do the intervals.
+    reach : float
+        Half width of the region of random starts where a parameter has no bounds.
+    """
+
+    problem: FitProblem
+    fit: Fit
+    accuracy: float = 0.03
+    converged: float = 1e-7
+    near: float = 0.01
+    reach: float = math.log(3.0)
+
+    def run(self) -> Estimate:
+        """Return the best minimum from the first values, and from random ones if requested.
+
+        Raises
+        ------
+        FitError
+            If the first values cannot be computed.
+        """
+        first = np.zeros(self.problem.size)
+        first[: len(self.problem.parameters)] = 1.0
+        found = self.minimise(self.problem.aligned(first))
+        for u in self._random_starts():
+            try:
+                other = self.minimise(self.problem.aligned(u))
+            except FitError:  # a random start that the scene does not allow
+                continue
+            found = other if other.cost < found.cost else found
+        return found
+
+    def _random_starts(self) -> list[np.ndarray]:
+        """Return random starting points of the search, within the bounds."""
+        n, others = len(self.problem.parameters), self.fit.starts - 1
+        low, high = self.problem.parameters.bounds
+        low = np.where(np.isfinite(low), low, 1.0 - self.reach)
+        high = np.where(np.isfinite(high), high, 1.0 + self.reach)
+        shares = qmc.LatinHypercube(n, rng=np.random.default_rng(self.fit.seed)).random(others)
+        starts = np.zeros((others, self.problem.size))
+        starts[:, :n] = low + shares * (high - low)
+        return list(starts)
+
+    def minimise(self, u: np.ndarray, fixed: int | None = None) -> Estimate:
+        """Minimise from one start.
+
+        Parameters
+        ----------
+        u : ndarray, shape (size,)
+            Coordinates to start from.
+        fixed : int, optional
+            A coordinate that stays as it is.
+
+        Raises
+        ------
+        FitError
+            If the predictions at the start, or derivatives, cannot be computed.
+        """
+        problem, fit = self.problem, self.fit
+        inner = _Residuals(problem, u, np.arange(problem.size) != (-1 if fixed is None else fixed))
+        varies = inner.varies
+        if not np.isfinite(inner.residuals(u[varies])).all():
+            reason = problem.failures[-1] if problem.failures else "a scene that is solved"
+            cure = f"other starts, or a scene that is computed there: {reason}"
+            raise FitError([Fault("fit.parameter", "first values that are not computed", cure)])
+        message, iterations = "no coordinate varies", 0
+        if varies.any():
+            low, high = problem.bounds
+            # The cost is expected to be half the number of degrees of freedom.
+            degrees = max(problem.observed.size + problem.priors - problem.size, 1)
+            found = least_squares(
+                inner.residuals,
+                np.clip(u, low, high)[varies],
+                inner.slopes,
+                bounds=(low[varies], high[varies]),
+                loss=fit.loss,
+                ftol=self.accuracy**2 / degrees,
+                xtol=self.converged,
+                gtol=1e-8,
+                max_nfev=fit.iterations,
+            )
+            u, message, iterations = inner.at(found.x), ENDS[found.status], found.nfev
+        predicted = problem.predict(u)
+        squares = np.square((problem.observed - predicted) / problem.noise)
+        losses, weights = LOSSES[fit.loss](squares)
+        prior, _ = LOSSES[fit.loss](np.square(problem.prior_residuals(u)))
+        cost = 0.5 * float(losses.sum() + prior.sum())
+        slopes = inner.jacobian(u, self.near)
+        return Estimate(
+            problem, u, predicted, slopes, weights, cost, iterations, message, fit.scatter
+        )
+
+
+@dataclass(eq=False)
+class _Residuals:
+    """Residuals and derivatives over the coordinates that vary.
+
+    Attributes
+    ----------
+    problem : FitProblem
+        The problem.
+    u : ndarray, shape (size,)
+        Coordinates; those that are fixed stay as they are.
+    varies : ndarray of bool, shape (size,)
+        Whether a coordinate varies.
+    last : tuple of ndarray
+        Coordinates at which derivatives were computed last, and these.
+    """
+
+    problem: FitProblem
+    u: np.ndarray
+    varies: np.ndarray
+    last: tuple[np.ndarray, np.ndarray] | None = None
+
+    def at(self, part: np.ndarray) -> np.ndarray:
+        """Return all coordinates."""
+        found = self.u.copy()
+        found[self.varies] = part
+        return found
+
+    def residuals(self, part: np.ndarray) -> np.ndarray:
+        """Return predicted less measured values over the noise, and those of the priors."""
+        u = self.at(part)
+        return self.problem.residuals(u, self.problem.predict(u))
+
+    def slopes(self, part: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the residuals."""
+        u = self.at(part)
+        self.last = u, self.problem.jacobian(u)
+        return self.problem.residual_slopes(*self.last)[:, self.varies]
+
+    def jacobian(self, u: np.ndarray, near: float) -> np.ndarray:
+        """Return the derivatives of the predictions, those of coordinates nearby if known."""
+        if self.last is not None and np.abs(self.last[0] - u).max() < near:
+            return self.last[1]
+        return self.problem.jacobian(u)
+
+
+ENDS = {
+    0: "the search reached its most iterations",
+    1: "the derivatives of the sum of squares are zero",
+    2: "the sum of squares no longer falls",
+    3: "the parameters no longer change",
+    4: "neither the sum of squares nor the parameters change",
+}
+"""Ends of the search, by the status of `scipy.optimize.least_squares`."""
+
+LOSSES = {
+    "linear": lambda z: (z, np.ones_like(z)),
+    "soft_l1": lambda z: (2.0 * (np.sqrt(1.0 + z) - 1.0), 1.0 / np.sqrt(1.0 + z)),
+    "huber": lambda z: (
+        np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
+        np.where(z <= 1.0, 1.0, 1.0 / np.sqrt(np.maximum(z, 1.0))),
+    ),
+    "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
+    "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
+}
+"""Losses of squared residuals, and their derivatives, see `scipy.optimize.least_squares`."""
