@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from tractive_sam.extras import require_extra
+from tractive_sam.extras import check_extra
 from tractive_sam.fitting.results import FitResult
+from tractive_sam.optional import xarray
 from tractive_sam.store import ResultsError, netcdf_format, read_netcdf, write_netcdf
-
-if TYPE_CHECKING:
-    import xarray
 
 FIT_FORMAT = "fit 1"
 """What a file says of itself; another number is another version."""
@@ -80,9 +78,7 @@ def make_dataset(
     attributes : mapping
         Attributes of the dataset.
     """
-    with require_extra("fit"):
-        import xarray  # noqa: PLC0415 - of an extra
-
+    check_extra("xarray", "fit")
     found = {}
     for name, (dims, values, unit, meaning) in variables.items():
         array = np.asarray(values)

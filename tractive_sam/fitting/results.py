@@ -6,7 +6,7 @@ import math
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,10 +14,8 @@ from tractive_sam.description import html_columns, html_table, text_table
 from tractive_sam.fitting.design import FitDesign
 from tractive_sam.fitting.entries import changes_of
 from tractive_sam.markup import Html, as_html, fill
+from tractive_sam.optional import xarray
 from tractive_sam.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray
 
 DONE = "done"
 """Status of a fit that is complete."""
