@@ -79,7 +79,7 @@ def measure_times() -> list[dict[str, object]]:
     for y in np.linspace(0.0, 4.0, 20):
         _ = scene.without_blocks.replace(wear=None, **{"wheelset.y": float(y)}).wheel_rail
     position = (process_time() - start) / 20
-    ts.wear_profiles(scene, deepest=0.1)
+    ts.wear_profiles(scene.with_set(["wear.step_depth=0.1"]))
     start = process_time()
     worn = ts.wear_profiles(scene)
     step = (process_time() - start) / (3 * worn.revolutions.size)

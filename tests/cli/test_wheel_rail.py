@@ -42,15 +42,33 @@ def test_wear_writes_profiles(call, folder):
     result = call("wear", "wheel-wear", *settings, "-o", "worn")
     assert result.exit_code == 0
     names = {file.name for file in (folder / "worn").iterdir()}
-    assert names == {"wheel-1000.prw", "rail-1000.prr", "wear.csv", "profiles.png"}
+    assert names == {"wear.h5", "wheel-1000.prw", "rail-1000.prr", "wear.csv", "profiles.png"}
     worn = ("--set", "wheel.profile=worn/wheel-1000.prw", *SMALL)
     assert call("run", "wheel-rail", *worn, "-o", "a.h5").exit_code == 0
 
 
-def test_wear_needs_its_tables(call):
+def test_wear_needs_its_tables(call, folder):
     result = call("wear", "wheel-rail", "-o", "worn")
     assert result.exit_code == 2
     assert "wear" in result.output
+    assert not (folder / "worn").exists()
+
+
+@pytest.mark.slow
+def test_worn_profiles_have_figures_and_a_report(call, folder):
+    settings = ("--set", "wear.revolutions=50000", *SMALL)
+    assert call("explain", "wheel-wear", *settings).exit_code == 0
+    assert call("run", "wheel-wear", *settings, "-o", "a.h5").exit_code == 0
+    shown = json.loads(call("show", "a.h5", "--json").stdout)
+    assert shown["status"] == "done"
+    assert shown["worn_section"]["B"][-1] > 0.0
+    assert call("plot", "a.h5", "-o", "figures").exit_code == 0
+    figures = {file.name for file in (folder / "figures").iterdir()}
+    assert {"wheel-rail-profiles.png", "worn-sections.png"} <= figures
+    assert call("report", "a.h5", "-o", "a.html").exit_code == 0
+    assert call("wear", "a.h5", "-o", "worn").exit_code == 0
+    assert (folder / "worn" / "wheel-50000.prw").exists()
+    assert call("run", "wheel-wear", *settings, "-o", "a.h5", "--resume").exit_code == 0
 
 
 @pytest.mark.slow

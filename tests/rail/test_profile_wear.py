@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.contact import Model
 from tractive_sam.rail import read_profile
-from tractive_sam.rolling.profile_wear import ProfileWear
+from tractive_sam.rolling import process_of
 
 SETTINGS = ["wear.revolutions=100000", "grid.elements=[15, 21]"]
 
@@ -15,20 +16,19 @@ def scene():
 
 @pytest.fixture(scope="module")
 def worn(scene):
-    return ts.wear_profiles(scene, deepest=0.01)
+    return ts.wear_profiles(scene)
 
 
 @pytest.mark.slow
 def test_worn_area_is_that_of_the_passes(scene):
     """In a first short step each profile loses what the passes of all positions wear off."""
-    wear = ProfileWear(scene, rail_passes=0.5)
-    nodes = scene.wheel.curve.s, scene.rail.own_curve.s
-    patches, _ = wear._wear_of_positions([np.zeros(s.size) for s in nodes], {})
+    one = scene.with_set(["wear.revolutions=100", "rail.passes=0.5"])
     expected = np.zeros(2)
-    for share, patch in patches:
-        for body, places in enumerate(patch.places):
-            expected[body] += share * np.trapezoid(patch.rates[body], places)
-    worn = ts.wear_profiles(scene.with_set(["wear.revolutions=100"]), rail_passes=0.5)
+    for position in process_of(Model(one)).begin().positions:
+        for patch in position.worn:
+            for body, places in enumerate(patch.places):
+                expected[body] += position.share * np.trapezoid(patch.rates[body], places)
+    worn = ts.wear_profiles(one)
     found = [worn.worn_areas[name][-1] for name in ("wheel", "rail")]
     # Rows 0.5 mm wide onto nodes 0.1 mm apart; the step is implicit in the pressure.
     assert found == pytest.approx(100.0 * expected, rel=0.02)
@@ -56,7 +56,7 @@ def test_no_node_gains_material(worn):
 def test_wear_is_where_the_contacts_are(worn, scene):
     y = scene.rail.curve.points[:, 0]
     inside = y[worn.rail_depth[-1] > 0.1 * worn.rail_depth[-1].max()]
-    places = np.concatenate(worn.contact_y)
+    places = worn.contact_y
     assert places.min() - 15.0 < inside.min()
     assert inside.max() < places.max() + 15.0
 
@@ -65,7 +65,7 @@ def test_wear_is_where_the_contacts_are(worn, scene):
 def test_steps_converge(scene):
     """Linearly implicit Euler: of first order in the length of a step."""
     deep = [
-        ts.wear_profiles(scene, deepest=step).worn_areas["wheel"][-1]
+        ts.wear_profiles(scene.with_set([f"wear.step_depth={step}"])).worn_areas["wheel"][-1]
         for step in (0.012, 0.006, 0.003)
     ]
     assert abs(deep[2] - deep[1]) < 0.75 * abs(deep[1] - deep[0])
@@ -93,7 +93,8 @@ def test_wear_returns_the_files_that_a_scene_reads(worn, scene, tmp_path):
 
 @pytest.mark.slow
 def test_saved_revolutions_are_met(scene):
-    worn = ts.wear_profiles(scene.with_set(["wear.save=[0, 30000, 100000]"]), deepest=0.05)
+    settings = ["wear.save=[0, 30000, 100000]", "wear.stepping=saved"]
+    worn = ts.wear_profiles(scene.with_set(settings))
     assert {0.0, 30000.0, 100000.0} <= set(worn.revolutions)
 
 
@@ -104,6 +105,50 @@ def test_scenes_without_wear_or_wheel_are_refused(scene):
         ts.wear_profiles(ts.Scene.builtin("twin-discs"))
 
 
-def test_rolling_a_wheel_with_wear_refers_to_wear_profiles(scene):
-    with pytest.raises(ts.SceneError, match="wear_profiles"):
-        ts.roll(scene)
+@pytest.mark.slow
+def test_an_interrupted_run_resumes_exactly(tmp_path):
+    """The stored state contains the contacts from which the next step starts."""
+    scene = ts.Scene.builtin("wheel-wear").with_set(
+        ["grid.elements=[15, 15]", "wear.step_depth=0.02"]
+    )
+    scene, path = scene.with_set(["wear.revolutions=400000"]), tmp_path / "a.h5"
+    records = []
+
+    def stop(record):
+        records.append(record)
+        if len(records) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ts.roll(scene, path, progress=stop)
+    assert len(ts.open_history(path)) == 2
+    resumed, expected = ts.roll(scene, path, resume=True), ts.roll(scene)
+    assert len(expected) > 3
+    for name in set(expected.columns) - {"seconds"}:
+        assert np.array_equal(resumed[name], expected[name], equal_nan=True), name
+    profiles = ts.WornProfiles.from_history(ts.open_history(path))
+    assert np.array_equal(profiles.wheel_depth, expected["wheel_wear"])
+
+
+@pytest.mark.parametrize(
+    ("settings", "key"),
+    [
+        (["wear.turns=equal"], "wear.turns"),
+        (["wear.tolerance=0.01"], "wear.tolerance"),
+        (["wear.step_depth=0"], "wear.step_depth"),
+        (["rail.passes=-1"], "rail.passes"),
+        (["subsurface.planes=['y=0']", "subsurface.depth=1"], "subsurface"),
+        (["fatigue.shear_yield=300"], "fatigue"),
+    ],
+)
+def test_keys_that_worn_profiles_do_not_use_are_faults(scene, settings, key):
+    with pytest.raises(ts.SceneError) as error:
+        scene.with_set(settings)
+    assert key in {fault.key for fault in error.value.faults}
+
+
+def test_keys_of_worn_profiles_need_wheel_and_wear():
+    with pytest.raises(ts.SceneError, match="passes"):
+        ts.Scene.builtin("wheel-rail").with_set(["rail.passes=2"])
+    with pytest.raises(ts.SceneError, match="step_depth"):
+        ts.Scene.builtin("twin-discs").with_set(["wear.step_depth=0.1"])

@@ -5,6 +5,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.rail import Patch, Profile, Wheel
+from tractive_sam.results import caveats
 
 STEEL = {"shear": 82e3, "poisson": 0.28}
 TABLES = {
@@ -219,6 +220,25 @@ def test_forces_change_little_over_small_displacements():
         values = np.array([getattr(one, name) for one in found])
         assert np.abs(np.diff(values, 2)).max() < 0.02 * values.max()  # elements of 0.2 mm
     assert all(one.converged for one in found)
+
+
+def test_conformal_contacts_are_reported():
+    """Near the root of the flange the contact angle varies over the patch."""
+    with pytest.warns(ts.SceneWarning, match="conformal"):
+        one = scene(6.0, grid={"elements": [15, 15]}, yaw=8.0, load=9e4)
+    history = ts.roll(one)
+    assert history["angle_range"].max() > 15.0
+    assert "conformal" in caveats(history)["angle_range"]
+    plain = ts.roll(scene(2.0, grid={"elements": [15, 15]}))
+    assert "angle_range" not in caveats(plain)
+
+
+def test_angle_range_is_measured_over_the_contact():
+    """On an arc of 13 mm the angle changes by the width over the radius, half of it on the rail."""
+    patch = patch_of(flat(), arc(-13.0, half=10.0), 460.0)
+    rows = np.linspace(-1.0, 1.0, 21)
+    found = patch.angle_range_over(rows)
+    assert found == pytest.approx(0.5 * 2.0 * np.arcsin(1.0 / 13.0), rel=1e-6)
 
 
 def faults(**changes):

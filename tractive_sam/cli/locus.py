@@ -7,6 +7,7 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_message, report_errors
+from tractive_sam.cli.run import Resume, run
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 
@@ -73,37 +74,40 @@ def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
 
 
 def wear(
-    scene: SceneName,
+    scene: Annotated[
+        str,
+        typer.Argument(metavar="SCENE", help="A scene, as for run, or a results file (.h5)."),
+    ],
     output: Annotated[
         Path,
         typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the worn profiles."),
     ],
     settings: Settings = None,
-    deepest: Annotated[
-        float, typer.Option(help="Largest wear depth of a step, mm.", min=1e-6)
-    ] = 0.01,
-    rail_passes: Annotated[
-        float,
-        typer.Option(
-            help="Number of wheels that pass a cross-section of the rail per "
-            "revolution of the wheel.",
-            min=0.0,
-        ),
-    ] = 1.0,
+    resume: Resume = False,
 ) -> None:
-    """Wear the profiles of a wheel and a rail at the positions of a duty cycle."""
-    with report_errors():
-        from tractive_sam import plot
-        from tractive_sam.results import NotConverged
-        from tractive_sam.rolling import wear_profiles
+    """Wear the profiles of a wheel and a rail over the positions of a duty.
 
-        read = read_scene(scene, settings)
-        try:
-            worn = wear_profiles(read, deepest=deepest, rail_passes=rail_passes)
-        except NotConverged as error:
-            raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
-        for path in worn.write(output):
-            print_line(path)
-        _save_figure(plot.worn_wheel_and_rail(worn), output / "profiles.png")
+    The results are written to wear.h5 in the folder, and the profiles beside them as files.
+    """
+    from tractive_sam import plot
+    from tractive_sam.results import WornProfiles
+    from tractive_sam.run import require_wear
+
+    if scene.endswith(".h5"):
+        with report_errors():
+            history = ts.open_history(scene)
+    else:
+        with report_errors():
+            require_wear(read_scene(scene, settings))
+        output.mkdir(parents=True, exist_ok=True)
+        run(scene, settings, output / "wear.h5", None, resume, not resume, quiet=True)
+        history = ts.open_history(output / "wear.h5")
+    try:
+        worn = WornProfiles.from_history(history)
+    except ValueError as error:
+        raise error_exit(ExitStatus.INVALID, str(error)) from None
+    for path in worn.write(output):
+        print_line(path)
+    _save_figure(plot.worn_wheel_and_rail(worn), output / "profiles.png")
     depths = f"wheel {worn.wheel_depth[-1].max():.4g} mm, rail {worn.rail_depth[-1].max():.4g} mm"
     print_message(f"worn after {worn.revolutions[-1]:g} revolutions: {depths}")

@@ -47,7 +47,7 @@ def charts(history: History, measured: Measurements | None = None) -> list[dict[
         name: one
         for name, one in history.columns.items()
         if _of_cycle(history, one).role not in HIDDEN and not one.error_of
-        if not {"y", "position"} & set(one.dims)
+        if not (one.is_profile or "position" in one.dims)
     }
     groups: list[tuple[str, dict[str, Quantity]]] = []
     for name in [name for name in free if PREFIX + name in free]:

@@ -73,7 +73,9 @@ from .wheel_rail import conicity as conicity
 from .wheel_rail import contact_points as contact_points
 from .wheel_rail import radius_difference as radius_difference
 from .wheel_rail import wheel_on_rail as wheel_on_rail
+from .wheel_rail import worn_sections as worn_sections
 from .wheel_rail import worn_wheel_and_rail as worn_wheel_and_rail
+from .wheel_rail import worn_wheel_of_history as worn_wheel_of_history
 from .zones import edge_level as edge_level
 from .zones import extend_outwards as extend_outwards
 from .zones import stick_level as stick_level

@@ -89,7 +89,9 @@ def block_shares(history: History) -> Figure:
 def _has_wear_regimes(history: History) -> bool:
     """Return whether the wear laws of the scene depend on the body, the block or the work."""
     scene = history.scene
-    if "wear" in history.law_records or not scene.has("wear") or not history["wear_profile"].any():
+    if "wear" in history.law_records or not scene.has("wear") or not len(history.saved):
+        return False
+    if not history["wear_profile"].any():
         return False
     return bool(history.block_names) or not scene.has("wear.together")
 

@@ -9,9 +9,10 @@ import numpy as np
 from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.needs import Need
-from tractive_sam.plot.registry import contact_figure
+from tractive_sam.plot.registry import contact_figure, history_figure
 from tractive_sam.plot.style import LOOK, apply_style, new_axes
 from tractive_sam.rail import ContactLocus, Profile
+from tractive_sam.results import History, WornProfiles
 from tractive_sam.scene import Scene
 
 HAS_WHEEL = Need(lambda view: view.contact.scene.wheelset is not None, "a scene with [wheel]")
@@ -134,14 +135,50 @@ def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     return figure
 
 
+def _is_worn(history: History) -> bool:
+    """Return whether material is worn off the wheel or the rail."""
+    return bool((history["worn_section"][-1] > 0.0).any())
+
+
+@history_figure("wheel-rail-profiles", columns=["worn_section"], shown=_is_worn)
+def worn_wheel_of_history(history: History) -> Figure:
+    """New and worn profiles of wheel and rail, with the depths magnified.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
+    >>> plot.worn_wheel_of_history(ts.roll(scene))
+    <Figure size ...>
+    """
+    return worn_wheel_and_rail(WornProfiles.from_history(history))
+
+
+@history_figure("worn-sections", columns=["worn_section"], shown=_is_worn)
+def worn_sections(history: History) -> Figure:
+    """Cross sections worn off wheel and rail, over the revolutions of the wheel.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
+    >>> plot.worn_sections(ts.roll(scene))
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.6)
+    for k, name in enumerate(("wheel", "rail")):
+        axes.plot(history["revolution"], history["worn_section"][:, k], "o-", ms=3, label=name)
+    axes.set(xlabel="revolutions of the wheel", ylabel="worn section (mm²)")
+    axes.legend()
+    return figure
+
+
 @apply_style
-def worn_wheel_and_rail(worn: Any, magnified: float = 100.0) -> Figure:
+def worn_wheel_and_rail(worn: WornProfiles, magnified: float = 100.0) -> Figure:
     """Draw new and worn profiles, with the depths magnified.
 
     Parameters
     ----------
     worn : WornProfiles
-        Result of `wear_profiles`.
+        Result of `wear_profiles`, or profiles read from a history.
     magnified : float
         Factor of the depths.
 
@@ -152,11 +189,9 @@ def worn_wheel_and_rail(worn: Any, magnified: float = 100.0) -> Figure:
     <Figure size ...>
     """
     figure = Figure()
-    pairs = {
-        "wheel": (worn.scene.wheel.curve, worn.wheel_depth[-1], 1.0),
-        "rail": (worn.scene.rail.own_curve, worn.rail_depth[-1], -1.0),
-    }
-    for k, (name, (new, depth, outward)) in enumerate(pairs.items()):
+    depths = {"wheel": (worn.wheel_depth[-1], 1.0), "rail": (worn.rail_depth[-1], -1.0)}
+    for k, (name, new) in enumerate(worn.new.items()):
+        depth, outward = depths[name]
         axes = figure.add_subplot(2, 1, k + 1)
         _draw_profile(axes, new, color=LOOK.grey, label=f"new {name}")
         _draw_profile(axes, new.worn(magnified * depth, outward), label=f"wear x {magnified:g}")

@@ -195,7 +195,9 @@ class Patch:
     half_length : tuple of float
         Half lengths in x and y within which the undeformed bodies would overlap, mm.
     angle_range : float
-        Difference of the contact angles over the overlap, rad: large if the contact is conformal.
+        Difference of the contact angles, rad, where the undeformed bodies would overlap by more
+        than half of the largest depth, which is where Hertz contacts touch. It is large if the
+        contact is conformal.
     limits : tuple of float
         Lateral positions in the plane beyond which other patches touch, mm.
     """
@@ -242,6 +244,14 @@ class Patch:
         """Return height of the wheel over the plane at x = 0, and its arc length, shape (n,)."""
         height, s = self.wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
         return height[0], s[0]
+
+    def angle_range_over(self, y: Array) -> float:
+        """Return the difference of the contact angles over positions in the plane, rad.
+
+        The contact angle is the mean of those of wheel and rail.
+        """
+        wheel = self.wheel.profile.angle(self.wheel_profile(y)[1])
+        return float(np.ptp(0.5 * (wheel + self.rail.angle(self.rail_profile(y)[1]))))
 
     def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
         """Return the normal distance of the undeformed surfaces, mm.
@@ -412,7 +422,7 @@ class _Overlap:
         z = float(rail.at(rail.locate(y, near=_top(rail)))[1])
         origin = np.array([self._mean(points[:, 0]), y, z])
         wide = 0.5 * float(np.ptp(points[self.part, 1])) / float(np.cos(self.angle))
-        angles = self._angles[self.part]
+        angles = self._angles[self.part][self.depth >= 0.5 * self.depth.max()]
         half = float(self._half_length.max()), wide
         first, last = ((limit - y) / float(np.cos(self.angle)) for limit in limits)
         return Patch(wheel, rail, origin, self.angle, half, float(np.ptp(angles)), (first, last))

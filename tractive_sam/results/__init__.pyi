@@ -33,6 +33,7 @@ from .quantity import BODIES as BODIES
 from .quantity import COORDINATE as COORDINATE
 from .quantity import DIMS as DIMS
 from .quantity import LABELS as LABELS
+from .quantity import PROFILES as PROFILES
 from .quantity import Quantity as Quantity
 from .quantity import find_by_role as find_by_role
 from .quantity import index_by_name as index_by_name
@@ -52,3 +53,4 @@ from .stored_fields import OUTSIDE as OUTSIDE
 from .stored_fields import STRESS as STRESS
 from .stored_fields import storable_fields as storable_fields
 from .stress_quantities import stress_columns as stress_columns
+from .worn_profiles import WornProfiles as WornProfiles

@@ -9,7 +9,14 @@ from tractive_sam.results.column_table import columns
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantity import BODIES, COORDINATE, LABELS, Quantity, find_by_role
+from tractive_sam.results.quantity import (
+    BODIES,
+    COORDINATE,
+    LABELS,
+    PROFILES,
+    Quantity,
+    find_by_role,
+)
 from tractive_sam.results.record import Record
 from tractive_sam.results.stored_fields import FIELDS, OUTSIDE
 from tractive_sam.scene import Scene
@@ -48,8 +55,8 @@ def _widen(record: Record, name: str, grid: Grid) -> np.ndarray:
 def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
     """Stack recorded values to an array, one row a record, on a mesh that may be wider."""
     along = {"x": grid.elements[0], "y": grid.elements[1]}
-    if "block" in quantity.dims:
-        along["block"] = np.shape(values[0])[quantity.dims.index("block")] if len(values) else 0
+    for dim in {"block", *PROFILES}.intersection(quantity.dims):
+        along[dim] = np.shape(values[0])[quantity.dims.index(dim)] if len(values) else 0
     shape = tuple(along[k] if k in along else len(LABELS[k]) for k in quantity.dims)
     rows = np.empty((len(values), *shape), int if quantity.whole else float)
     for row, value in zip(rows, values, strict=True) if shape else ():

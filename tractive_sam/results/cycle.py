@@ -79,7 +79,8 @@ def _block_quantities(
 ) -> Iterator[tuple[str, Quantity]]:
     """Yield the columns with a value for each block."""
     for name, quantity in list(names.items()):
-        if name not in process_values and not {"block", "y"} & set(quantity.dims):
+        joint = name in process_values or "block" in quantity.dims
+        if not joint and not quantity.is_profile:
             yield name, quantity
 
 

@@ -10,7 +10,7 @@ from tractive_sam.description import format_number
 from tractive_sam.results.balance import SteadyBalance, balance_of
 from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.recorded import Recorded
-from tractive_sam.scene import describe_load, edge_notes, pressure_notes
+from tractive_sam.scene import conformity_notes, describe_load, edge_notes, pressure_notes
 
 DEPTH_OF_STRESS = 0.6
 """Depth of the largest stress over the smaller semi-axis: 0.48 for a circle, 0.79 for a line."""
@@ -94,9 +94,10 @@ def caveats(history: Recorded) -> dict[str, str]:
 
     "utilisation" so close to the surface that it depends on the mesh and has no error bar,
     "stress" that elements may miss, "width" of bodies that the contact fills, "p_max" that no
-    material withstands or that is too small for the materials.
+    material withstands or that is too small for the materials, "angle_range" of a conformal wheel.
     """
     notes = {
+        "angle_range": _describe_conformity(history),
         "stress": _describe_missed_stress(history),
         "p_max": _describe_implausible_pressure(history),
         "utilisation": _describe_shallow_utilisation(history),
@@ -105,6 +106,13 @@ def caveats(history: Recorded) -> dict[str, str]:
     widest = 2.0 * float(half[np.isfinite(half)].max(initial=0.0))
     notes["width"] = "; ".join(edge_notes(history.scene, widest))
     return {name: text for name, text in notes.items() if text}
+
+
+def _describe_conformity(history: Recorded) -> str:
+    """Describe the largest range of the contact angle over a patch of a wheel, if it is large."""
+    columns = [name for name in ("angle_range", "block_angle_range") if name in history.columns]
+    largest = [np.nan_to_num(history[name]).max(initial=0.0) for name in columns]
+    return "; ".join(conformity_notes(float(max(largest, default=0.0))))
 
 
 def _describe_implausible_pressure(history: Recorded) -> str:

@@ -25,7 +25,7 @@ def to_dict(history: Recorded) -> dict[str, Any]:
                 body: history[name][:, BODIES.index(body)] for body in column.bodies(history.scene)
             }
             rows[name] = {body: values.tolist() for body, values in of_bodies.items()}
-        elif "y" not in column.dims:
+        elif not column.is_profile:
             rows[name] = history[name].tolist()
     rows |= {"energy_balance": balance.energy.tolist(), "wear_balance": balance.wear.tolist()}
     reference = {"a0": history.a0, "b0": history.b0, "p0": history.p0}
@@ -40,7 +40,7 @@ def numbers(history: Recorded) -> dict[str, np.ndarray]:
     """
     arrays = {}
     for name, column in history.columns.items():
-        if "y" in column.dims:
+        if column.is_profile:
             continue
         of_dims = {**LABELS, "block": history.block_names}
         labels = [of_dims[dim] for dim in column.dims]

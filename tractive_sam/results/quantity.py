@@ -13,6 +13,9 @@ BODIES = ("A", "B")
 LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
 """Labels along the dimensions of columns that are not those of the mesh."""
 
+PROFILES = ("wheel", "rail")
+"""Dimensions along the nodes of the profile of a wheel or a rail."""
+
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """Dimensions that a user-defined column may have in addition to the record."""
 
@@ -42,7 +45,8 @@ class Quantity:
         for dimensions ("body", ...) a mapping from "A" and "B". None if only the process has it.
     dims : tuple of str
         Dimensions in addition to the record, one of `DIMS`: "y" is that of the mesh, "axis" (x, y),
-        "body" (A, B), "position" (x, y, depth).
+        "body" (A, B), "position" (x, y, depth). Columns of the package may also have one of
+        `PROFILES`.
     symbol : str
         Symbol as math text, for figures.
     label : str
@@ -113,6 +117,11 @@ class Quantity:
                 f"over_blocks of the column {self.name} is {self.over_blocks!r}; allowed: "
                 f"{', '.join(OVER_BLOCKS)}"
             )
+
+    @property
+    def is_profile(self) -> bool:
+        """Whether it is a function of a place on the mesh or on a profile."""
+        return not {"y", *PROFILES}.isdisjoint(self.dims)
 
     def applies(self, scene: Scene) -> bool:
         """Return whether the history of a scene has this quantity."""

@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam.results.column_table import columns
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantity import COORDINATE, Quantity, find_by_role
+from tractive_sam.results.quantity import COORDINATE, PROFILES, Quantity, find_by_role
 from tractive_sam.results.state import State
 from tractive_sam.results.stored_fields import BOUND, FIELDS, HEAT_FIELDS
 
@@ -99,12 +99,14 @@ class Record:
         return find_by_role(self.columns.values(), COORDINATE)
 
     @property
-    def blocks(self) -> int:
-        """Number of blocks of a duty cycle with separate columns; 0 without them."""
-        for name, column in self.columns.items():
-            if "block" in column.dims:
-                return np.shape(self.values[name])[column.dims.index("block")]
-        return 0
+    def lengths(self) -> dict[str, int]:
+        """Lengths of the dimensions of its columns that differ between histories."""
+        return {
+            dim: np.shape(self.values[name])[column.dims.index(dim)]
+            for name, column in self.columns.items()
+            for dim in column.dims
+            if dim in ("block", *PROFILES)
+        }
 
     @property
     def at(self) -> float:

@@ -15,8 +15,7 @@ from .process import Step as Step
 from .process import StepRecord as StepRecord
 from .process import StoredStep as StoredStep
 from .process import continuing_rows as continuing_rows
-from .profile_wear import WornProfiles as WornProfiles
-from .profile_wear import wear_profiles as wear_profiles
+from .profile_wear import ProfileWear as ProfileWear
 from .registry import process_of as process_of
 from .registry import process_type as process_type
 from .registry import steps as steps

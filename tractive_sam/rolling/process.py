@@ -33,7 +33,7 @@ from tractive_sam.results import (
     restart_fields,
 )
 from tractive_sam.rolling.observer import Observer
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, block_label
 
 GROWTHS = 16
 """Largest number of enlargements of a mesh: to 35 times its width."""
@@ -462,5 +462,13 @@ class Process(ABC, Generic[AnyStep]):
         return "done" if contact.converged else str(contact.status), message
 
     def _describe_place(self, step: AnyStep) -> str:
-        """Describe where a step is, as the beginning of a message."""
-        return self.model.scene.schedule.message_start.format(step.place)
+        """Describe where a step is, with the block whose contact was not solved.
+
+        The text is the beginning of a message.
+        """
+        scene = self.model.scene
+        place = scene.schedule.message_start.format(step.place)
+        if step.converged or len(step.contacts) == 1:
+            return place
+        block = scene.spectrum.places.index(step.contacts.index(step.contact))
+        return f"{place}{block_label(scene, block)}: "

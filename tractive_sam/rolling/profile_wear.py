@@ -1,311 +1,300 @@
-"""Wear of the profiles of wheel and rail over the positions of a duty.
-
-The depths worn off both profiles, along their normals and over their arc lengths, follow
-
-    dE/dN = sum over positions of w_j D_j R_j(I_j E)
-
-with the share w_j of a position in the revolutions, the depth R_j that its patches wear in a pass,
-the depths I_j E of both bodies together at the rows of a patch, and D_j, which brings a depth at
-rows to nodes of the profiles. Short waves of a profile decay fast (`rolling.response`); the steps
-are linearly implicit in the response J_j of R_j, so that they are not limited by stability:
-
-    (1 - dN sum w_j D_j J_j I_j) dE = dN sum w_j D_j R_j.
-"""
+"""Wear of the profiles of wheel and rail over the positions of a duty, see `profile_step`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from os import PathLike
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from tractive_sam.contact import Model, solve_patches_on_fitted_mesh, wear_law_at
-from tractive_sam.rail import Profile, write_profile
-from tractive_sam.results import NotConverged, State
+from tractive_sam.rail import Profile
+from tractive_sam.results import (
+    Grid,
+    Record,
+    State,
+    WornProfiles,
+    columns,
+    cycle_record,
+)
+from tractive_sam.rolling.process import Process, Recorder, Step, StepRecord, StoredStep
+from tractive_sam.rolling.profile_step import Depths, PatchWear, PositionWear, implicit_step
 from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.wheel_rail import WHEEL_COLUMNS, describe_patch
 from tractive_sam.scene import Scene, WheelRail
 from tractive_sam.schema import Fault, SceneError
 
 
 @dataclass(frozen=True, eq=False)
-class WornProfiles:
-    """Profiles of a wheel and a rail that wear.
+class WornStep(Step):
+    """Profiles after a number of revolutions, and the contacts of all positions on them.
 
     Attributes
     ----------
-    scene : Scene
-        What was rolled.
-    revolutions : ndarray, shape (n,)
-        Revolutions of the wheel after each step, the first one 0.
-    wheel_depth, rail_depth : ndarray, shape (n, m)
-        Depth worn off along the normals at the nodes of the profiles, mm.
-    contact_y : tuple of tuple of float
-        For each step the lateral positions of all patches on the rail, mm.
-    solves : int
-        Contacts that were solved.
-
-    Examples
-    --------
-    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
-    >>> worn = ts.wear_profiles(scene, deepest=0.1)
-    >>> bool(worn.wheel_depth[-1].max() > 0.0)
-    True
+    revolution : int
+        Revolutions of the wheel.
+    depths : tuple of ndarray
+        Depths worn off wheel and rail at the nodes of their profiles, mm.
+    positions : tuple of PositionWear
+        Each different position of the duty.
+    mesh : Grid
+        Mesh of the history; the contacts have separate meshes, and their fields are not stored.
+    change : tuple of ndarray
+        Change of the depths in the next step, mm.
+    jump : int
+        Revolutions of the next step; 0 at the end.
     """
 
-    scene: Scene
-    revolutions: np.ndarray
-    wheel_depth: np.ndarray
-    rail_depth: np.ndarray
-    contact_y: tuple[tuple[float, ...], ...]
-    solves: int
+    contacts: tuple[State, ...] = field(init=False)
+    revolution: int
+    depths: Depths
+    positions: tuple[PositionWear, ...]
+    mesh: Grid
+    change: Depths
+    jump: int
 
-    def wheel(self, step: int = -1) -> Profile:
-        """Return the wheel profile after a step."""
-        return self.scene.wheel.curve.worn(self.wheel_depth[step], 1.0)
+    @classmethod
+    def from_positions(
+        cls,
+        scene: Scene,
+        revolution: int,
+        depths: Depths,
+        positions: tuple[PositionWear, ...],
+        mesh: Grid,
+    ) -> WornStep:
+        """Return the step with these positions, and the change in the next one."""
+        schedule, worn = scene.schedule, []
+        left = [stop - revolution for stop in schedule.stops if stop > revolution]
+        if not left or not all(one.contact.converged for one in positions):
+            return cls(revolution, depths, positions, mesh, depths, 0)
+        most = left[0] if schedule.adaptive or schedule.fixed else 1
+        deepest = scene.wear.largest_step if schedule.adaptive else np.inf
+        worn = [(position.share, patch) for position in positions for patch in position.worn]
+        nodes = scene.wheel.curve.s, scene.rail.own_curve.s
+        change, jump = implicit_step(worn, nodes, int(most), deepest)
+        return cls(revolution, depths, positions, mesh, change, jump)
 
-    def rail(self, step: int = -1) -> Profile:
-        """Return the rail profile after a step, in its own frame."""
-        return self.scene.rail.own_curve.worn(self.rail_depth[step], -1.0)
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "contacts", tuple(one.contact for one in self.positions))
 
     @property
-    def worn_areas(self) -> dict[str, np.ndarray]:
-        """Cross section worn off "wheel" and "rail" after each step, shape (n,), mm2."""
-        nodes = {"wheel": self.scene.wheel.curve.s, "rail": self.scene.rail.own_curve.s}
-        depths = {"wheel": self.wheel_depth, "rail": self.rail_depth}
-        return {name: np.trapezoid(depths[name], nodes[name], axis=1) for name in nodes}
-
-    def write(self, folder: str | PathLike[str]) -> list[Path]:
-        """Write worn profiles (.prw, .prr) and the depths of all steps (.csv) into a folder.
-
-        Returns
-        -------
-        list of Path
-            The files.
-        """
-        folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
-        last = f"{self.revolutions[-1]:g}"
-        files = [folder / f"wheel-{last}.prw", folder / f"rail-{last}.prr", folder / "wear.csv"]
-        title = f"{self.scene.title}, worn for {last} revolutions"
-        write_profile(self.wheel(), files[0], "wheel", title)
-        write_profile(self.rail(), files[1], "rail", title)
-        areas = self.worn_areas
-        table = np.column_stack(
-            (
-                *(self.revolutions, areas["wheel"], areas["rail"]),
-                *(self.wheel_depth.max(axis=1), self.rail_depth.max(axis=1)),
-            )
-        )
-        names = "revolution,wheel_area,rail_area,wheel_depth,rail_depth"
-        np.savetxt(files[2], table, delimiter=",", header=names, comments="")
-        return files
-
-
-@dataclass(frozen=True, eq=False)
-class _PatchWear:
-    """What a patch wears in a pass.
-
-    Attributes
-    ----------
-    rates : ndarray, shape (2, n_y)
-        Depth of wheel and rail at each row, mm.
-    response : ndarray, shape (n_y, n_y)
-        Derivative of the depth of both with respect to the profile.
-    places : tuple of ndarray, shape (n_y,)
-        Arc lengths of the new wheel and of the new rail at the rows, mm.
-    """
-
-    rates: np.ndarray
-    response: np.ndarray
-    places: tuple[np.ndarray, np.ndarray]
-
-
-@dataclass(frozen=True, eq=False)
-class ProfileWear:
-    """Wear of both profiles of a scene over its positions.
-
-    Attributes
-    ----------
-    scene : Scene
-        Scene with [wheel], [rail], [wheelset] and [wear]; each block of [[duty]] is a position.
-    rail_passes : float
-        Wheels that pass over a cross section of the rail per revolution of the wheel.
-    load_tolerance : float
-        Relative error of the load that the patches of a wheel carry together.
-    """
-
-    scene: Scene
-    rail_passes: float = 1.0
-    load_tolerance: float = 1e-4
+    def place(self) -> int:
+        """See `Step.place`."""
+        return self.revolution
 
     @property
-    def positions(self) -> list[tuple[float, Scene]]:
-        """Share in the revolutions, and scene, of each different position."""
-        spectrum = self.scene.spectrum
+    def weights(self) -> tuple[float, ...]:
+        """See `Step.weights`."""
+        return tuple(position.share for position in self.positions)
+
+    @property
+    def contact(self) -> State:
+        """See `Step.contact`."""
+        return next((one for one in self.contacts if not one.converged), self.contacts[0])
+
+    @property
+    def grid(self) -> Grid:
+        """See `Step.grid`."""
+        return self.mesh
+
+    @property
+    def off_grid(self) -> bool:
+        """See `Step.off_grid`: the mesh of each contact has grown with it."""
+        return False
+
+    def on(self, grid: Grid) -> WornStep:
+        """See `Step.on`."""
+        raise ValueError("the contacts of worn profiles have separate meshes")
+
+    @property
+    def own_state(self) -> Mapping[str, np.ndarray]:
+        """See `Step.own_state`."""
+        return {
+            f"position{k}_{name}": array
+            for k, position in enumerate(self.positions)
+            for name, array in position.state.items()
+        }
+
+    def record(self, block: int | None = None) -> StepRecord:
+        """See `Step.record`."""
+        position = self.positions[block or 0]
+        return StepRecord(position.contact, dict(position.values), may_store=False)
+
+
+class ProfileWear(Process[WornStep]):
+    """Wears the profiles of wheel and rail over the positions of a duty."""
+
+    columns = (*WHEEL_COLUMNS, *WornProfiles.columns)
+    load_tolerance = 1e-4
+    """Relative error of the load that the patches of a wheel carry together."""
+
+    def begin(self) -> WornStep:
+        """See `Process.begin`."""
+        wheel, rail = self._nodes
+        return self._step(0, (np.zeros(wheel.size), np.zeros(rail.size)), {})
+
+    def advance(self, last: WornStep) -> Iterator[WornStep]:
+        """See `Process.advance`."""
+        while last.jump:
+            depths = last.depths[0] + last.change[0], last.depths[1] + last.change[1]
+            starts = {k: position.start for k, position in enumerate(last.positions)}
+            last = self._step(last.revolution + last.jump, depths, starts)
+            yield last
+
+    def state(self, step: WornStep) -> dict[str, np.ndarray]:
+        """See `Process.state`: without fields, which belong to separate meshes."""
+        return self._state_besides_fields(step)
+
+    def record(self, step: WornStep, recorder: Recorder) -> Record:
+        """See `Process.record`: without fields; with [[duty]] combined from the positions."""
+        scene, spectrum = self.model.scene, self.model.scene.spectrum
+        observers = self._recording(step)
+        own = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
+        records = [
+            Record.of(one.contact, one.values, own=own, with_fields=False) for one in step.positions
+        ]
+        # Depths are those at the nodes of the profiles; the meshes of the contacts differ.
+        across = np.full(step.mesh.elements[1], np.nan)
+        values = {name: across for name, one in columns(scene).items() if one.dims == ("y",)}
+        values |= self._values(step)
+        for seen in observers:
+            values |= seen.record(self.model, {})
         if spectrum is None:
-            return [(1.0, self.scene)]
-        shares = [number / spectrum.cycle for number in spectrum.revolutions]
-        return [*zip(shares, spectrum.scenes, strict=True)]
+            return replace(records[0], values={**records[0].values, **values})
+        each = [records[k] for k in spectrum.places]
+        return cycle_record(each, spectrum.each, values | {"seconds": np.nan}, scene, own)
 
-    def steps(self, deepest: float) -> Iterator[WornProfiles]:
-        """Yield the profiles after each step.
+    def _values(self, step: WornStep) -> dict[str, Any]:
+        """Return the columns of both bodies and of the step."""
+        scene = self.model.scene
+        sections = [np.trapezoid(d, s) for d, s in zip(step.depths, self._nodes, strict=True)]
+        around = 2.0 * np.pi * (scene.wheel.radius + scene.wheel.curve.points[:, 1])
+        volume = float(np.trapezoid(around * step.depths[0], self._nodes[0]))
+        return {
+            "revolution": step.revolution,
+            "jump": max(1, step.jump),
+            "solves": sum(max(1, len(position.worn)) for position in step.positions),
+            "wear_max": float(max(depth.max() for depth in step.depths)),
+            "worn_volume": {"A": volume, "B": np.nan},
+            "worn_mass": {"A": 1e-3 * scene.body.A.density * volume, "B": np.nan},
+            "wheel_wear": step.depths[0],
+            "rail_wear": step.depths[1],
+            "worn_section": dict(zip("AB", map(float, sections), strict=True)),
+        }
 
-        Parameters
-        ----------
-        deepest : float
-            Largest depth of wear of a step, mm.
-        """
-        nodes = self.scene.wheel.curve.s, self.scene.rail.own_curve.s
-        depths, revolution, solves = [np.zeros(s.size) for s in nodes], 0.0, 0
-        courses: list[tuple[float, np.ndarray, np.ndarray, tuple[float, ...]]] = []
-        starts: dict[int, State] = {}
-        while True:
-            worn, places = self._wear_of_positions(depths, starts)
-            solves += len(worn)
-            courses.append((revolution, depths[0], depths[1], places))
-            turns, wheel, rail, contact_y = zip(*courses, strict=True)
-            fields = np.array(turns), np.array(wheel), np.array(rail), contact_y, solves
-            yield WornProfiles(self.scene, *fields)
-            left = [stop for stop in self.scene.schedule.stops if stop > revolution]
-            if not left:
-                return
-            change, length = _implicit_step(worn, nodes, left[0] - revolution, deepest)
-            revolution += length
-            depths = [depth + more for depth, more in zip(depths, change, strict=True)]
-
-    def _wear_of_positions(
-        self, depths: list[np.ndarray], starts: dict[int, State]
-    ) -> tuple[list[tuple[float, _PatchWear]], tuple[float, ...]]:
-        """Return the wear of all patches of all positions, with its share in the revolutions."""
-        wheel = self.scene.wheel.curve.worn(depths[0], 1.0)
-        rail = self.scene.rail.curve.worn(depths[1], -1.0)
-        worn, places = list[tuple[float, _PatchWear]](), list[float]()
-        for k, (share, scene) in enumerate(self.positions):
-            model = Model(scene, wheel_rail=WheelRail.of_profiles(scene, wheel, rail))
-            model, contacts = solve_patches_on_fitted_mesh(
-                model, starts.get(k), self.load_tolerance
+    @classmethod
+    def restore(cls, scene: Scene, stored: StoredStep) -> WornStep:
+        """See `Process.restore`."""
+        history, row = stored.history, stored.row
+        depths = history["wheel_wear"][row], history["rail_wear"][row]
+        stored.require(("wheel_wear", "rail_wear"))
+        positions = []
+        for k, (share, one) in enumerate(_positions(scene)):
+            start = f"position{k}_"
+            state = {
+                name.removeprefix(start): array
+                for name, array in stored.state.items()
+                if name.startswith(start)
+            }
+            spectrum = scene.spectrum
+            of_block = history.block(spectrum.places.index(k)) if spectrum else history
+            none = np.zeros(of_block.grid.elements)
+            fields = dict.fromkeys(
+                ("pressure", "traction_x", "traction_y", "slip_x", "slip_y"), none
             )
-            starts[k] = contacts[0]
-            for contact, patch in zip(contacts, model.wheel_rail.patches, strict=True):
-                if not contact.converged:
-                    raise NotConverged(contact)
-                if contact.touching.any():
-                    places.append(float(patch.origin[1]))
-                    worn.append((share, self._wear_of_patch(model.of_patch(patch), contact, wheel)))
-        return worn, tuple(places)
+            contact = replace(of_block.contact(row, fields | {"wear": none}), scene=one)
+            positions.append(PositionWear.restore(share, contact, state))
+        revolution = int(history["revolution"][row])
+        return WornStep.from_positions(scene, revolution, depths, tuple(positions), history.grid)
 
-    def _wear_of_patch(self, model: Model, contact: State, wheel: Profile) -> _PatchWear:
+    @classmethod
+    def expected_records(cls, scene: Scene, dx: float) -> int:
+        """See `Process.expected_records`: about, if all of the load slides and nothing moves."""
+        schedule = scene.schedule
+        if not schedule.adaptive:
+            return 1 + int(len(schedule.stops) if schedule.fixed else schedule.end)
+        per_work = scene.friction and scene.wear.per_work(scene.friction.mu)
+        if not per_work:
+            return 50
+        depth = 0.0
+        for share, one in _positions(scene):
+            patch, motion = one.wheel_rail.patches[0], one.creepage
+            width = 2.0 * patch.half_length[1]
+            slip = abs(motion.spin) * width / 4.0 + np.hypot(motion.longitudinal, motion.lateral)
+            depth += share * max(per_work) * one.friction.mu[0] * one.load.normal * slip / width
+        return 1 + int(np.ceil(0.5 * depth * schedule.end / scene.wear.largest_step))
+
+    @property
+    def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Arc lengths of the nodes of both new profiles, mm."""
+        scene = self.model.scene
+        return scene.wheel.curve.s, scene.rail.own_curve.s
+
+    def _step(self, revolution: int, depths: Depths, starts: Mapping[int, State]) -> WornStep:
+        """Return the step with worn profiles.
+
+        Raises
+        ------
+        SceneError
+            If the worn profiles have no contact.
+        """
+        scene = self.model.scene
+        wheel, rail = scene.wheel.curve.worn(depths[0], 1.0), scene.rail.curve.worn(depths[1], -1.0)
+        try:
+            positions = tuple(
+                self._position(share, one, (wheel, rail), starts.get(k))
+                for k, (share, one) in enumerate(_positions(scene))
+            )
+        except ValueError as error:
+            raise SceneError([Fault("wear", f"revolution {revolution}", str(error))]) from error
+        return WornStep.from_positions(scene, revolution, depths, positions, self.model.grid)
+
+    def _position(
+        self, share: float, scene: Scene, profiles: tuple[Profile, Profile], start: State | None
+    ) -> PositionWear:
+        """Return the wear in a position."""
+        model = Model(scene, wheel_rail=WheelRail.of_profiles(scene, *profiles))
+        model, contacts = solve_patches_on_fitted_mesh(model, start, self.load_tolerance)
+        pairs = [*zip(contacts, model.wheel_rail.patches, strict=True)]
+        touching = [(one, patch) for one, patch in pairs if one.touching.any()] or pairs[:1]
+        contact, patch = max(touching, key=lambda pair: (not pair[0].converged, pair[0].P))
+        if not contact.converged:
+            return PositionWear(share, contact, contacts[0])
+        worn = tuple(
+            self._wear_of_patch(model.of_patch(patch), one, profiles[0]) for one, patch in touching
+        )
+        values = describe_patch(patch, contact, len(touching))
+        main = next(k for k, (one, _) in enumerate(touching) if one is contact)
+        passed = worn[main].rates / self._passes
+        values["worn_area"] = float(passed.sum() * contact.grid.dy)
+        values |= {"solves": 1, "jump": 1}
+        return PositionWear(share, contact, contacts[0], worn, values)
+
+    @property
+    def _passes(self) -> np.ndarray:
+        """Passes of wheel and rail through the contact per revolution, shape (2, 1)."""
+        return np.array([[1.0], [self.model.scene.rail.passes_per_revolution]])
+
+    def _wear_of_patch(self, model: Model, contact: State, wheel: Profile) -> PatchWear:
         """Return the wear of a patch."""
         law, patch, y = wear_law_at(model, contact), model.patch, contact.grid.y
         rates = law.rates(
             model.scene.wear_share, contact.pressure, contact.traction, contact.slip
         ).sum(axis=1)
-        new = self.scene.wheel.curve.s, self.scene.rail.curve.s
-        rail = patch.rail
+        new = self.model.scene.wheel.curve.s, self.model.scene.rail.curve.s
         places = (
             np.interp(patch.wheel_profile(y)[1], wheel.s, new[0]),
-            np.interp(patch.rail_profile(y)[1], rail.s, new[1]),
+            np.interp(patch.rail_profile(y)[1], patch.rail.s, new[1]),
         )
-        lasting = np.array([[1.0], [self.rail_passes]]) * contact.grid.dx
-        return _PatchWear(rates * lasting, wear_response(model, contact), places)
+        rates = rates * self._passes * contact.grid.dx
+        return PatchWear(rates, wear_response(model, contact), np.stack(places))
 
 
-def _implicit_step(
-    worn: list[tuple[float, _PatchWear]],
-    nodes: tuple[np.ndarray, np.ndarray],
-    most: float,
-    deepest: float,
-) -> tuple[list[np.ndarray], float]:
-    """Return the change of the depths in a linearly implicit step, and its revolutions."""
-    size = nodes[0].size
-    totals = [patch.rates.sum(axis=0) for _, patch in worn]
-    onto = [
-        _onto_nodes(patch, nodes, total) for (_, patch), total in zip(worn, totals, strict=True)
-    ]
-    rate = sum(
-        share * matrix @ total for (share, _), matrix, total in zip(worn, onto, totals, strict=True)
-    )
-    length = min(most, deepest / max(float(rate.max()), 1e-300))
-    active = np.flatnonzero(rate > 0.0)
-    system = np.eye(active.size)
-    for (share, patch), matrix in zip(worn, onto, strict=True):
-        pairs = zip(patch.places, nodes, strict=True)
-        at_rows = np.concatenate([_interpolation(s, at) for at, s in pairs], axis=1)[:, active]
-        system -= length * share * matrix[active] @ patch.response @ at_rows
-    change = np.zeros(rate.size)
-    change[active] = length * np.linalg.solve(system, rate[active])
-    return np.split(np.maximum(change, 0.0), [size]), length
-
-
-def _onto_nodes(
-    patch: _PatchWear, nodes: tuple[np.ndarray, np.ndarray], total: np.ndarray
-) -> np.ndarray:
-    """Return the matrix from depths of both bodies at rows to depths at the nodes of both."""
-    parts = patch.rates / np.where(total > 0.0, total, 1.0)
-    triples = zip(patch.places, nodes, parts, strict=True)
-    return np.concatenate([_interpolation(at, s) * part for at, s, part in triples])
-
-
-def _interpolation(known: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return the matrix of linear interpolation, shape (len(at), len(known)); zero beyond it."""
-    k = np.clip(np.searchsorted(known, at) - 1, 0, known.size - 2)
-    share = (at - known[k]) / (known[k + 1] - known[k])
-    matrix, rows = np.zeros((at.size, known.size)), np.arange(at.size)
-    inside = (share >= 0.0) & (share <= 1.0)
-    matrix[rows, k], matrix[rows, k + 1] = inside * (1.0 - share), inside * share
-    return matrix
-
-
-def wear_profiles(
-    scene: Scene,
-    *,
-    deepest: float = 0.01,
-    rail_passes: float = 1.0,
-    progress: Callable[[WornProfiles], Any] | None = None,
-) -> WornProfiles:
-    """Wear the profiles of a wheel and a rail over the positions of a duty.
-
-    Material is removed along the normals of both profiles, without any smoothing. Each block of
-    [[duty]] is a position of the wheelset with its share in the revolutions.
-
-    Parameters
-    ----------
-    scene : Scene
-        Scene with [wheel], [rail], [wheelset] and [wear].
-    deepest : float
-        Largest depth of wear of a step, mm.
-    rail_passes : float
-        Wheels that pass over a cross section of the rail per revolution of the wheel.
-    progress : callable, optional
-        Called with the profiles after each step.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no wheel or no wear, or worn profiles have no contact.
-    NotConverged
-        If a contact is not solved.
-
-    Examples
-    --------
-    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
-    >>> worn = ts.wear_profiles(scene, deepest=0.1)
-    >>> round(float(worn.revolutions[-1]))
-    1000
-    """
-    for name in ("wheelset", "wear"):
-        if getattr(scene, name) is None:
-            raise SceneError([Fault(name, "nothing", f"a [{name}] table, to wear profiles")])
-    last = None
-    try:
-        for last in ProfileWear(scene, rail_passes).steps(deepest):
-            if progress is not None:
-                progress(last)
-    except ValueError as error:
-        where = 0.0 if last is None else last.revolutions[-1]
-        raise SceneError([Fault("wear", f"revolution {where:g}", str(error))]) from error
-    assert last is not None
-    return replace(last, scene=scene)
+def _positions(scene: Scene) -> list[tuple[float, Scene]]:
+    """Return the share in the revolutions, and the scene, of each different position."""
+    spectrum = scene.spectrum
+    if spectrum is None:
+        return [(1.0, scene)]
+    shares = [number / spectrum.cycle for number in spectrum.revolutions]
+    return [*zip(shares, spectrum.scenes, strict=True)]

@@ -7,6 +7,7 @@ from tractive_sam.contact import Model
 from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.observer import Observer
 from tractive_sam.rolling.process import Process, Step
+from tractive_sam.rolling.profile_wear import ProfileWear
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
 from tractive_sam.rolling.stress import LargestStress
 from tractive_sam.rolling.transient import Transient
@@ -25,11 +26,8 @@ def process_type(scene: Scene) -> type[Process[Any]]:
     """
     if scene.process is not None:
         return load_law_class("process.name", scene.process.name, Process)
-    if scene.wheelset is not None and scene.wear is not None:
-        cure = "no [wear]; ts.wear_profiles and `tractive-sam wear` wear profiles of wheel and rail"
-        raise SceneError([Fault("wear", "with [wheel]", cure)])
     if scene.wheelset is not None:
-        return WheelRailPatches
+        return WheelRailPatches if scene.wear is None else ProfileWear
     if not scene.schedule.revolves:
         return Transient
     return DutyCycle if scene.spectrum else Revolutions

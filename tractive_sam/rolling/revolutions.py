@@ -27,7 +27,7 @@ from tractive_sam.rolling.passage import (
     start_passage,
 )
 from tractive_sam.rolling.process import Process, Recorder, StoredStep
-from tractive_sam.scene import Scene, Spectrum, block_label
+from tractive_sam.scene import Scene, Spectrum
 
 
 class Revolutions(Process[Passage]):
@@ -171,14 +171,6 @@ class DutyCycle(Revolutions):
         if rolled >= 0:
             restored["weights"] = tuple(float(k == rolled) for k in range(blocks))
         return restored
-
-    def _describe_place(self, step: Passage) -> str:
-        """Describe the place, with the block whose contact was not solved."""
-        place = super()._describe_place(step)
-        if step.converged or len(step.contacts) == 1:
-            return place
-        block = self.spectrum.places.index(step.contacts.index(step.contact))
-        return f"{place}{block_label(self.model.scene, block)}: "
 
 
 def _share_among_equal(spectrum: Spectrum) -> np.ndarray:

@@ -23,7 +23,7 @@ WHEEL_COLUMNS = (
     Quantity(
         "angle_range",
         "degrees",
-        "range of the contact angle over the overlap of the undeformed profiles",
+        "range of the contact angle over the patch",
     ),
     Quantity("rolling_radius", "mm", "rolling radius of the wheel at the patch"),
     Quantity("patches", "1", "number of patches of the wheel that carry load", format="d"),
@@ -31,12 +31,13 @@ WHEEL_COLUMNS = (
 """Columns of a patch of a wheel."""
 
 
-def describe_patch(patch: Patch, patches: int) -> dict[str, Any]:
-    """Return the values of `WHEEL_COLUMNS`."""
+def describe_patch(patch: Patch, contact: State, patches: int) -> dict[str, Any]:
+    """Return the values of `WHEEL_COLUMNS` for a patch, its contact and the number of patches."""
+    rows = contact.grid.y[contact.touching.any(axis=0)]
     return {
         "contact_y": float(patch.origin[1]),
         "contact_angle": math.degrees(patch.angle),
-        "angle_range": math.degrees(patch.angle_range),
+        "angle_range": math.degrees(patch.angle_range_over(rows)) if rows.size else math.nan,
         "rolling_radius": patch.rolling_radius,
         "patches": patches,
     }
@@ -73,7 +74,7 @@ class PatchStep(Step):
         """See `Step.record`."""
         assert self.patch is not None
         values = {"patch": self.number, "jump": 1, "solves": 1}
-        values |= describe_patch(self.patch, self.patches)
+        values |= describe_patch(self.patch, self.contact, self.patches)
         return StepRecord(self.contact, values)
 
 

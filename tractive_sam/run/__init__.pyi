@@ -13,5 +13,7 @@ from .many import solve_many as solve_many
 from .many import with_creepages as with_creepages
 from .pipeline import roll as roll
 from .pipeline import solve as solve
+from .profile_wear import require_wear as require_wear
+from .profile_wear import wear_profiles as wear_profiles
 from .progress import show_roll_progress as show_roll_progress
 from .resume import describe_differences as describe_differences

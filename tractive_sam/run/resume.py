@@ -23,6 +23,7 @@ FREE = (
     "wear.save",
     "wear.stepping",
     "wear.tolerance",
+    "wear.step_depth",
     "transient.save",
     "transient.step",
     "transient.stepping",
@@ -239,7 +240,7 @@ def _format_entry(entries: dict[str, Any], key: str) -> str:
 
 def _move_to_grid(scene: Scene, measured: Gap | None, last: Step, path: str | PathLike) -> Step:
     """Return the step on the scene's [grid], if the scene has one."""
-    before = last.contact.grid.shifted(0.0)
+    before = last.grid
     if scene.grid is None:
         return last
     if scene.grid.elements is None:

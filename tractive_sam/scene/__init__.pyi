@@ -35,6 +35,7 @@ from .override import parse_settings as parse_settings
 from .parametric_files import FILE_KEYS as FILE_KEYS
 from .parametric_files import resolve_parametric_files as resolve_parametric_files
 from .plane import Plane as Plane
+from .plausibility import conformity_notes as conformity_notes
 from .plausibility import edge_notes as edge_notes
 from .plausibility import pressure_notes as pressure_notes
 from .process import ProcessTable as ProcessTable

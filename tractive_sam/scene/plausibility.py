@@ -19,6 +19,7 @@ from .readings import (
     Reading,
     read_computed_pressure,
     read_computed_pressure_of_metals,
+    read_contact_angles,
     read_creepages,
     read_densities,
     read_friction,
@@ -164,6 +165,17 @@ RULES = (
         above=0.8,
     ),
     Rule(
+        "conformal contact",
+        "scene",
+        read_contact_angles,
+        "the contact angle varies by {value:.3g} degrees over a patch; more than {above:g} is a "
+        "conformal contact, which a half-space does not describe: the forces are estimates",
+        "the normals at the edges then differ by 7.5 degrees from that of the plane, and their "
+        "components along it by 1 %",
+        needs="wheelset",
+        above=15.0,
+    ),
+    Rule(
         "no shakedown",
         "scene",
         read_shakedown_ratio,
@@ -232,6 +244,12 @@ def edge_notes(scene: Any, width: float) -> Iterator[str]:
     """Yield a note for each body that is hardly wider than a contact of a given width, mm."""
     (rule,) = (rule for rule in RULES if rule.read is read_widths)
     yield from (note for _, note in rule.judge(read_width_ratios(scene, width)))
+
+
+def conformity_notes(angle: float) -> Iterator[str]:
+    """Yield a note if the contact angle varies by too many degrees over a patch."""
+    (rule,) = (rule for rule in RULES if rule.read is read_contact_angles)
+    yield from (note for _, note in rule.judge([Reading("wheelset", angle)]))
 
 
 def pressure_notes(scene: Any, pressure: float, place: str = "") -> Iterator[str]:

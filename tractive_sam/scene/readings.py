@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -201,3 +202,9 @@ def read_width_ratios(scene: Any, width: float) -> Iterator[Reading]:
         if body.width is not None:
             details = {"width": width, "name": name, "body": body.width}
             yield Reading("body", width / body.width, details)
+
+
+def read_contact_angles(scene: Any) -> Iterator[Reading]:
+    """Yield the largest range of the contact angle over a patch of a wheel, degrees."""
+    angle = max(patch.angle_range for patch in scene.wheel_rail.patches)
+    yield Reading("wheelset", math.degrees(angle))

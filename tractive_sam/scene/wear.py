@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -14,6 +14,7 @@ from tractive_sam.schema import (
     LawTable,
     NamedLaw,
     OptionalOrthotropicNotNegative,
+    Positive,
     Real,
     Row,
     ValidEntries,
@@ -25,6 +26,7 @@ from tractive_sam.schema import (
 from .describe import format_pair
 from .friction import Factors, describe_factors
 from .schedule import Revolutions, Schedule
+from .wear_course import describe_densities, describe_stepping, describe_turns
 from .wear_laws import (
     ALL_LAWS,
     BY_COEFFICIENT,
@@ -138,6 +140,11 @@ class Wear(LawTable):
         gt=0,
         le=0.1,
     )
+    step_depth: Positive | None = entry(
+        "largest depth of wear in an adaptive step of the profiles of wheel and rail, mm; default "
+        "0.01",
+        default=None,
+    )
     law_names: ClassVar[tuple[str, ...]] = get_args(LawName)
     law_fields: ClassVar[tuple[str, ...]] = ("set", "by", "intensity", "coefficient")
     checks: ClassVar[tuple[Check, ...]] = (
@@ -162,7 +169,7 @@ class Wear(LawTable):
         yield Row("law", self._describe_law(scene.solver.slip))
         yield Row("worn depth", self._describe_share(scene), brief=True)
         yield from self._describe_course(scene)
-        yield Row("density", _describe_densities(scene.body), brief=True)
+        yield Row("density", describe_densities(scene.body), brief=True)
         if scene.solver.slip == "upwind":
             yield Row("slip", "the upwind difference of the paper: frictional work is too small")
 
@@ -172,17 +179,20 @@ class Wear(LawTable):
             place = "material" if scene.schedule.rolls else "place, as nothing rolls"
             yield Row("depth", f"remains at its {place}, and is part of the gap of the next step")
             return
-        stepping = "one by one"
-        if self.stepping == "saved":
-            stepping = f"in {len(self.save)} jumps, without control of their error"
-        if self.stepping == "adaptive":
-            stepping = (
-                f"in adaptive jumps, with an error of {self.tolerance:g} of the wear depth; "
-                "the residual of their contacts is at most the same"
-            )
-        yield Row("revolutions", f"{self.revolutions}, {stepping}")
+        yield Row("revolutions", f"{self.revolutions}, {describe_stepping(self, scene)}")
+        if scene.has("wheel"):
+            passes = scene.rail.passes_per_revolution
+            text = "worn along their normals, without smoothing; fields are not stored"
+            yield Row("profiles", text)
+            yield Row("passes", f"{passes:g} over the rail per revolution of the wheel")
+            return
         yield Row("fields stored at", ", ".join(map(str, self.save)))
-        yield Row("turns", self._describe_turns(scene.turns.per_count), brief=True)
+        yield Row("turns", describe_turns(self.turns, scene.turns.per_count), brief=True)
+
+    @property
+    def largest_step(self) -> float:
+        """The `step_depth`, by default 0.01 mm: half of it changes the worn section by 1 %."""
+        return 0.01 if self.step_depth is None else self.step_depth
 
     def _describe_rates(self) -> str:
         """Describe the coefficients, and whether they apply to both bodies together."""
@@ -239,22 +249,6 @@ class Wear(LawTable):
             reason = f"inverse to the hardness, {bodies.A.hardness:g} and {bodies.B.hardness:g}"
         return f"{share['A']:.3g} from body A, {share['B']:.3g} from B: {reason}"
 
-    def _describe_turns(self, turns: Mapping[str, float]) -> str:
-        """Describe which revolutions N counts, and when worn material returns to the contact."""
-        if self.turns == "equal":
-            return "equal: N counts the revolutions of body A; both bodies turn once in each"
-        counted, other = "AB" if turns["A"] else "BA"
-        count = f"N counts the revolutions of body {counted}"
-        if turns[other] == 0.0:
-            return (
-                f"{count}; {other} is flat and passes the contact only once: it enters unworn, and "
-                "its depth is that of a single pass"
-            )
-        return (
-            f"{count}; {other} turns {turns[other]:.6g} times in each. Worn material returns after "
-            "a turn of its body, averaged over the phase; slip is not counted"
-        )
-
     @property
     def laws(self) -> dict[str, str | None]:
         """Name of the law of each body; None for a body that does not wear."""
@@ -302,13 +296,3 @@ class Wear(LawTable):
         A, B = k.A or 0.0, k.B or 0.0
         share = A / (A + B) if A + B else 0.5
         return {"A": share, "B": 1.0 - share}
-
-
-def _describe_densities(bodies: Any) -> str:
-    """Describe the densities that turn worn volume into mass, and whether they are assumed."""
-    densities = []
-    for name in "AB":
-        body = getattr(bodies, name)
-        given = "" if "density" in body.model_fields_set else " (steel, by default)"
-        densities.append(f"{name} {body.density:g} kg/m3{given}")
-    return ", ".join(densities)

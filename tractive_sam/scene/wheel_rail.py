@@ -219,6 +219,27 @@ def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(name, "with [wheel]", f"no [{name}]: it is not available for wheels")
 
 
+def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
+    """Report keys of wear that need profiles, and tables and keys that worn profiles do not use."""
+    wears, wheel = entries["wear"] is not None, entries["wheel"] is not None
+    if "wear.step_depth" in entries.given and not wheel:
+        yield Fault(
+            "wear.step_depth", "without [wheel]", "nothing: only profiles wear in such steps"
+        )
+    if "rail.passes" in entries.given and not wears:
+        yield Fault("rail.passes", "without [wear]", "nothing, or a [wear] table")
+    if not (wears and wheel):
+        return
+    for key in ("wear.turns", "wear.tolerance"):
+        if key in entries.given:
+            cure = "nothing; wear.step_depth and rail.passes are the keys of worn profiles"
+            yield Fault(key, "with [wheel]", cure)
+    for name in ("subsurface", "fatigue"):
+        if entries[name] is not None:
+            cure = f"no [{name}] together with [wear]: leave [wear] out, for new or worn profiles"
+            yield Fault(name, "with [wheel] and [wear]", cure)
+
+
 def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
     """Report a wheel that does not rest on its rail, and keys that follow from its contact."""
     if entries["wheelset"] is None or entries["wheel"] is None or entries["rail"] is None:
@@ -255,7 +276,11 @@ def _profile_faults(**tables: Any) -> Iterator[Fault]:
             yield Fault(f"{name}.profile", Path(table.profile).name, str(error))
 
 
-WHEEL_CHECKS: tuple[Check, ...] = (_check_wheel_is_complete, _check_wheel_contact)
+WHEEL_CHECKS: tuple[Check, ...] = (
+    _check_wheel_is_complete,
+    _check_wear_of_profiles,
+    _check_wheel_contact,
+)
 """Checks between [wheel], [rail], [wheelset] and the other tables."""
 
 

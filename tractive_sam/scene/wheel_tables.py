@@ -25,9 +25,6 @@ from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactl
 from .gap import absolute_path, may_be_missing
 from .schedule import Patches, Schedule
 
-MOST_PATCHES = 8
-"""Most patches of a wheel whose fields are stored."""
-
 
 def _check_profile(given: str) -> str:
     """Return a built-in name, or the absolute path of a profile file, which must exist."""
@@ -115,11 +112,22 @@ class RailTable(_ProfileTable):
         "inclination towards the track centre: 40 for 1:40, inf for none", "5 to inf", 40.0
     )
     gauge: Positive = entry("distance of the gauge faces, mm", default=1435.0)
+    passes: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] | None = entry(
+        "wheels that pass over a cross section of the rail per revolution of the wheel, for "
+        "[wear]; default 1",
+        "a number of at least 0",
+        default=None,
+    )
 
     @property
     def curve(self) -> Profile:
         """The right rail in the track frame."""
         return _placed(self.own_curve, self.inclination, self.gauge)
+
+    @property
+    def passes_per_revolution(self) -> float:
+        """The `passes`, by default 1."""
+        return 1.0 if self.passes is None else self.passes
 
     @property
     def own_curve(self) -> Profile:
@@ -163,11 +171,13 @@ class WheelsetTable(Table):
     load: Positive | None = entry("vertical force on this wheel, N", default=None)
     normal_load: Positive | None = entry("sum of the normal forces of its patches, N", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("load", "normal_load"),)
+    most_patches: ClassVar[int] = 8
+    """Largest number of patches whose fields are stored."""
 
     @property
     def schedule(self) -> Schedule:
         """Schedule of the patches: as many as there may be."""
-        return Patches(MOST_PATCHES, tuple(range(1, MOST_PATCHES + 1)))
+        return Patches(self.most_patches, tuple(range(1, self.most_patches + 1)))
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""

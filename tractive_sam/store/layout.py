@@ -7,9 +7,9 @@
                measured gap and profiles), datum (datum of the approach: vertex; if it is missing,
                the nearest node)
     /grid      x, y
-    /history   record, y, axis, body, block, position; a dataset for each column (record, further
-               dimensions), including the coordinate, revolution; attribute: own (JSON:
-               user-defined columns)
+    /history   record, y, axis, body, block, position, wheel, rail (nodes of their profiles); a
+               dataset for each column (record, further dimensions), including the coordinate,
+               revolution; attribute: own (JSON: user-defined columns)
     /fields    record, revolution, x, y; fields (record, x, y) or, for duty cycles, (record, block,
                x, y); attribute: own (JSON: user-defined fields)
     /stress    only with [subsurface]: a group <body>/<plane> with record, revolution and the two
@@ -31,6 +31,7 @@ its metadata.
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 import h5py
 import numpy as np
@@ -42,6 +43,7 @@ from tractive_sam.results import (
     FATIGUE_FIELDS,
     FIELDS,
     LABELS,
+    PROFILES,
     REVOLUTION,
     STRESS,
     BodyFatigue,
@@ -202,7 +204,7 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
     created: set[str] = set()
     for record in records:
         if not record.columns.keys() <= created:
-            _create_columns(file["history"], record.columns, record.blocks)
+            _create_columns(file["history"], record.columns, record.lengths)
             created |= record.columns.keys()
         _create_missing_fields(file["fields"], record)
         for plane in record.stress:
@@ -234,13 +236,31 @@ def _add_own(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
     set_text(group, OWN, json.dumps(described))
 
 
-def _create_columns(history: h5py.Group, columns: Mapping[str, Quantity], blocks: int = 0) -> None:
-    """Create the missing columns, and describe the user-defined ones."""
+def _create_columns(
+    history: h5py.Group,
+    columns: Mapping[str, Quantity],
+    lengths: Mapping[str, int] = MappingProxyType({}),
+) -> None:
+    """Create the missing columns, and describe the user-defined ones.
+
+    Parameters
+    ----------
+    history : h5py.Group
+        The group of the columns.
+    columns : mapping of str to Quantity
+        All columns.
+    lengths : mapping of str to int
+        Lengths of the dimensions that differ between histories.
+    """
     missing = [column for dimension, column in columns.items() if dimension not in history]
     coordinate = find_by_role(columns.values(), COORDINATE).name
     for column in missing:
         for dimension in (dimension for dimension in column.dims if dimension not in history):
-            labels = LABELS.get(dimension) or [str(k + 1) for k in range(blocks)]
+            if dimension in PROFILES:
+                nodes = Quantity(dimension, "1", f"nodes of the profile of the {dimension}")
+                create_scale(history, dimension, np.arange(lengths[dimension]), nodes)
+                continue
+            labels = LABELS.get(dimension) or [str(k + 1) for k in range(lengths[dimension])]
             about = "component" if dimension in ("axis", "position") else dimension
             create_labels(history, dimension, labels, about)
         scales = tuple(history[dimension] for dimension in ("record", *column.dims))

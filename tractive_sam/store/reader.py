@@ -19,6 +19,7 @@ from tractive_sam.results import (
     LABELS,
     OUTSIDE,
     PARTS,
+    PROFILES,
     STRESS,
     Grid,
     History,
@@ -93,7 +94,7 @@ def read_state(path: str | Path, row: int) -> dict[str, np.ndarray]:
             if stored_row != row:
                 raise ResultsError(f"{path} holds no state of record {row}; run its scene again")
             mesh = _shape_of_fields(file)
-            names = (*FIELDS, *_stored_names("state", (*BEFORE, BOUND.name), file))
+            names = _stored_names("state", (*FIELDS, *BEFORE, BOUND.name), file)
             fields = {name: file.numbers(f"state/{name}", mesh) for name in names}
             arrays = (
                 name for name in file.names("state") if name not in (*names, "block", "x", "y")
@@ -113,8 +114,10 @@ def _read_history(file: ResultsFile) -> History:
     half_x, half_y = map(float, file.attribute("grid", "half_length"))
     centre_x, centre_y = map(float, file.attribute("grid", "centre", (0.0, 0.0)))
     scene = _read_scene(file)
-    # Also the dimensions for duty cycles: each block, and the wear of each body in each block.
+    # Also the dimensions for duty cycles, each block and the wear of each body in each block, and
+    # those of profiles.
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
+    dims += tuple((name,) for name in PROFILES)
     quantities = columns(scene, _read_own("history", dims, file))
     own_fields = {quantity.name: quantity for quantity in _read_own("fields", ((),), file)}
     coordinate = find_by_role(quantities.values(), COORDINATE).name
@@ -183,8 +186,8 @@ def _read_column(
 ) -> np.ndarray:
     """Read a column; nan if the file does not contain it."""
     lengths = dict(zip("xy", mesh, strict=True))
-    if "block" in column.dims:
-        lengths["block"] = file.length("history/block")
+    for dim in {"block", *PROFILES}.intersection(column.dims):
+        lengths[dim] = file.length(f"history/{dim}")
     shape = tuple(lengths[k] if k in lengths else len(LABELS[k]) for k in column.dims)
     names = (f"history/{name}" for name in legacy_format.column_names(column.name))
     name = next((name for name in names if name in file), None)

@@ -14,6 +14,7 @@ from tractive_sam.results import (
     FATIGUE_FIELDS,
     FIELDS,
     OUTSIDE,
+    PROFILES,
     STRESS,
     Grid,
     Record,
@@ -22,7 +23,7 @@ from tractive_sam.results import (
 )
 from tractive_sam.store import datasets
 
-SCALES = ("y", "axis", "body", "block", "position")
+SCALES = ("y", "axis", "body", "block", "position", *PROFILES)
 """Members of /history that have no row for each record."""
 
 DEPTHS = ("worn", "gained")
@@ -125,8 +126,10 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
     """Replace the stored state by that after the record of a row."""
     group = file["state"]
     group.attrs["record"] = row
-    if BOUND.name in group and BOUND.name not in state:  # the bound follows from the pressure
-        del group[BOUND.name]
+    # Some processes need no fields to continue, and the bound may follow from the pressure.
+    for name in (*FIELDS, BOUND.name):
+        if name in group and name not in state:
+            del group[name]
     of_mesh = (*FIELDS, BOUND.name, *BEFORE, *DEPTHS)
     for name, values in state.items():
         if name in group and name not in of_mesh and group[name].shape != values.shape:

@@ -1,0 +1,55 @@
+"""Describe the course of wear: its steps, the turns of the bodies, and their densities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def describe_stepping(wear: Any, scene: Any) -> str:
+    """Describe the steps of [wear] from revolution to revolution."""
+    if wear.stepping == "every-revolution":
+        return "one by one"
+    if wear.stepping == "saved":
+        return f"in {len(wear.save)} jumps, without control of their error"
+    if scene.has("wheel"):
+        return f"in implicit steps of at most {wear.largest_step:g} mm of wear"
+    return (
+        f"in adaptive jumps, with an error of {wear.tolerance:g} of the wear depth; "
+        "the residual of their contacts is at most the same"
+    )
+
+
+def describe_turns(counting: str, turns: Mapping[str, float]) -> str:
+    """Describe which revolutions N counts, and when worn material returns to the contact.
+
+    Parameters
+    ----------
+    counting : str
+        The key wear.turns.
+    turns : mapping of str to float
+        Turns of "A" and "B" per counted revolution.
+    """
+    if counting == "equal":
+        return "equal: N counts the revolutions of body A; both bodies turn once in each"
+    counted, other = "AB" if turns["A"] else "BA"
+    count = f"N counts the revolutions of body {counted}"
+    if turns[other] == 0.0:
+        return (
+            f"{count}; {other} is flat and passes the contact only once: it enters unworn, and "
+            "its depth is that of a single pass"
+        )
+    return (
+        f"{count}; {other} turns {turns[other]:.6g} times in each. Worn material returns after "
+        "a turn of its body, averaged over the phase; slip is not counted"
+    )
+
+
+def describe_densities(bodies: Any) -> str:
+    """Describe the densities that turn worn volume into mass, and whether they are assumed."""
+    densities = []
+    for name in "AB":
+        body = getattr(bodies, name)
+        given = "" if "density" in body.model_fields_set else " (steel, by default)"
+        densities.append(f"{name} {body.density:g} kg/m3{given}")
+    return ", ".join(densities)
