@@ -76,7 +76,7 @@ def _group(group: KeyGroup) -> Iterable[str]:
 
 
 def _default(key: Key) -> str:
-    words = ("required", "none", "from the others")
+    words = ("required", "none", "from other keys")
     return key.default if key.default in words else f"`{key.default}`"
 
 

@@ -46,7 +46,7 @@ def _comment_table(group: KeyGroup | None, table: str, entries: list[str]) -> li
         key = keys.pop(entry.split("=")[0].strip(), None)
         lines.append(_comment_line(entry, key) if key else entry)
     for key in keys.values():
-        default = "..." if key.default in ("required", "none", "from the others") else key.default
+        default = "..." if key.default in ("required", "none", "from other keys") else key.default
         lines.append(_comment_line(f"# {key.name} = {default}", key))
     return [*lines, ""]
 

@@ -136,9 +136,9 @@ FrictionName = Literal["constant", "exponential", "rational", "polach"]
 class Friction(LawTable):
     """Friction: orthotropic Coulomb friction, constant or falling with the sliding speed.
 
-    With a falling law, both coefficients fall by the same factor with the local sliding speed s:
-    kinetic + (static - kinetic) exp(-ln 2 s/half_speed), or .../(1 + s/half_speed). `angle` also
-    turns the axes of the wear law.
+    If the law falls with the local sliding speed s, each coefficient is kinetic + (static -
+    kinetic) f, with f = exp(-ln 2 s/half_speed), or f = 1/(1 + s/half_speed) for the rational law.
+    `angle` also rotates the axes of the wear law.
 
     The parameters of a law of another package are further keys. If the law has parameters `mu`,
     `angle` (in radians) or `speed` (rolling speed), it receives them from the scene.

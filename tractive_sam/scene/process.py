@@ -32,7 +32,7 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class ProcessTable(LawTable):
-    """The [process] table: how the contacts of a scene follow each other.
+    """The [process] table: the sequence of the contacts of a scene.
 
     The name is a subclass of `Process` in an installed package, or an entry point of this package
     in the group "tractive_sam.laws". Further keys are parameters of the class.

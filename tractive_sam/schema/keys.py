@@ -36,7 +36,7 @@ class Key:
     allowed : str
         What may be given.
     default : str
-        Default as it is written in a scene file; "required", "none", or "from the others" if it
+        Default as it is written in a scene file; "required", "none", or "from other keys" if it
         follows from other entries.
     """
 
@@ -193,5 +193,5 @@ def _format_default(info: FieldInfo) -> str:
     if info.is_required():
         return "required"
     if info.default_factory is not None:
-        return "from the others"
+        return "from other keys"
     return "none" if info.default is None else format_value(info.default)
