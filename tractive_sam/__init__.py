@@ -14,7 +14,7 @@ Mech. Sci. 294 (2025) 110195.
     >>> history.status
     'done'
 
-Every public name has an example, which continues from here; those of `plot`, `subsurface` and
+Every public name has an example, which continues from here; examples of `plot`, `subsurface` and
 `reference` also know the names of their package.
 
 Names by topic
@@ -53,7 +53,7 @@ OrthogonalShear, VolumeLife, Woehler
 
 Conventions, stated here once
 -----------------------------
-**Units** mm, N, MPa, revolutions; angles in degrees in a scene, radians inside; spin in 1/mm. Where
+**Units** mm, N, MPa, revolutions; angles in degrees in a scene, radians inside; spin in 1/mm. If
 both bodies have ``radius_y = inf`` they touch along a line, in plane strain: forces are then per
 length, N/mm, moments N, and arrays have the shape (n_x, 1).
 
@@ -62,9 +62,9 @@ upper one. Material crosses the contact from +x, the leading edge, to -x. Arrays
 (n_x, n_y) of the grid, vectors (2, n_x, n_y).
 
 **Signs** Pressure is positive. The traction (p_x, p_y) acts on body A; body B carries its
-opposite. Displacement u = u_A - u_B; slip is that of A over B per unit rolling speed,
-s_x/V = xi_x - phi y - du_x/dx and s_y/V = xi_y + phi x - du_y/dx. A negative longitudinal creepage
-drives body A: Q_x > 0 (for dissimilar bodies: one below the creepage of free rolling).
+opposite. Displacement u = u_A - u_B; slip is the velocity of A relative to B over the rolling
+speed, s_x/V = xi_x - phi y - du_x/dx and s_y/V = xi_y + phi x - du_y/dx. A negative longitudinal
+creepage drives body A: Q_x > 0 (for dissimilar bodies: one below the creepage of free rolling).
 
 **Friction** The tribological axes (e1, e2) are turned by the angle beta counter-clockwise from x.
 

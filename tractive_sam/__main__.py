@@ -1,4 +1,4 @@
-"""``python -m tractive_sam``, the same as ``tractive-sam``."""
+"""``python -m tractive_sam``, equivalent to ``tractive-sam``."""
 
 from tractive_sam.cli import main
 

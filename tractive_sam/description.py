@@ -53,6 +53,7 @@ class Description(tuple[Section, ...]):
         return "\n\n".join(text_table(section.title, dict(section.rows)) for section in self)
 
     def _repr_html_(self) -> Html:
+        """Return the description as HTML, for notebooks."""
         template = "<b>$title</b>$rows"
         return as_html(
             fill(template, title=section.title, rows=html_table(dict(section.rows)))
@@ -200,7 +201,7 @@ def math_label(quantity: Labelled) -> str:
 
 
 def math_value(quantity: Labelled, value: float) -> str:
-    """Return the symbol of a quantity, a value and the unit as math text, such as "$N = 50$"."""
+    """Return the symbol of a quantity, a value and the unit as math text, as in "$N = 50$"."""
     unit = f" {quantity.unit}" if format_unit(quantity.unit) else ""
     return f"${math_symbol(quantity)} = {value:{quantity.format}}${unit}"
 

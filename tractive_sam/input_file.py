@@ -27,7 +27,7 @@ def open_regular(path: str | PathLike[str]) -> BinaryIO:
     descriptor = os.open(path, os.O_RDONLY | flags)
     try:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-            reason = "a directory, device or pipe, and no regular file"
+            reason = "a directory, device or pipe, not a regular file"
             raise OSError(errno.EINVAL, reason, os.fspath(path))
         return os.fdopen(descriptor, "rb")
     except BaseException:

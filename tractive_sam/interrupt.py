@@ -121,8 +121,8 @@ def defer_signals() -> Iterator[None]:
 def delay_interrupt() -> Iterator[None]:
     """Delay Ctrl-C until the block ends, in programs that use Python's default handler.
 
-    An exception must not interrupt a library that is not written in Python, such as HDF5. Threads
-    other than the main thread are never interrupted.
+    An exception must not interrupt a library that is not written in Python, for example HDF5.
+    Threads other than the main thread are never interrupted.
     """
     delayed: list[int] = []
     before, _state.deferring = _state.deferring, True

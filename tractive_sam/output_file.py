@@ -27,7 +27,7 @@ CURES = {
     errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
     errno.ELOOP: "it is a link that leads in a circle; remove it, or choose another name",
     errno.EIO: "the disk fails; choose another",
-    errno.ENOENT: "there is no such folder; create it, or choose another",
+    errno.ENOENT: "the folder does not exist; create it, or choose another",
     errno.ENOTDIR: "its folder is a file; choose another",
     errno.EISDIR: "it is a folder; choose another name",
     errno.EEXIST: "it exists already; rename or remove it, or choose another name",
@@ -39,20 +39,20 @@ TEMPORARY = ".new"
 
 
 class OutputError(OSError):
-    """An output that cannot be written; a file that was there before is unchanged.
+    """An output that cannot be written; an earlier file is unchanged.
 
     Examples
     --------
     >>> try:
-    ...     ts.report(history, "no-such-folder/discs.html")
+    ...     ts.report(history, "missing-folder/discs.html")
     ... except OSError as error:
     ...     print(error)
-    no-such-folder/discs.html cannot be written: there is no such folder; create it, or choose another
+    missing-folder/discs.html cannot be written: the folder does not exist; create it, or choose another
     """  # noqa: E501 - as it is printed
 
 
 class OutputPlaceError(OutputError):
-    """An output whose name or folder cannot be used; nothing was written."""
+    """An output with a name or folder that cannot be used; nothing was written."""
 
 
 class OutputFile:
@@ -109,7 +109,7 @@ class OutputFile:
 
 @contextmanager
 def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]:
-    """Write a file that takes the place of another one, or of none, when the block ends.
+    """Write a file that replaces an earlier one, if any, when the block ends.
 
     It gets the permissions of the file that it replaces, or the default permissions. If the block
     raises an exception, nothing changes. Symbolic links are resolved.
@@ -124,7 +124,7 @@ def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]
     Raises
     ------
     OutputPlaceError
-        If there is no such folder, it cannot be written into, or the file may not be replaced.
+        If the folder does not exist or cannot be written into, or the file may not be replaced.
     OutputError
         If the system does not take the content.
     """
@@ -241,7 +241,7 @@ def resolve_link(path: Path) -> Path:
 
 
 def hidden_path(path: Path, suffix: str) -> Path:
-    """Return the path of a hidden file in the same folder: `.NAME` and a suffix."""
+    """Return the path of a hidden file in the folder of a file: `.NAME` and a suffix."""
     return path.with_name(f".{short_name(path)}{suffix}")
 
 

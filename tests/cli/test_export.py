@@ -47,7 +47,7 @@ def test_a_distance_of_a_transient(call, folder):
 @pytest.mark.parametrize(
     ("arguments", "reported"),
     [
-        (("RESULTS", "--revolution", 1), "no fields of revolution 1; there are those of 0, 2"),
+        (("RESULTS", "--revolution", 1), "no fields of revolution 1; the stored ones are 0, 2"),
         (("RESULTS", *SMALL), "--set changes a scene"),
         (("RESULTS", "--depth", -1), "depth: a positive number"),
         (("RESULTS", "--elements", 1), "elements: at least 2"),

@@ -93,7 +93,7 @@ def _describe_study(
 def _refuse_settings(file: str | Path, settings: list[str] | None, kind: str) -> None:
     """Refuse `--set` for a file that is no scene."""
     if settings:
-        raise error_exit(ExitStatus.INVALID, f"--set changes a scene, and {file} is {kind}")
+        raise error_exit(ExitStatus.INVALID, f"--set changes a scene only, and {file} is {kind}")
 
 
 def _mention_tables(study: str) -> None:

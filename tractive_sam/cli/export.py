@@ -122,7 +122,9 @@ def _select_block(opened: "ts.State | ts.History", block: str | None) -> "ts.Sta
     """Return the history of one block of a duty cycle; a scene or history without blocks itself."""
     if isinstance(opened, ts.State):
         if block is not None:
-            raise LookupError("--block: a scene is solved without its [[duty]]; run it first")
+            raise LookupError(
+                "--block: a scene is solved without its [[duty]]; run it, and export the results"
+            )
         return opened
     if block is not None:
         return opened.block(block)
@@ -137,7 +139,7 @@ def _open_source(
     """Return the history in a results file, or the contact of a scene."""
     if Path(source).suffix in RESULTS:
         if settings:
-            message = "--set changes a scene; a results file contains what was computed"
+            message = f"--set changes a scene, and {source} is a results file; omit --set"
             raise error_exit(ExitStatus.INVALID, message)
         history = ts.open_history(source)
         if not history.finished:

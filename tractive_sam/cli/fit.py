@@ -67,7 +67,7 @@ def fit(
 ) -> None:
     """Fit coefficients to measurements: creep curves, worn masses, worn profiles."""
     if output.suffix != ".nc":
-        raise error_exit(ExitStatus.INVALID, f"{output}: the result is a netCDF file, FILE.nc")
+        raise error_exit(ExitStatus.INVALID, f"{output}: the result is a netCDF file; use FILE.nc")
     for path in filter(None, (output, scene)):
         _check_folder(path)
     with report_errors():
@@ -87,7 +87,7 @@ def fit(
                     progress=report,
                 )  # fmt: skip
         except KeyboardInterrupt:
-            note = f"{output} holds the computations so far, the same command resumes from them"
+            note = f"{output} holds the computations so far; repeat the command to resume from them"
             raise error_exit(ExitStatus.INCOMPLETE, f"interrupted; {note}") from None
         if scene is not None:
             from tractive_sam.output_file import write_file
@@ -98,7 +98,8 @@ def fit(
     print_message(f"{output}: {result.status}")
     if result.status != "done":
         raise error_exit(
-            ExitStatus.INCOMPLETE, "the fit did not converge; the file holds where it ended"
+            ExitStatus.INCOMPLETE,
+            "no convergence; raise fit.iterations, or start from the values in the file",
         )
 
 
@@ -106,7 +107,7 @@ def _check_folder(path: Path) -> None:
     """End with a message if the folder of an output does not exist."""
     if not path.absolute().parent.is_dir():
         raise error_exit(
-            ExitStatus.INVALID, f"{path}: there is no folder {path.parent}; make it first"
+            ExitStatus.INVALID, f"{path}: the folder {path.parent} does not exist; create it first"
         )
 
 
@@ -135,7 +136,7 @@ def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
         return False
     if as_csv:
         raise error_exit(
-            ExitStatus.INVALID, f"--csv is of results, and {file} a fit: --json prints it"
+            ExitStatus.INVALID, f"--csv prints results, and {file} is a fit; use --json"
         )
     result = _open_fit(file)
     if as_json:

@@ -39,12 +39,12 @@ class _Console(Console):
         return super().render_str(printable_text(text), **options)
 
     def on_broken_pipe(self) -> None:
-        """Discard the rest of the output; the exit status is that of the command."""
+        """Discard the rest of the output; the exit status of the command does not change."""
         discard_output(sys.stderr if self.stderr else sys.stdout)
 
 
 def replace_missing_signs() -> None:
-    """Write signs that the encoding of an output lacks in other signs, such as um for µm."""
+    """Replace signs that the encoding of an output lacks, for example µm by um."""
     signs = {"µ": "u", "±": "+-", "²": "2", "³": "3", "…": "...", "°": "deg", "–": "-", "’": "'"}
 
     def replace(error: UnicodeError) -> tuple[str, int]:
@@ -139,7 +139,7 @@ Quiet: TypeAlias = Annotated[
 
 
 def print_note(text: str) -> None:
-    """Print a note, once in a command, even if it concerns a block and the whole scene."""
+    """Print a note, once in a command, even if it concerns a block and the scene."""
     printed = _running().notes
     if (content := text.removeprefix("duty: ")) not in printed:
         printed.add(content)

@@ -32,7 +32,7 @@ def _parse_width(text: str) -> float:
     """Return a width in mm; the unit mm may be omitted."""
     number = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:mm)?", text.strip())
     if number is None or not 30.0 <= float(number[1]) <= 1000.0:
-        raise typer.BadParameter(f"{text!r} is no width; use 30mm to 1000mm, such as 84mm")
+        raise typer.BadParameter(f"{text!r} is not a width; use 30mm to 1000mm, as in 84mm")
     return float(number[1])
 
 

@@ -57,10 +57,12 @@ class _Program(TyperGroup):
     """All commands; help is printed while the context is made."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
+        """Parse the arguments; end with a message and an exit status if they are not valid."""
         with _handle_end():
             return super().make_context(*arguments, **options)
 
     def invoke(self, ctx: Any) -> Any:
+        """Run the command; end with a message and an exit status if it fails."""
         with running_command(), _handle_end():
             return super().invoke(ctx)
 

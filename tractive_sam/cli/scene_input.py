@@ -28,7 +28,7 @@ def complete_scenes(incomplete: str) -> list[str]:
 
 
 def complete_keys(incomplete: str) -> list[str]:
-    """Return the keys of a scene that begin with a text, such as ``load.normal=``."""
+    """Return the keys of a scene that begin with a text, for example ``load.normal=``."""
     from tractive_sam.scene import Scene
     from tractive_sam.schema import key_groups
 
@@ -69,7 +69,7 @@ def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
     name : str
         A scene file, a built-in scene, or `STANDARD_INPUT`.
     settings : list of str or None
-        Settings such as ``load.normal=300``.
+        Settings, for example ``load.normal=300``.
 
     Raises
     ------
@@ -99,8 +99,8 @@ def _from_standard_input(most: int = 2**26) -> "ts.Scene":
     try:
         return Scene.from_toml_text(read_piped(most))
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "no text in UTF-8"
-        raise error_exit(ExitStatus.INVALID, f"standard input: {reason}") from None
+        reason = getattr(error, "strerror", None) or "not a text in UTF-8"
+        raise error_exit(ExitStatus.INVALID, f"standard input cannot be read: {reason}") from None
 
 
 def _refuse_other_files(name: str) -> None:
@@ -109,7 +109,7 @@ def _refuse_other_files(name: str) -> None:
 
     if Path(name).suffix in RESULTS and Path(name).is_file():
         cure = f"tractive-sam show, plot or report {name}; run SCENE --start {name} starts from it"
-        raise error_exit(ExitStatus.INVALID, f"{name} is a results file and no scene: {cure}")
+        raise error_exit(ExitStatus.INVALID, f"{name} is a results file, not a scene: {cure}")
     if is_study(name):
         cure = f"tractive-sam study {name} -o DIR, or tractive-sam table {name} -o FILE.nc"
-        raise error_exit(ExitStatus.INVALID, f"{name} has axes and is no single scene: {cure}")
+        raise error_exit(ExitStatus.INVALID, f"{name} has axes and is not a single scene: {cure}")

@@ -33,7 +33,7 @@ def show(
     if as_json and as_csv:
         raise error_exit(ExitStatus.INVALID, "--json and --csv: use one of them")
     if file.suffix == ".nc" and not file.is_file():
-        cure = "tractive-sam fit and tractive-sam table write such files"
+        cure = "tractive-sam fit and tractive-sam table write result files"
         raise error_exit(ExitStatus.INVALID, f"{file} does not exist; {cure}")
     if show_fit(file, as_json, as_csv):
         return

@@ -88,7 +88,7 @@ def study(
                     say=print_note,
                 )
         except KeyboardInterrupt:
-            message = f"interrupted; the same command continues the study in {output}"
+            message = f"interrupted; repeat the command to continue the study in {output}"
             raise error_exit(ExitStatus.INCOMPLETE, message) from None
         except studies.SchedulerLostError as error:
             raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
@@ -97,7 +97,7 @@ def study(
     complete = f"{results.counts['complete']} of {len(results)} cases complete"
     print_message(f"{output}: {complete}; tractive-sam study-show {output}")
     if not results.complete:
-        message = "not all cases are complete; the same command tries them again"
+        message = "not all cases are complete; repeat the command to try them again"
         raise error_exit(ExitStatus.INCOMPLETE, message)
 
 

@@ -114,7 +114,7 @@ def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | Non
     exists = is_table(file)
     if not (exists or Path(file).exists()):
         names = ", ".join(builtin_tables())
-        message = f"{file} is no file and no built-in table; the built-in tables are: {names}"
+        message = f"{file} is neither a file nor a built-in table; built-in tables: {names}"
         raise error_exit(ExitStatus.INVALID, message)
     if output is None and not (exists and writers):
         needed = "--output, --header, --fmu, --text or --figure" if exists else "--output FILE.nc"

@@ -125,7 +125,7 @@ def main_results(history: "ts.History", most: int = 15) -> Table:
     )  # fmt: skip
     rows = [row for row in format_values(history, -1) if row[1] not in ("0", "nan", "none")]
     table = _quantity_table([row for name in order for row in rows if row[2].name == name][:most])
-    table.caption = "run --verbose prints all quantities, show FILE those of every record"
+    table.caption = "run --verbose prints all quantities, show FILE all of every record"
     return table
 
 

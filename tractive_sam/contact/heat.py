@@ -179,7 +179,10 @@ def _solve_division(
         residual = rhs - operator(solution)
     if np.linalg.norm(residual) > 1e-9 * size:
         relative = np.linalg.norm(residual) / size
-        raise RuntimeError(f"heat: its division was solved only to a residual of {relative:.1e}")
+        raise RuntimeError(
+            "heat: the shares of the bodies in the frictional heat were solved only to a residual "
+            f"of {relative:.1e}; change grid.elements"
+        )
     return spread(solution)
 
 
@@ -195,7 +198,7 @@ def wear_conditions(
 ) -> WearConditions:
     """Return the conditions of wear in a contact; by default its depth enters the contact."""
     heat = with_heat(model, contact).heat
-    temperature = None if heat is None else heat.temperature["A"]  # in contact equal to that of B
+    temperature = None if heat is None else heat.temperature["A"]  # equal to B's in contact
     entering = contact.wear[-1] if depth is None else depth
     return WearConditions(entering, float(contact.revolution), temperature)
 
@@ -234,8 +237,8 @@ def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCou
     law = model.friction_law
     if not isinstance(law, FallingCoulomb):
         raise ValueError(
-            f"friction.temperature: the friction law {type(law).__name__}, which replaces that of "
-            "the scene, does not depend on temperature; leave the key out, or use FallingCoulomb"
+            f"friction.temperature: the friction law {type(law).__name__} of the call replaces the "
+            "scene's and does not depend on temperature; leave the key out, or use FallingCoulomb"
         )
     degrees, factors = np.array(required(model.scene.friction, "friction").temperature).T
     warmth = TemperatureFactor(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
@@ -277,7 +280,7 @@ def solve_with_heat(
         cost = contact.cost if cost is None else cost + contact.cost
         heat = temperatures_of(model, contact)
         contact = replace(contact, heat=heat, cost=cost)
-        new = heat.temperature["A"]  # in contact equal to that of B
+        new = heat.temperature["A"]  # equal to B's in contact
         missed = np.abs(new - temperature)[contact.touching].max(initial=0.0)
         rise = np.abs(new - bulk["A"])[contact.touching].max(initial=0.0)
         if not contact.converged or missed <= tolerance * max(rise, 1.0):

@@ -27,7 +27,7 @@ For bodies of equal material the pressure depends on the load only, so that ever
 solved under a fixed pressure.
 
 Friction that depends on temperature has a bound that depends on the heat of all elements: on the
-heat due to every change above, and within the matrix on that of every step (`_WarmSystem`).
+heat due to every change above, and within the matrix on the heat due to every step (`_WarmSystem`).
 """
 
 from collections.abc import Callable, Container, Mapping
@@ -128,7 +128,10 @@ def jacobian_of(
 
     unsolved = [name for name, column in columns.items() if np.isnan(column).any()]
     if unsolved:
-        warn(f"jacobian: the linear systems of {', '.join(unsolved)} were not solved: nan")
+        warn(
+            f"jacobian: the derivatives by {', '.join(unsolved)} are nan, as their linear systems "
+            "did not converge; refine the mesh with grid.elements"
+        )
     quantities = index_by_name(column.with_units_of(model.scene) for column in COLUMNS)
     names = (*rows, *columns)
     units = {name: quantities[name].unit if name in quantities else "1" for name in names}
@@ -327,7 +330,7 @@ class _Linearised:
         return follows / law.warmth.factor * slope * warmer
 
     def _slip_change(self, slip: np.ndarray, fields: np.ndarray, gap=None) -> np.ndarray:
-        """Return the change of the slip in the friction law, by that of slip, fields and gap."""
+        """Return the change of the slip in the friction law by changes of slip, fields and gap."""
         at, gap = self.at, self._none[0] if gap is None else gap
         return at.seen.sticking_change(slip, at.traction, fields, gap, at.slip)
 

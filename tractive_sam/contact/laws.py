@@ -128,7 +128,7 @@ class Laws:
         Raises
         ------
         ValueError
-            If the contact was read from a file, and a needed law had replaced that of its scene:
+            If the contact was read from a file, and a needed law had replaced the law of its scene:
             files do not store laws.
         """
         if isinstance(contact.laws, Laws):
@@ -147,7 +147,7 @@ class Laws:
         return Laws.of(block).replace(**replaced)
 
     def differences_from(self, scene: Scene) -> dict[str, LawRecord]:
-        """Return the laws that differ from those of this package for a scene, by attribute.
+        """Return the laws that differ from this package's laws for a scene, by attribute.
 
         They replaced laws of the scene, or the scene names laws of other packages.
         """
@@ -195,7 +195,7 @@ def _named_friction(scene: Scene) -> FrictionLaw | None:
     Raises
     ------
     SceneError
-        If its frame differs from that of the table, which limits, units and the wear law use.
+        If its frame differs from the table's, which limits, units and the wear law use.
     """
     table = scene.friction
     if table is None or table.named_law is None:
@@ -261,7 +261,7 @@ def _friction(scene: Scene) -> Coulomb | None:
 
 
 def _wear(scene: Scene) -> WearLaw | None:
-    """Return the wear law of the scene; with upwind slip that of the paper."""
+    """Return the wear law of the scene; with upwind slip the law of the paper."""
     table = scene.wear
     if table is None or table.named_law:
         return None

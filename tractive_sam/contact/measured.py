@@ -15,9 +15,9 @@ ROUND = 4
 def resample(measured: Gap, grid: Grid) -> np.ndarray:
     """Return the measured separation at the elements, mm; constant beyond its edge.
 
-    By Akima's interpolation (1970, J. ACM 17, 589-602) in x and then in y: it is exact for the
-    parabolas that bodies are near a contact, where facets of a bilinear one would carry the
-    pressure, and unlike a spline it does not ring at the steps of a profile.
+    It uses Akima's interpolation (1970, J. ACM 17, 589-602) in x and then in y. This is exact for
+    parabolas, the form of bodies near a contact; with bilinear interpolation facets would carry the
+    pressure. Unlike a spline it does not ring at the steps of a profile.
     """
     return sample_gap(measured, *_clipped(measured, grid.x, grid.y))
 
@@ -55,7 +55,7 @@ def _lowest_around(
 ) -> float:
     """Return the least separation in the neighbourhood of the lowest of some points, mm.
 
-    Twelve divisions, each by four, leave an error of 4^-24 of that of the points.
+    Twelve divisions, each by four, reduce the error of the points by 4^-24.
     """
     x, y, separation = points
     ends = (grid.x[0], grid.x[-1]), (grid.y[0], grid.y[-1])
@@ -90,7 +90,7 @@ def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
     """Return the part of a measured gap on which its interpolant between some places depends."""
     spans = []
     for known, at in zip(measured[:2], (x, y), strict=True):
-        # Akima's slopes depend on two samples to either side.
+        # Akima's slopes depend on two samples on each side.
         first, last = np.searchsorted(known, (at[0], at[-1]))
         spans.append(slice(max(first - 4, 0), last + 4))
     return measured[0][spans[0]], measured[1][spans[1]], measured[2][spans[0], spans[1]]
@@ -113,7 +113,7 @@ def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
 
 
 def standing_roughness(measured: Gap, grid: Grid) -> float:
-    """Return the rms roughness along x, mm, beside a round form; zero where it is rounding."""
+    """Return the rms roughness along x without a round form, mm; zero if it is rounding."""
     x, _, separation = _within(measured, grid)
     if x.size <= ROUND + 1:
         return 0.0

@@ -17,13 +17,13 @@ MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""
 
 WORN_MARGIN = 1.5
-"""The same in the lateral direction of a scene that wears; it grows on with the contact."""
+"""Half length in the lateral direction of a scene that wears; it grows with the contact."""
 
 ACROSS = 64
 """Elements across the shorter axis of the contact."""
 
 ACROSS_LINE = 512
-"""Elements across a line contact, where they cost next to nothing."""
+"""Elements across a line contact; they cost next to nothing."""
 
 
 GROWTH = 1.25
@@ -79,8 +79,8 @@ def choose_grid(
     """Choose the mesh: the scene's [grid], completed from the Hertzian contact or the gap.
 
     Chosen elements are at most twice as long as wide or the reverse; their number is odd, so that
-    one is centred on the axis. Where a map is finer than they are, they follow it as far as its
-    content matters (`contact.roughness`); with [accuracy] the results decide instead.
+    one is centred on the axis. If a map is finer, they are refined until the unresolved rest does
+    not matter (`contact.roughness`); with [accuracy] the results decide instead.
 
     Parameters
     ----------
@@ -89,15 +89,15 @@ def choose_grid(
     measured : Gap, optional
         The measured separation of a scene with [gap].
     profiles : tuple of Gap
-        Those that a [transient] has fixed to the bodies.
+        Profiles that a [transient] has fixed to the bodies.
     finer : float, optional
-        Elements of a chosen mesh along each axis over the usual; then maps are not followed.
+        Elements of a chosen mesh along each axis over the usual number; maps are ignored then.
 
     Raises
     ------
     SceneError
-        If the domain, as that of a measured gap, is so long that they would be too many; if that of
-        flat bodies is to be chosen from a profile.
+        If the domain, for example of a measured gap, is too long for elements of this size; if flat
+        bodies have only a profile to choose the domain from.
     """
     centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
     grid = replace(_usual_grid(scene, measured, finer or 1.0), centre=centre)
@@ -132,7 +132,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     )
     if nx * ny > MOST_ELEMENTS:
         given = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
-        cure = "both half_length and elements where it is so long or so wide"
+        cure = "both half_length and elements for a gap of this length or width"
         raise SceneError([Fault("grid", given, cure)])
     return Grid(half_length, (nx, ny))
 
@@ -157,7 +157,7 @@ def _extent_of_gap(
     x, y, _ = measured
     along, across = length or (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
     if length is None and along >= ALONG:
-        cure = "it: a profile across the track does not determine the length of the contact"
+        cure = "a number: a profile across the track gives no length of the contact"
         raise SceneError([Fault("grid.half_length", "nothing", cure)])
     side = 2.0 * (0.5 * min(along, across)) / (ACROSS * finer)
     return (along, across), (side, side)

@@ -1,4 +1,4 @@
-"""What a status means, and what to try where it is not a solution."""
+"""Messages of a contact: the meaning of its status, and what to try without a solution."""
 
 import math
 from collections.abc import Sequence
@@ -17,13 +17,13 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     Parameters
     ----------
     status : Status
-        How it ended.
+        State at the end of the solve.
     outcome : Outcome
-        What was reached.
+        The last iterate and its residual.
     model : Model
-        What was asked.
+        The model that was solved.
     steepness : float
-        `solvers.uniqueness.steepness` there.
+        `solvers.uniqueness.steepness` of the outcome.
     """
     if status is Status.CONVERGED:
         return _remarks(outcome, model)
@@ -46,7 +46,7 @@ def _remarks(outcome: Outcome, model: Model) -> str:
     if 0 < min(across) < FewestElements.slip:
         text += (
             f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
-            "with grid.elements or lessen grid.half_length"
+            "with grid.elements or reduce grid.half_length"
         )
     return text
 
@@ -75,8 +75,8 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
         return reached + _beyond_the_top(outcome.top, forces[0], model)
     if forces and outcome.status is Status.DIVERGED:
         return reached + (
-            "the prescribed tangential force may be more than friction can carry beside the other "
-            f"creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
+            "the prescribed tangential force may exceed what friction can carry together with the "
+            f"other creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
     if steepness >= 1.0:
         return reached + too_steep(steepness)
@@ -101,7 +101,7 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
     text = (
         f"{subject} {' x '.join(map(str, across))} elements of "
         f"{' x '.join(f'{side:.3g}' for side in grid.sides)} mm, too few to be resolved: its "
-        "numbers are those of the mesh; "
+        "numbers depend on the mesh; "
         f"at least {FewestElements.contact} elements in each direction are needed, "
         f"{FewestElements.slip} for a stick and a slip area. "
     )
@@ -119,8 +119,8 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
 
 
 GENTLER = (
-    "; or friction falls too fast with sliding: a larger friction.memory or friction.half_speed, "
-    "or with a friction.layer a coarser mesh, makes it gentler"
+    "; if friction falls too fast with sliding, increase friction.memory or friction.half_speed, "
+    "or coarsen the mesh if there is a friction.layer"
 )
 
 
@@ -130,16 +130,15 @@ def too_steep(steepness: float) -> str:
     Parameters
     ----------
     steepness : float
-        `solvers.uniqueness.steepness`. One digit is printed: steps of a transient that hardly
-        differ have the same text.
+        `solvers.uniqueness.steepness`. One digit is printed, so that steps of a transient that
+        hardly differ have equal texts.
     """
     return (
         f"friction.law: friction falls {steepness:.1g} times as fast with sliding as an element "
-        "deforms by itself (in a step of a transient all of them together), so several solutions "
-        "may hold, and which is found hinges on the mesh and the step; "
-        'friction.start = "sliding" seeks another one. A larger friction.memory or '
-        "friction.half_speed, with a friction.layer a coarser mesh, or in a transient a longer "
-        "transient.step, makes it one"
+        "deforms (in a transient step: as all elements together), so several solutions may exist, "
+        "and the mesh and the step decide which one is found; for a single solution increase "
+        "friction.memory or friction.half_speed, coarsen the mesh if there is a friction.layer, or "
+        'increase transient.step in a transient; friction.start = "sliding" seeks another solution'
     )
 
 

@@ -54,7 +54,7 @@ class Model:
         Origin of the approach: "vertex", or "node", the nearest element, which results files of
         earlier versions need to resume.
     wheel_rail : WheelRail, optional
-        Geometry of worn profiles in place of those of the scene.
+        Geometry of worn profiles in place of the profiles of the scene.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class Model:
         return other
 
     def of_patch(self, patch: Patch, approach: float | None = None) -> "Model":
-        """Return the model of another patch of a wheel, on the same mesh.
+        """Return the model of another patch of a wheel on this mesh.
 
         Parameters
         ----------
@@ -118,7 +118,7 @@ class Model:
 
     @property
     def shares_load(self) -> bool:
-        """Whether the load is that of a wheel, which its patches carry together."""
+        """Whether the load belongs to a wheel, and its patches carry it together."""
         return self.patch is not None and self.approach is None
 
     @cached_property
@@ -170,7 +170,7 @@ class Model:
         return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))
 
     def with_friction(self, law: FrictionLaw) -> "Model":
-        """Return the model with another friction law in the same frame; it shares the operators."""
+        """Return the model with another friction law in this frame; it shares the operators."""
         _ = self.operators, self.units, self.undeformed_gap  # computed once for both
         model = copy(self)
         model.laws = self.laws.replace(friction=law)
@@ -180,7 +180,7 @@ class Model:
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:
-        """Separation of the unworn, undeformed bodies, mm; zero where they touch first.
+        """Separation of the unworn, undeformed bodies, mm; zero at their first touch.
 
         The approach is counted from there: the vertex of the radii, or the lowest point of radii
         and measured gap, which may lie between elements. With ``gap.datum = "separation"`` the
@@ -305,6 +305,7 @@ class Model:
 
     @property
     def _rolls_with_wheelset(self) -> bool:
+        """Whether the creepages of the patch follow from the motion of its wheelset."""
         scene = self.scene
         return self.patch is not None and scene.wheel_rail.is_motion(scene.creepage)
 

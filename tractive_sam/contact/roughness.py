@@ -1,15 +1,15 @@
-"""What a mesh leaves out of a measured map, and the mesh that leaves out little of it.
+"""Roughness: the part of a measured map that a mesh does not resolve, and a fine enough mesh.
 
-The gap is sampled at the centres of elements, where the displacements are computed. Waves between
+The gap is sampled at the centres of elements, like the displacements. Waves between
 the samples of the mesh are not resolved: they appear as longer ones. A wave of amplitude h and wave
 number q is flattened by a pressure of the amplitude E* q h/2 (Johnson 1985, Contact Mechanics,
 13.2), and many waves by E*/2 times their rms slope. So the slope of the unresolved part shows
-whether it matters, beside the pressure of the contact. Its height does not: of white noise the
-height is the same on all meshes, while a smooth profile has little slope between the elements
-however finely it was sampled.
+whether it matters, compared with the pressure of the contact. Its height does not: white noise has
+one height on all meshes, while a smooth profile has little slope between the elements however
+finely it was sampled.
 
-The map is not averaged over the elements: that would lower all summits, and with them the pressure,
-without a sign of it, and would shift profiles that are resolved.
+The map is not averaged over the elements. An average would lower all summits, and with them the
+pressure, without a warning, and would shift profiles that are resolved.
 """
 
 from __future__ import annotations
@@ -59,9 +59,9 @@ class Roughness:
     travels : bool
         Whether the map passes through the contact in x, so that all of it counts.
     share : float
-        Pressure, over that of the contact, that what is left out may take to be flattened. At a
-        tenth the kinks of worn profiles are resolved by the usual mesh; roughness that is not
-        resolved takes a multiple.
+        Largest pressure that flattens the unresolved part, over the pressure of the contact. At a
+        tenth the usual mesh resolves the kinks of worn profiles; roughness that is not resolved
+        takes a multiple.
     """
 
     map: Gap
@@ -151,9 +151,9 @@ def rough_maps(
     measured : Gap, optional
         The map of its [gap].
     profiles : tuple of Gap
-        Those that its [transient] has fixed to the bodies.
+        Profiles that its [transient] has fixed to the bodies.
     half_length : tuple of float
-        Half lengths of the mesh, mm: that of the contact where the radii do not close.
+        Half lengths of the mesh, mm; they stand for the contact if the radii do not close.
     """
     e_star, pressure = (
         scene.material.plane_strain_modulus,
@@ -167,7 +167,7 @@ def rough_maps(
 
 
 def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
-    """Return the pressure of a contact, MPa; about, where the radii do not close."""
+    """Return the pressure of a contact, MPa; an estimate if the radii do not close."""
     if scene.hertz is not None:
         return scene.hertz.p0
     length = 0.5 * math.sqrt(half_length[0] * half_length[-1])
@@ -181,7 +181,7 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
 def refine_for_maps(
     grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float = 5.0
 ) -> Grid:
-    """Return the mesh that resolves the maps; the given mesh if that has too many elements.
+    """Return the mesh that resolves the maps; the given mesh if the finer one is too large.
 
     A mesh that resolves a part of the waves costs more and settles nothing.
 
@@ -192,9 +192,9 @@ def refine_for_maps(
     maps : list of Roughness
         The maps.
     most : int
-        Elements up to which it is taken: a contact on them takes seconds to a minute.
+        Most elements of the finer mesh: a contact on them takes seconds to a minute.
     slender : float
-        Longer over shorter side of an element, at most, where the mesh is refined.
+        Largest ratio of the sides of an element of a refined mesh.
     """
     finer = grid
     for one in maps:

@@ -42,7 +42,7 @@ def equilibrium(
     start : State, optional
         A contact nearby, as initial guess.
     tolerance : float, optional
-        Residual of the solution; by default that of the scene.
+        Residual of the solution; by default `solver.tolerance` of the scene.
     check_resolution : bool
         Whether a contact of fewer elements than `FewestElements.contact` gets the status
         NOT_RESOLVED; the first contact of a course that presses the bodies together may be small.
@@ -95,7 +95,7 @@ def solve_patches_on_fitted_mesh(
     model : Model
         Model of a scene with a wheel.
     start : State, optional
-        A similar contact in the first patch, used if its mesh is that of the model.
+        A similar contact in the first patch, used if it is on the mesh of the model.
     load_tolerance : float
         Relative error of the load that the patches carry together.
 
@@ -190,7 +190,7 @@ def _dimensionless_depth(model: Model, depth: DepthInPass) -> DepthInPass:
 
 
 def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
-    """Return the slip s/V that determines wear and dissipation, from that of the stencil."""
+    """Return the slip s/V that determines wear and dissipation, from the slip of the stencil."""
     return model.stencil.at_centres(model.units.slip * model.frame.slip_to_physical(scaled))
 
 
@@ -206,7 +206,7 @@ def _rolling_resistance(
 
         p_n . d(h - g) = -p_n . d A_nt p_t = p_t . d A_tn p_n,
 
-    the work of p_t on the slip by p_n; that of p_t on its own slip is zero. So resistance and
+    the work of p_t on the slip by p_n; the work of p_t on its own slip is zero. So resistance and
     creepages supply the dissipation of the slip at the centres (`Stencil.at_centres`).
     """
     if not model.elasticity.coupled:

@@ -63,7 +63,9 @@ class Stepper:
 
     def __init__(self, model: Model):
         if model.elasticity.layer:
-            raise ValueError("laws: a transient takes no interfacial layer")
+            raise ValueError(
+                "laws: a transient does not model an interfacial layer; give other laws.elasticity"
+            )
         self.model, self.operators, self.work = model, model.operators, StepWork(model)
         law = model.wear_law
         self.wear = None if law is None else StepWear(model, law)
@@ -87,7 +89,8 @@ class Stepper:
             The step before that one: the initial guess is extrapolated from both. With a negative
             ratio the end of a longer step: the initial guess is interpolated.
         ratio : float
-            Length of the step over that of the step before, or minus that over the longer step.
+            Ratio of the lengths of the step and the step before; minus the ratio to the longer
+            step.
 
         Returns
         -------
@@ -366,7 +369,7 @@ class Stepper:
     def _particles(
         self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
     ) -> tuple[Particles, ...]:
-        """Return the particles whose tractions do the work of a step."""
+        """Return the particles with the tractions that do the work of a step."""
         advection, curved, past = motion.advection, motion.curved, before.contact
         columns, fields = self.model.grid.elements[0], self.model.scaled_fields(past)
         change = result.displacement[:, :columns] - motion.displacement

@@ -94,9 +94,9 @@ class StepResult:
     deep: float = 0.0
 
     def on(self, grid: Grid) -> "StepResult":
-        """Return the result on a wider mesh of the same elements, see `State.on`.
+        """Return the result on a wider mesh of equal elements, see `State.on`.
 
-        Behind the former mesh the depths are those at its end.
+        Behind the former mesh the depths equal the depth at its end.
         """
         worn, gained = (widen_field(depth, grid.elements) for depth in (self.worn, self.gained))
         behind = (grid.elements[0] - self.worn.shape[1]) // 2
@@ -105,7 +105,7 @@ class StepResult:
         return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":
-        """Return the step without the part of a shorter step from the same contact."""
+        """Return the step without the part of a shorter step that began with it."""
         if earlier is None:
             return self
         return replace(

@@ -53,7 +53,7 @@ class StepWear:
         friction : FrictionLaw
             The friction law of the step.
         groups : tuple of Particles
-            The particles whose tractions do work.
+            The particles with tractions that do work.
         """
         gained, deep = np.zeros_like(result.worn), 0.0
         law = self.law.with_friction(friction).weakened(inputs.mean_friction)

@@ -16,12 +16,12 @@ As A is symmetric, p_1 . T A p_0 = p_0 . A T' p_1, and the elastic parts of both
     -(p_1 . A p_1 - p_0 . A p_0) / 2,
 
 the change of the elastic energy: work supplied = work of friction + change of energy, for every T
-and any d. Pressure and normal displacement of dissimilar bodies enter in the same way.
+and any d. Pressure and normal displacement of dissimilar bodies enter alike.
 
-For whole-number distances T moves nodes onto nodes, and both halves belong to the same particles:
-their mean traction does the work. At other distances the mean of p_1 and T p_0 does not: T' T is
-less than one for fields that change from node to node, above all where tractions drop at the
-trailing edge.
+For distances of a full number of elements T moves nodes onto nodes, and both halves belong to one
+set of particles: their mean traction does the work. At other distances the mean of p_1 and T p_0
+does not: T' T is less than one for fields that change from node to node, above all at the trailing
+edge.
 """
 
 from collections.abc import Iterable

@@ -1,7 +1,7 @@
 """All patches of a wheel on a rail: they share one approach, and carry its load together.
 
-The wheel is a vertical distance d below its first touch. A patch at the contact angle delta, whose
-surfaces are an opening g apart at the first touch, is pressed together by d cos(delta) - g. Its
+The wheel is a vertical distance d below its first touch. A patch at the contact angle delta, with
+an opening g between its surfaces at the first touch, is pressed together by d cos(delta) - g. Its
 pressure and its lateral traction carry P cos(delta) - Q_y sin(delta) of the vertical force.
 """
 

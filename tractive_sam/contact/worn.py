@@ -28,7 +28,7 @@ class Worn:
         Raises
         ------
         ValueError
-            If either the depths or the mesh are those of a line contact, but not both.
+            If only one of the depths and the mesh belongs to a line contact.
         """
         if (self.y.size == 1) != (grid.directions == 1):
             raise ValueError("start: both runs must be line contacts, or neither")

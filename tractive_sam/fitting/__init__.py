@@ -10,8 +10,8 @@
     observe = "Qx_over_P"
     noise = 0.05                         # relative
 
-Weighted nonlinear least squares, on meshes and steps that stay the same while parameters vary.
-Derivatives of contacts are exact where `State.jacobian` has them, others are forward differences.
+Weighted nonlinear least squares, on meshes and steps that are fixed while parameters vary.
+Derivatives of contacts are exact if `State.jacobian` has them, others are forward differences.
 """
 
 from tractive_sam.lazy_names import attach_names

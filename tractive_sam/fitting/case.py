@@ -30,15 +30,15 @@ class FitCase:
     Attributes
     ----------
     scene : Scene
-        What is computed.
+        Scene to compute.
     columns : tuple of str
-        Columns of its records that are wanted; "worn_mass A" is that of a body.
+        Requested columns of its records; "worn_mass A" is a column of body A.
     places : tuple of float
         Revolutions or distances of the records; nan stands for the last one.
     derivatives : tuple of str
-        Columns of the Jacobian that are wanted, of a scene of one contact.
+        Requested columns of the Jacobian, if the scene is one contact.
     seat : tuple of int
-        Cases of one seat are similar: the contact of one is the first guess of the next.
+        Cases of one seat are similar: the contact of one is the initial guess of the next.
     """
 
     scene: Scene
@@ -67,11 +67,11 @@ class Answer:
     ----------
     numbers : mapping of str to ndarray
         Column: shape (places,), of a profile (places, n_y), and its `Y`; "Qx/P": the derivative of
-        Qx with respect to P. Empty where the computation failed.
+        Qx with respect to P. Empty if the computation failed.
     contacts, rolls, convolutions : float
         Contacts solved, rolls, and transforms.
     message : str
-        The reason where the computation failed.
+        The reason, if the computation failed.
     """
 
     numbers: Mapping[str, np.ndarray] = field(default_factory=dict)
@@ -94,7 +94,7 @@ class Reply:
         return not self.answer.numbers
 
     def at(self, name: str, places: Sequence[float]) -> np.ndarray:
-        """Return a number at places, shape (len(places), ...); those of one contact are the same.
+        """Return a number at places, shape (len(places), ...); one contact repeats its number.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
     case : Case
         What to compute.
     start : State, optional
-        The contact of a similar case: the first guess where the mesh is the same.
+        The contact of a similar case: the initial guess if the meshes are equal.
 
     Returns
     -------
@@ -149,7 +149,7 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
         The contact of a case of one contact, if it was solved.
     """
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # reported where the fit begins
+        warnings.simplefilter("ignore")  # reported when the fit begins
         return _solve(case, start) if case.one_contact else (_roll(case), None)
 
 
@@ -192,7 +192,7 @@ def read_quantity(contact: State, name: str) -> float:
 
 
 def _column(history: History, name: str) -> np.ndarray:
-    """Return a column of a history, that of a body by "name A"."""
+    """Return a column of a history; "name A" is a column of body A."""
     plain, _, body = name.partition(" ")
     column = history[plain]
     return column[:, BODIES.index(body)] if body else column

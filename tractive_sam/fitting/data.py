@@ -77,7 +77,7 @@ def read_measured(data: Data, key: str) -> Measured:
     try:
         columns = _columns_of(data)
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "no text in UTF-8"
+        reason = getattr(error, "strerror", None) or "not a text in UTF-8"
         raise FitError([Fault(f"{key}.file", shorten(data.file), f"a file: {reason}")]) from None
     except ValueError as error:
         raise FitError(

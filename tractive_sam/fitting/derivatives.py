@@ -1,4 +1,4 @@
-"""Derivatives of the columns of a record by those of the Jacobian of a contact."""
+"""Derivatives of the columns of a record, from the Jacobian of a contact."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ FORMULAS: Mapping[str, Callable[[Mapping[str, complex]], complex]] = {
     "Qy_over_P": lambda of: of["Qy"] / of["P"],
     "t_gamma": lambda of: -(of["Qx"] * of["xi_x"] + of["Qy"] * of["xi_y"] + of["Mz"] * of["spin"]),
 }
-"""Columns of a record whose derivatives follow from the Jacobian."""
+"""Columns of a record with derivatives that follow from the Jacobian."""
 
 
 COLUMNS_OF = {

@@ -1,4 +1,4 @@
-"""The fit file, checked as a whole."""
+"""The [fit] table of a fit file, and the checks between its entries."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class FitError(SceneError):
 
 
 def _check_parameters(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of [[parameter]] tables whose key is not free or is given twice."""
+    """Yield faults of [[parameter]] tables with a key that is not free or is given twice."""
     free = entries["free"]
     for k, one in enumerate(entries["parameter"]):
         if one.key not in free:
@@ -95,7 +95,7 @@ def _check_target(entries: ValidEntries) -> Iterator[Fault]:
 def _check_mesh(entries: ValidEntries) -> Iterator[Fault]:
     """Yield a fault if the scene has [accuracy], since fits need a constant mesh."""
     if entries["scene"].accuracy is not None:
-        cure = "[grid], or neither: the mesh stays the same while parameters vary"
+        cure = "a [grid] or none: the mesh of a fit is fixed while parameters vary"
         yield Fault("scene.accuracy", "given", cure)
 
 
@@ -119,7 +119,7 @@ class Fit(Table):
     parameter: tuple[Parameter, ...] = entry("starts, bounds and priors", "a list of tables", ())
     test: tuple[CandidateTest, ...] = entry("candidates of the next test", "a list of tables", ())
     target: str | None = entry(
-        "parameter whose uncertainty the next test is to reduce; by default all together",
+        "parameter with the uncertainty that the next test is to reduce; by default all together",
         "one of free",
         None,
     )
@@ -130,12 +130,12 @@ class Fit(Table):
     )
     starts: int = entry(
         "starts of the search; those beyond the first are random",
-        "a whole number from 1 to 100",
+        "an integer from 1 to 100",
         1,
         ge=1,
         le=100,
     )
-    seed: int = entry("seed of random starts", "a whole number from 0", 0, ge=0)
+    seed: int = entry("seed of random starts", "an integer from 0", 0, ge=0)
     intervals: Literal["linear", "profile"] = entry(
         "intervals by the linearised model, or by the profile likelihood",
         '"linear" or "profile"',
@@ -156,10 +156,10 @@ class Fit(Table):
         gt=0,
         le=0.2,
     )
-    iterations: int = entry("most iterations", "a whole number from 1 to 1000", 50, ge=1, le=1000)
+    iterations: int = entry("most iterations", "an integer from 1 to 1000", 50, ge=1, le=1000)
     curve: int = entry(
         "points of the model curve of each creep curve, for figures; 0: at measured points only",
-        "a whole number from 0 to 200",
+        "an integer from 0 to 200",
         25,
         ge=0,
         le=200,

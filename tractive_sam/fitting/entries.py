@@ -20,7 +20,7 @@ def base_of(key: str) -> str:
 
 
 def value_of(scene: Scene, key: str) -> Any:
-    """Return the value of an entry, defaults included; None where there is none."""
+    """Return the value of an entry, defaults included; None if it has no value."""
     found: Any = scene.settings()
     for name in split_key(key):
         try:
@@ -36,7 +36,7 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
     Raises
     ------
     SceneError
-        If the scene has no such entry, or it is not one number and no start is given.
+        If the scene has no entry of this key, or it is not one number and no start is given.
     """
     Scene.find_field(base_of(key))
     value = value_of(scene, key)
@@ -55,7 +55,7 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
 
 
 def is_whole(scene: Scene, key: str) -> bool:
-    """Whether an entry of a scene is a whole number."""
+    """Return whether an entry of a scene is an integer."""
     return type(value_of(scene, key)) is int
 
 

@@ -101,7 +101,7 @@ class Estimate:
 
     @property
     def scatter(self) -> float:
-        """Factor on the stated noise by the scatter of the residuals, where it is to be used."""
+        """Factor on the stated noise from the scatter of the residuals, or 1."""
         if not self.by_scatter or self.degrees <= 0:
             return 1.0
         return math.sqrt(self.chi2 / self.degrees)
@@ -117,7 +117,7 @@ class Estimate:
 
     @property
     def band(self) -> np.ndarray:
-        """Standard deviation of the predictions by that of the parameters, shape (points,)."""
+        """Standard deviation of the predictions due to the parameters, shape (points,)."""
         return self.spread(self.jacobian)
 
     def spread(self, slopes: np.ndarray) -> np.ndarray:
@@ -151,8 +151,8 @@ class Directions:
     null: np.ndarray
 
     UNDETERMINED = 0.3
-    """Change of the residuals by less than this where a parameter changes e-fold: an interval of
-    95 % would span a factor of some 700."""
+    """Largest change of the residuals by an e-fold parameter that leaves it undetermined: a 95 %
+    interval would span a factor of some 700."""
     NOISE = 1e-4
     """Noise of derivatives by differences, over the largest of them."""
 

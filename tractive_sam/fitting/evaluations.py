@@ -124,14 +124,14 @@ class Evaluations:
     Attributes
     ----------
     compute : Compute
-        Computes those that are not known.
+        Computes answers that are not known.
     known : dict of str to Answer
-        By the digest of the case; those of an earlier run come from its file.
+        Answers by the digest of the case; answers of an earlier run come from its file.
     save : callable, optional
-        Writes the file; called at most every `interval` seconds, and where the fit is interrupted.
+        Writes the file; called at most every `interval` seconds, and when the fit is interrupted.
     interval : float
-        Least time between two writings, s: a computation lost takes no longer, unless one case
-        does.
+        Least time between two writings, s. An interruption loses no more, unless one case takes
+        longer.
     progress : callable, optional
         Called after each case that was computed.
     """
@@ -164,7 +164,7 @@ class Evaluations:
 
     @property
     def cost(self) -> tuple[int, int, float]:
-        """Contacts, rolls and transforms of all computations, those of earlier runs included."""
+        """Contacts, rolls and transforms of all computations, earlier runs included."""
         known = self.known.values()
         contacts, rolls = (
             sum(getattr(one, name) for one in known) for name in ("contacts", "rolls")

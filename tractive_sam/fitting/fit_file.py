@@ -62,7 +62,7 @@ def open_fit(path: str | PathLike[str]) -> FitResult:
 
 
 def write_fit(path: str | PathLike[str], result: FitResult) -> None:
-    """Write the result of a fit; a file that is there is replaced as a whole."""
+    """Write the result of a fit; an existing file is replaced in one operation."""
     write_netcdf(path, result.dataset)
 
 

@@ -44,7 +44,7 @@ class ProfileLikelihood:
         """Return the ends of the interval, and the points of the curve.
 
         Twice the rise of the cost is chi-square distributed with one degree of freedom: the
-        interval ends where it is the square of the quantile.
+        interval ends at the square of the quantile.
 
         Returns
         -------

@@ -17,8 +17,8 @@ from tractive_sam.fitting.variables import Variables
 def curve_variables(found: Estimate, fit: Fit) -> Variables:
     """Return predictions and their standard deviations between measured points.
 
-    Only data sets whose rows are single contacts and differ in one key have them: a roll for each
-    point would cost more than the fit.
+    Only data sets of single contacts that differ in one key have them: a roll for each point would
+    cost more than the fit.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def curve_variables(found: Estimate, fit: Fit) -> Variables:
 
 
 def _places_between(series: Series, found: Estimate, points: int) -> np.ndarray:
-    """Return abscissas between the measured ones, close together where these are."""
+    """Return abscissas between the measured ones, spaced like these."""
     x = np.unique(series.measured.abscissa[1])
     one_key = list(series.measured.data.vary) == list(series.measured.settings[0])
     if series.measured.data.profile or not one_key or len(series.measured.data.vary) != 1:

@@ -27,9 +27,9 @@ class Parameters:
     logarithmic : ndarray of bool, shape (n,)
         Whether the coordinate is a logarithm.
     whole : ndarray of bool, shape (n,)
-        Whether the value is a whole number.
+        Whether the value is an integer.
     prior : ndarray, shape (n, 2)
-        Mean and standard deviation known before; nan where nothing is.
+        Mean and standard deviation known before; nan if unknown.
     """
 
     keys: tuple[str, ...]

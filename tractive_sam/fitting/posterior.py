@@ -18,9 +18,9 @@ def log_posterior(
 ) -> tuple[Callable[[np.ndarray], float], np.ndarray]:
     """Return the logarithm of the posterior density of a fit, but for a constant.
 
-    The density is that of the values of the parameters: a positive one that is fitted by its
-    logarithm has no other prior than bounds and the one that is stated. Positions of profiles are
-    coordinates after the parameters, see `FitResult`.
+    The density is one of the values of the parameters: a positive one that is fitted by its
+    logarithm has no prior except bounds and the stated one. Positions of profiles are coordinates
+    after the parameters, see `FitResult`.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def log_posterior(
     Returns
     -------
     density : callable
-        Takes values, shape (size,); minus infinity outside of bounds and where nothing is solved.
+        Function of values, shape (size,); minus infinity outside bounds and if a computation fails.
     start : ndarray, shape (size,)
         First values.
 

@@ -23,13 +23,13 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError
 
 MARGIN = 1.25
-"""Half lengths of a mesh that is fixed over those of the contact at the first values."""
+"""Half lengths of a fixed mesh over the half axes of the contact at the first values."""
 
 FINER = 1.5
-"""Elements of the finer mesh over those of the mesh, along each axis."""
+"""Ratio of the numbers of elements of the finer mesh and the mesh, along each axis."""
 
 COSTLY = ("subsurface", "fatigue")
-"""Tables that are left out where no observation needs them."""
+"""Tables that are left out if no observation needs them."""
 
 
 Remember = Callable[[str, Callable[[], Answer]], Answer]
@@ -60,21 +60,21 @@ class SharedPlaces:
 
 
 def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
-    """Return a scene without tables that the wanted columns do not need.
+    """Return a scene without tables that the requested columns do not need.
 
     Parameters
     ----------
     scene : Scene
         A scene.
     columns : iterable of str
-        Columns of a record; "worn_mass A" is that of a body.
+        Columns of a record; "worn_mass A" is a column of body A.
     unworn : bool
         Whether the bodies are observed before they wear: then [wear] is left out as well.
 
     Raises
     ------
     SceneError
-        If the scene has no such column.
+        If records of the scene lack a column.
     """
     known = index_by_name(COLUMNS)
     wanted = [known[name.partition(" ")[0]] for name in columns]
@@ -149,7 +149,7 @@ def grid_entries(grid: Grid) -> dict[str, Any]:
 
 
 def finer(scene: Scene) -> Scene:
-    """Return a scene on a finer mesh of the same extent."""
+    """Return a scene on a finer mesh of equal extent."""
     grid = Model(scene, read_measured_gap(scene)).grid
     n_x, n_y = (2 * round(0.5 * (FINER * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
     return scene.replace(**grid_entries(replace(grid, elements=(n_x, n_y))))

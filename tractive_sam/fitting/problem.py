@@ -27,7 +27,7 @@ that a derivative has an error of 1e-4 by it, and of about half the step by curv
 class FitProblem:
     """All data sets and parameters together.
 
-    Coordinates are those of the parameters, and after them the positions of the profiles.
+    Coordinates belong to the parameters, and after them to the positions of the profiles.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class FitProblem:
     series : tuple of Series
         The data sets.
     evaluations : Evaluations
-        Where answers come from.
+        Source of answers.
     step : float or None
         Relative step of differences.
     """
@@ -107,7 +107,7 @@ class FitProblem:
         return rows[np.isfinite(mean)]
 
     def predict(self, u: np.ndarray) -> np.ndarray:
-        """Return predicted values, shape (points,); nan where a computation failed."""
+        """Return predicted values, shape (points,); nan if a computation failed."""
         replies = self._replies({"": u})
         if replies is None:
             return np.full(self.observed.size, math.nan)
@@ -126,7 +126,7 @@ class FitProblem:
         replies = self._replies({"": u} | {key: at for key, (_, at) in moved.items()})
         if replies is None:
             raise FitError(
-                [Fault("fit.step", "a difference that leaves the scene", "a smaller step")]
+                [Fault("fit.step", "a step to values that the scene forbids", "a smaller step")]
             )
         slopes = self.parameters.slopes(u)
         rows = []
@@ -147,7 +147,8 @@ class FitProblem:
             rows.append(block)
         found = np.concatenate(rows)
         if not np.isfinite(found).all():
-            raise FitError([Fault("fit.step", "a computation that failed", self.failures[-1])])
+            given = f"a step at which the computation failed ({self.failures[-1]})"
+            raise FitError([Fault("fit.step", given, "another step, or other starts")])
         return found
 
     def aligned(self, u: np.ndarray) -> np.ndarray:
@@ -161,7 +162,7 @@ class FitProblem:
         return found
 
     def predict_finer(self, u: np.ndarray) -> np.ndarray:
-        """Return predicted values on a finer mesh; nan where that fails."""
+        """Return predicted values on a finer mesh; nan if a computation failed."""
         cases: dict[tuple, FitCase] = {}
         values = self.parameters.named(u)
         try:
@@ -183,7 +184,7 @@ class FitProblem:
         at = u.copy()
         beyond = u[k] + step > self.parameters.bounds[1][k]
         at[k] += -step if beyond else step
-        if self.parameters.whole[k]:  # where the whole number is
+        if self.parameters.whole[k]:  # the integer used at these coordinates
             values = self.parameters.values(at)
             values[k] = round(values[k])
             at[k] = self.parameters.coordinates(values)[k]
@@ -191,16 +192,16 @@ class FitProblem:
 
     @cached_property
     def _default_step(self) -> float:
-        """Step of differences: where something is rolled, that of rolls."""
+        """Return the step of differences of contacts, or of rolls if any case is one."""
         rolled = any(not is_one_contact(prepare.trimmed(one.base, one.columns, one.unworn))
                      for one in self.series)  # fmt: skip
         tolerance = max(one.base.solver.tolerance for one in self.series)
         return ROLL_STEP if rolled else max(1e-4, tolerance**0.5)
 
     def _replies(self, points: Mapping[str, np.ndarray]) -> dict[tuple, Reply] | None:
-        """Return answers by series, point and group; None where a scene is not valid.
+        """Return answers by series, point and group; None if a scene is not valid.
 
-        At points other than "" only what has no exact derivative is computed.
+        At points other than "" only cases without an exact derivative are computed.
         """
         cases: dict[tuple, FitCase] = {}
         try:
@@ -216,7 +217,7 @@ class FitProblem:
         return self._replies_of({name: cases[name] for name in order})
 
     def _replies_of(self, cases: Mapping[tuple, FitCase]) -> dict[tuple, Reply]:
-        """Return the answers of cases; those of one scene are computed together."""
+        """Return the answers of cases; cases of one scene are computed together."""
         together = merged(cases.values())
         answers = self.evaluations.answers(together)
         self.failures.extend(one.message for one in answers.values() if one.message)

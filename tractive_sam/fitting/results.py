@@ -48,9 +48,9 @@ class Intervals:
     Attributes
     ----------
     low, high, sd : ndarray, shape (n,)
-        Ends and standard deviations; nan and infinite where the data set none.
+        Ends and standard deviations; nan and infinite if the data set none.
     curves : tuple of ndarray, shape (m, 3)
-        Of the profile likelihood: parameter, its value, and the rise of chi-square.
+        Profile likelihood: parameter, its value, and the rise of chi-square.
     """
 
     low: np.ndarray
@@ -141,11 +141,11 @@ class FitResult:
 
     @property
     def sd(self) -> dict[str, float]:
-        """Standard deviations by key; infinite where the data do not determine a parameter."""
+        """Standard deviations by key; infinite if the data do not determine a parameter."""
         return self._named("sd")
 
     def interval(self, key: str) -> tuple[float, float]:
-        """Return the interval of a parameter; nan where the data set no end."""
+        """Return the interval of a parameter; nan if the data set no end."""
         return self._named("low")[key], self._named("high")[key]
 
     @property
@@ -183,7 +183,7 @@ class FitResult:
 
     @property
     def chi2_range(self) -> tuple[float, float]:
-        """Range in which `chi2` is expected; nan where points are no more than parameters."""
+        """Range in which `chi2` is expected; nan unless there are more points than parameters."""
         return float(self.dataset.attrs["chi2_low"]), float(self.dataset.attrs["chi2_high"])
 
     @property
@@ -193,7 +193,7 @@ class FitResult:
 
     @property
     def solves(self) -> int:
-        """Contacts solved, those of rolls included."""
+        """Contacts solved, including contacts of rolls."""
         return int(self.dataset.attrs["solves"])
 
     @property

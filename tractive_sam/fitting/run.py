@@ -51,7 +51,7 @@ def fit(
     """Fit numbers of a scene to measurements, by weighted nonlinear least squares.
 
     The mesh is chosen at the first values of the parameters, and adaptive stepping is replaced by
-    the steps that it takes there: both stay the same while the parameters vary.
+    the steps that it takes there: both are fixed while the parameters vary.
 
     Parameters
     ----------
@@ -120,9 +120,9 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
     Parameters
     ----------
     table : Fit
-        What to fit.
+        The [fit] table.
     done : Evaluations, optional
-        Where answers come from; by default this process.
+        Source of answers; by default computed in this process.
 
     Raises
     ------

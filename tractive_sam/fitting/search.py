@@ -94,9 +94,10 @@ class Search:
         inner = _Residuals(problem, u, np.arange(problem.size) != (-1 if fixed is None else fixed))
         varies = inner.varies
         if not np.isfinite(inner.residuals(u[varies])).all():
-            reason = problem.failures[-1] if problem.failures else "a scene that is solved"
-            cure = f"other starts, or a scene that is computed there: {reason}"
-            raise FitError([Fault("fit.parameter", "first values that are not computed", cure)])
+            reason = problem.failures[-1] if problem.failures else "no result"
+            given = f"first values at which the scene cannot be computed ({reason})"
+            cure = "other starts, or a scene that can be computed there"
+            raise FitError([Fault("fit.parameter", given, cure)])
         message, iterations = "no coordinate varies", 0
         if varies.any():
             low, high = problem.bounds

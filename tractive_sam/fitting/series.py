@@ -27,7 +27,7 @@ from tractive_sam.schema import SceneError
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One data set: its scenes, and how the numbers of their records are compared.
+    """One data set: its scenes, and the comparison of their records with the measurements.
 
     Attributes
     ----------
@@ -196,7 +196,7 @@ class Series:
 
 
 def _groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:
-    """Return rows of the same settings together, with these; a profile is one group."""
+    """Return groups of rows with equal settings, and the settings; a profile is one group."""
     groups: dict[tuple, list[int]] = {}
     for k, settings in enumerate(measured.settings):
         groups.setdefault(tuple(settings.items()), []).append(k)

@@ -115,7 +115,7 @@ def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
 
 
 def column_of(name: str, body: str | None) -> str:
-    """Return the column of a history that is observed: of a profile, that of the body."""
+    """Return the observed column of a history; for a profile, the column of the body."""
     quantity = index_by_name(COLUMNS)[name]
     if body is None or f"{name}_{body}" not in index_by_name(COLUMNS) or quantity.dims != ("y",):
         return name if quantity.dims != ("body",) else f"{name} {body}"
@@ -270,7 +270,7 @@ class Parameter(Table):
     """
 
     key: str = entry("the free entry", "one of free")
-    start: Real | None = entry("first value; by default that of the scene", default=None)
+    start: Real | None = entry("first value; by default the value in the scene", default=None)
     lower: Real | None = entry("lower bound", default=None)
     upper: Real | None = entry("upper bound", default=None)
     prior: tuple[Real, Real] | None = entry(

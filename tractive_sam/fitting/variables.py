@@ -71,7 +71,7 @@ def _coordinate_names(problem: FitProblem) -> list[str]:
 
 
 def point_variables(found: Estimate, finer: np.ndarray | None) -> Variables:
-    """Return measured and predicted values, and those of a finer mesh."""
+    """Return measured and predicted values, and predictions on a finer mesh."""
     problem, of = found.problem, ("point",)
     numbers, labels, abscissas, names = [], [], [], []
     for k, one in enumerate(problem.series):

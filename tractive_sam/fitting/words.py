@@ -35,7 +35,7 @@ def describe_undetermined(found: Estimate) -> list[str]:
 
 
 def _product(keys: Sequence[str], direction: np.ndarray) -> str:
-    """Return the product of powers that stays the same along a direction of the logarithms."""
+    """Return the product of powers that is constant along a direction of the logarithms."""
     power = -direction[0] / direction[1]
     for simple in (1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 3.0, -3.0):
         if abs(power - simple) < SIMPLE * abs(simple):
@@ -46,7 +46,7 @@ def _product(keys: Sequence[str], direction: np.ndarray) -> str:
 
 
 def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
-    """Return a basis of the same space in which each direction has few entries."""
+    """Return a basis of the space of the rows in which each direction has few entries."""
     rows = np.array(rows, float)
     done = 0
     for column in range(rows.shape[1] if rows.size else 0):

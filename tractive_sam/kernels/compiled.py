@@ -1,14 +1,14 @@
-"""The decorator of every kernel: compiled when first called, kept on disk until its source changes.
+"""The decorator of every kernel: compile at the first call, store until its source changes.
 
 If nothing can be stored, every process compiles again; `NUMBA_CACHE_DIR` names another folder.
 
-By itself numba's cache sees a change in the module of a function, but not in the modules from which
-that takes other functions and constants: it would use an old formula. So stored code has
-a hash of all these sources in its name.
+Numba's cache notices a change in the module of a function, but not in the modules from which it
+imports functions and constants, and would use an old formula. So the name of the stored code
+contains a hash of all these sources.
 
-What takes long to compile, and kernels do without: an array assigned to a slice or a row (the text
-of its error alone is 40 functions of numba), a literal number passed to another kernel and views
-that are not contiguous (each is a further specialisation).
+Kernels avoid what takes long to compile: an array assigned to a slice or a row (the text of its
+error alone is 40 functions of numba), a literal number passed to another kernel, and views that are
+not contiguous (each is a further specialisation).
 """
 
 import re
@@ -35,11 +35,11 @@ def compiled(
     Parameters
     ----------
     function : callable
-        What to compile.
+        The function to compile.
     fastmath : bool or set of str
-        Freedom that the compiler has, such as `ANY_ORDER`.
+        Freedom that the compiler has, for example `ANY_ORDER`.
     inner : bool
-        Whether only other kernels call it: an entry from Python is then not compiled.
+        Whether only other kernels call the function: no entry from Python is compiled then.
     """
     if function is None:
         return lambda function: compiled(function, fastmath=fastmath, inner=inner)

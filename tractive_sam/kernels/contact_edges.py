@@ -1,4 +1,4 @@
-"""Where a contact ends between the centres of elements, and what it covers (`results.edges`)."""
+"""Edges of a contact between the centres of elements, and its area (`results.edges`)."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ LAST = 0.8246
 """Largest place of an edge: there, the next element comes into contact."""
 
 SINGLE = 0.5
-"""Place of the edge of an element whose neighbours are not in contact: half its width."""
+"""Place of the edge of an element without neighbours in contact: half its width."""
 
 
 @compiled
@@ -22,7 +22,7 @@ def edge_place(here, before):
     here : float
         Pressure of the outermost element, positive.
     before : float
-        That of its neighbour in the contact; 0 if there is none.
+        Pressure of its neighbour in the contact; 0 if there is none.
     """
     if before <= 0.0:
         return SINGLE
@@ -51,7 +51,7 @@ def find_ends(pressure, out):
 def find_extent(pressure):
     """Return the places of the first and the last edge along the first axis, in elements.
 
-    The first one is larger than the last one where there is no contact.
+    Without contact the first place is larger than the last.
 
     Parameters
     ----------

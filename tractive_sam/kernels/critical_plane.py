@@ -55,7 +55,7 @@ SIDE = 7
 """Cells along each side of a face of a cube in the first search; three faces are half a sphere."""
 
 ENOUGH = 1e-4
-"""What a critical plane may miss, over its value: where a cell can hold no more, it is left."""
+"""Relative error of the value at a critical plane: a cell that can gain no more is dropped."""
 
 LIKELY = 0.5
 """Share of the most by which a value may fall towards the corner of a cell: with all of it nothing
@@ -171,7 +171,7 @@ def _cell_normal(normal, cell):
         other = -side if a * b > 0.0 else side
         x, y = (a + side) / (1.0 - a * side), (b + other) / (1.0 - b * other)
         along = 1.0 + a * x + b * y
-        # The square of the angle is less than that of its tangent.
+        # The square of the angle is less than the square of its tangent.
         farthest = max(farthest, square * (1.0 + x * x + y * y) / (along * along) - 1.0)
     return farthest
 
@@ -209,7 +209,7 @@ def _bound_curvature(path, sum_k, product_k, ball):
 def _copy(out, values):
     """Copy an array of one dimension.
 
-    In place of an assignment to a slice, whose check of shapes takes seconds to compile.
+    Used instead of an assignment to a slice: its check of shapes takes seconds to compile.
     """
     for i in range(out.size):
         out[i] = values[i]
@@ -270,8 +270,8 @@ def newton_step(path, here, count, at, sum_k, product_k, room):
     """Return the Newton step (a, b) along the axes of the plane evaluated last.
 
     The squared radius is the largest, over weights w of the points that hold the circle, of the
-    weighted mean of their |t_i - t|², t the weighted mean of their shear: at fixed weights its
-    derivatives are those of the shear of stresses, and that the weights follow adds C^T M^-1 C,
+    weighted mean of their |t_i - t|², with t the weighted mean of their shear. At fixed weights its
+    derivatives follow from the shear of the stresses; the change of the weights adds C^T M^-1 C,
     with M and C the second derivatives by weights, and by weights and axes.
     """
     _, _, support, weights, look, seen = room

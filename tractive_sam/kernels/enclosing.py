@@ -16,8 +16,9 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
 
     Minimises over c the largest |p_i - c|². In the dual c is the mean of some of the points with
     positive weights and equal distances: an active set of these grows by the farthest
-    point and loses those whose weight falls to zero, until no point is farther. So it ends after
-    few steps with the exact ball (Gärtner, ESA 1999, 325; Fischer, Gärtner & Kutz, ESA 2003, 630).
+    point and loses each one with a weight that falls to zero, until no point is farther. It ends
+    after a few steps with the exact ball (Gärtner, ESA 1999, 325; Fischer, Gärtner & Kutz, ESA
+    2003, 630).
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
     squares : ndarray, shape (n,)
         Set to |p_i - c|².
     begun : int
-        How many of the given support to begin with: points that held a ball like this one.
+        Number of entries of `support` to begin with: points that held a similar ball.
 
     Returns
     -------
@@ -59,7 +60,7 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
             radius2 += (points[k, first] - centre[k]) ** 2
         far = index_of_farthest(squares, centre, points)
         largest = squares[far]
-        if not largest > radius2 * (1.0 + 1e-14):  # nor where it is nan
+        if not largest > radius2 * (1.0 + 1e-14):  # nor if it is nan
             break
         count = _add_support(support, weights, count, far, points, target, matrix, right)
     return count, largest
@@ -145,8 +146,8 @@ def _move_weights(weights, target, count, dependent):
 def _equidistant_weights(target, support, count, points, matrix, right):
     """Set the weights of the point with equal distances from all support points of a ball.
 
-    True where the last of them lies in the space of the others: then the change of all weights
-    that leaves the mean where it is, with that of the last one 1.
+    Return True if the last point lies in the space of the others. The weights are then set to the
+    change of all weights that leaves the mean unchanged, with 1 for the last point.
     """
     last = count - 2
     first = support[0]
@@ -195,10 +196,10 @@ def _back_substitute(out, matrix, right, count):
 def enclosing_circle(support, weights, points, squares, enough=0.0):
     """Find the smallest circle around points in a plane; arguments as in `enclosing_ball`.
 
-    Two points hold it, or three that make an acute triangle: the farthest point outside takes the
-    place of one of them (Elzinga & Hearn, Transp. Sci. 6 (1972) 379). It begins with the first two
-    of the given support: those of a circle nearby, or any. Once the square is no larger than
-    `enough` it may be too large.
+    Two points hold it, or three that make an acute triangle: the farthest point outside replaces
+    one of them (Elzinga & Hearn, Transp. Sci. 6 (1972) 379). The search begins with the first two
+    entries of `support`: points of a nearby circle, or any. It ends early once the squared radius
+    is at most `enough`; the circle may then be too large.
     """
     count, largest = 2, 0.0
     weights[0], weights[1] = 0.5, 0.5

@@ -1,11 +1,11 @@
 """Element by element: Coulomb's disc and its linearisation.
 
-All in the scaled tribological frame, where friction is isotropic with unit coefficient: the scaled
-traction lies in a disc, whose radius is the pressure or what another law (`mechanics.friction`) has
-in its place. Fields are arrays of shape (2, n_x, n_y).
+All functions work in the scaled tribological frame: friction is isotropic there, with the
+coefficient one, and the scaled traction lies in a disc. The radius of the disc is the pressure or
+the traction bound of another law (`mechanics.friction`). Fields are arrays of shape (2, n_x, n_y).
 
-Rows of elements are worked on at once where an element does not need the one before it: without
-branches, so that the compiler can use vector instructions.
+Rows of elements that do not depend on each other are computed together and without branches, so
+that the compiler can use vector instructions.
 """
 
 from math import sqrt
@@ -21,9 +21,10 @@ OPEN, STICK, SLIP = 0, 1, 2
 def _nearest(a, b, g, w0, w1):
     """Return the point z of the disc of radius g nearest to (a, b), and l: (1 + l w) z = (a, b).
 
-    Nearest where squares of distances count by 1/w: that of the ellipse which the disc is in
-    unscaled tractions (`Frame`), if w are the squares of the factors. The root l of |z| = g is
-    found by Newton's method on 1/|z|, which is almost linear in l (Reinsch 1971), from below.
+    Squares of distances are weighted by 1/w. If w are the squares of the scale factors, z is the
+    nearest point of the ellipse that the disc is in unscaled tractions (`Frame`). The root l of |z|
+    = g is found by Newton's method on 1/|z|, which is almost linear in l (Reinsch 1971), from
+    below.
     """
     size = sqrt(a * a + b * b)
     if size <= g:
@@ -69,12 +70,12 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
 
 @compiled(inner=True)
 def _centred(slip, contact, i, ahead, m0, m1):
-    """Set (m0, m1) to the slip at the centres of row i, from that of the leading faces.
+    """Set (m0, m1) to the slip at the centres of row i, from the slip of the leading faces.
 
-    The faces lie `ahead` / 2 elements before the centres. By a parabola through the faces ahead,
-    its own and behind; of faces half an element before the centres its weights are -1/8, 3/4 and
-    3/8, which damp odd-even waves as the own face does. By a straight line where the face ahead is
-    that of a leading element, at the edge of contact.
+    The faces lie `ahead` / 2 elements before the centres. The slip is interpolated by a parabola
+    through the face ahead, the element's own and the one behind. For faces half an element before
+    the centres its weights are -1/8, 3/4 and 3/8, which damp odd-even waves as the own face does.
+    If the face ahead belongs to a leading element, at the edge of contact, a straight line is used.
     """
     nx, ny = contact.shape
     back = 0.5 * ahead if i else 0.0
@@ -91,7 +92,7 @@ def _centred(slip, contact, i, ahead, m0, m1):
 
 @compiled
 def centre(slip, contact, out, ahead=1.0):
-    """Compute the slip at the centres of elements in contact from that of the leading faces.
+    """Compute the slip at the centres of elements in contact from the slip of the leading faces.
 
     The faces lie `ahead` / 2 elements before the centres.
     """
@@ -107,7 +108,7 @@ def centre(slip, contact, out, ahead=1.0):
 
 @compiled
 def lead(slip, traction, rows, columns, kept, answer):
-    """Set the slip of leading elements to a share of it plus their response to tractions.
+    """Scale the slip of leading elements by a share and add their response to the tractions.
 
     Parameters
     ----------
@@ -145,8 +146,8 @@ def remember(target, kept, contact, ahead, out):
 def change_of_bound(by_share, by_slip, kept, slip, out):
     """Compute the change of a friction bound, by_share d(share), by a change of the slip.
 
-    Along x, d(share) = kept d(share of the element ahead) + by_slip . d(slip). Arrays as in `Slope`
-    of the laws.
+    Along x, d(share) = kept d(share of the element ahead) + by_slip . d(slip). The arrays are
+    described in `Slope` of the laws.
     """
     nx, ny = by_share.shape
     share = np.zeros(ny)
@@ -169,7 +170,7 @@ def _share(a0, a1, m0, m1):
 
 @compiled(inner=True)
 def _turned(a0, a1, m0, m1):
-    """Return the slip opposed, and its size over that of the vector from which it is turned."""
+    """Return the slip opposed, and the ratio of its size to the vector from which it is turned."""
     share, _, _ = _share(a0, a1, m0, m1)
     d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
     square = d0 * d0 + d1 * d1
@@ -181,13 +182,13 @@ def _turned(a0, a1, m0, m1):
 
 @compiled
 def turn(slip, contact, out, ahead=1.0):
-    """Compute the slip that the tractions oppose from that of the leading faces.
+    """Compute the slip that the tractions oppose from the slip of the leading faces.
 
-    Its size is that of the slip a of the leading face, which decides between stick and slip, its
-    direction that of the slip m at the centre. Where slip just begins, or the two disagree, the
-    direction passes over into that of a, by the share 4 a.m/(a² + m²) - 1/2 within 0 and 1 (well
-    within a slip zone it is one): so the law is continuous, and an element sticks rather than slip
-    the wrong way at its leading face.
+    The slip a of the leading face gives its size and decides between stick and slip; the slip m at
+    the centre gives its direction. If slip just begins, or the two disagree, the direction blends
+    into the direction of a, by the share 4 a.m/(a² + m²) - 1/2, limited to 0 and 1 (well within a
+    slip zone it is 1). So the law is continuous, and an element sticks rather than slip in the
+    wrong direction at its leading face.
 
     The faces lie `ahead` / 2 elements before the centres.
     """
@@ -224,7 +225,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
     across[0, 1, i, j] = (1.0 - share) * t1 + grown * a1
     across[1, 0, i, j], across[1, 1, i, j] = share * t0, share * t1
     if 0.0 < share < 1.0:
-        # The share changes as well: that of 4 a.m/(a² + m²) by a, and by m.
+        # The share changes as well: the derivatives of 4 a.m/(a² + m²) by a, and by m.
         x = 4.0 * (t0 * (m0 - a0) + t1 * (m1 - a1)) / square
         across[0, 0, i, j] += x * (m0 - agreement * a0)
         across[0, 1, i, j] += x * (m1 - agreement * a1)
@@ -243,24 +244,24 @@ def linearise(
     traction, slip : ndarray, shape (2, nx, ny)
         Current iterate and the slip of its leading faces.
     bound, contact : ndarray, shape (nx, ny)
-        Radius of the disc, and what is positive in contact.
+        Radius of the disc, and an array that is positive in contact.
     staggered : float
         How far the slip opposed is turned back, to that at the centre (`turn`); 0: not at all.
     w0, w1 : float
-        Weights of the slip along the axes; the projection is the nearest point in the norm that
-        belongs to them (`_nearest`), and the solution the same for any.
+        Weights of the slip along the axes. They define the norm of the projection (`_nearest`); the
+        solution does not depend on them.
     state : ndarray of int8, shape (nx, ny)
         Set to OPEN, STICK or SLIP.
     direction : ndarray, shape (2, nx, ny)
-        Set to the unit vector of disc(p - w s) where the element slips.
+        Set to the unit vector of disc(p - w s) in elements that slip.
     kappa : ndarray, shape (nx, ny)
-        Set to k = 1/(1 + l), where it slips (`_nearest`), and 1 where it sticks: with equal weights
-        the derivative of the projection across the direction of slip, bound/|p - s|. Where slip was
-        turned from a vector of another size, k is set, and the defect scaled, so that the row is
-        one in that vector.
+        Set to k = 1/(1 + l) in elements that slip (`_nearest`), to 1 in elements that stick. With
+        equal weights it is the derivative of the projection across the direction of slip, bound/|p
+        - s|. If slip was turned from a vector of another size, k and the defect are scaled so that
+        the row is written in that vector.
     across : ndarray, shape (2, 2, nx, ny)
         Set to the response of the opposed slip to the slip at the leading face (first index 0) and
-        at the centre (1), across the direction of slip, where it slips.
+        at the centre (1), across the direction of slip, in elements that slip.
     defect : ndarray, shape (2, nx, ny)
         Set to disc(p - w s) - p, the part across the direction of slip scaled like its row.
 
@@ -322,8 +323,8 @@ def linearise(
                     scaled += n0 * n1 * (inverse1 - inverse0) * out
                     along = k * scaled + (1.0 - k) * along
                 if ratio != 1.0:
-                    # In k t.s + (1 - k) t.p what t.s answers is `ratio` times `across`: divided by
-                    # the sum of both shares the row is the same with another k.
+                    # In k t.s + (1 - k) t.p the response of t.s is `ratio` times `across`. Division
+                    # by the sum of both shares gives a row of this form with another k.
                     scale = 1.0 / (k * ratio + 1.0 - k)
                     k = max(scale * k * ratio, 1e-100)
                     along *= scale
@@ -339,9 +340,9 @@ def linearise(
 def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead=1.0):
     """Apply the linearised friction law to a step and its slip.
 
-    s where it sticks; kappa t.s + (1 - kappa) t.p along t and n.p along n, the direction of the
-    traction, where it slips; p where it is open. ``step`` and ``slip`` are a change p of traction
-    and the change s of slip of the leading faces it causes, and ``across`` says what t.s is
+    An element that sticks gives s; one that slips kappa t.s + (1 - kappa) t.p along t, and n.p
+    along the direction n of the traction; an open one p. ``step`` is a change p of traction,
+    ``slip`` the change s of slip of the leading faces that it causes, and ``across`` defines t.s
     (`linearise`, `turn`).
     """
     nx, ny = state.shape

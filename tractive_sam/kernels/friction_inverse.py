@@ -51,10 +51,10 @@ def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, ou
     """Integrate from the leading edge of every row, where the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
-    element to the next. An element that slips keeps only the part along t, whose slip is that of
-    the whole: t.D (t tau) = t.D (ahead + smooth). Its local term gamma holds it back:
-    2 t.D (t tau - ahead - smooth) + gamma tau = rough. The part along its direction, and all of an
-    open one, is what ``row`` says.
+    element to the next. Of an element that slips only the part tau along t is integrated, with t.D
+    (t tau) = t.D (ahead + smooth). A local term gamma restrains it: 2 t.D (t tau - ahead - smooth)
+    + gamma tau = rough. The part along the direction of slip, and both parts in an open element,
+    are taken from ``row``.
     """
     nx, ny = state.shape
     ahead = np.zeros((2, ny))
@@ -72,11 +72,11 @@ def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, ou
                 d0 = 2.0 * (own[0] * t0 + own[1] * t1)
                 d1 = 2.0 * (own[1] * t0 + own[2] * t1)
                 w, k = stiffness[i, j], kappa[i, j]
-                # Implicit: where gamma outweighs d, the traction is rough/gamma. Times kappa.
+                # Implicit, times kappa: if gamma outweighs d, the traction is rough/gamma.
                 whole = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
                 tau = k * (d0 * a + d1 * b + rough[i, j]) / whole
-                # What is known of the traction along its direction is no part of the sum: worth as
-                # many iterations, and it leads astray where the coefficients are far apart.
+                # The known part of the traction along its direction is left out of the sum: it
+                # saves no iterations, and misleads if the coefficients differ much.
                 a, b = tau * t0, tau * t1
                 out_of = t1 * r0 - t0 * r1
                 out[0, i, j], out[1, i, j] = a + out_of * t1, b - out_of * t0
@@ -91,16 +91,17 @@ def prepare_step(
 ):
     """Set the factors of an approximate inverse of the rows of a step (`share_out`, `gather`).
 
-    As in `split`, of rows in the displacement itself. A local term gamma competes with d, the
-    displacement of the element by itself: of A + gamma an inverse is nearly
+    As in `split`, for rows in the displacement itself. A local term gamma competes with d, the
+    displacement of an element under its own traction. An approximate inverse of A + gamma is
 
         q C q + gamma/(d + gamma)²,    q = d/(d + gamma),
 
-    C the circulant inverse of A: right for any gamma where A is d, and never far off, whether gamma
-    is the same everywhere or not.
+    with the circulant inverse C of A. It is exact for any gamma if A is d, and never far off, for
+    uniform and for varying gamma.
 
     The slip opposed is a mean of faces (`turn`): a tridiagonal matrix along x takes the rows of
-    slipping elements back to the slip of the leading faces. Those of elements that stick are known.
+    slipping elements back to the slip of the leading faces. The slip of elements that stick is
+    known.
 
     Parameters
     ----------

@@ -10,7 +10,7 @@ the source has given off (Carslaw & Jaeger 1959, section 10.7): with s the root 
 x_+-, y_+- the sides of the rectangle as seen from the point. At rest it is the integral of
 q/(2 pi lambda r), for V without bound the strip limit, which is causal. The integrand is smooth: it
 is summed over panels of Gauss points, short enough for the fronts, which are sqrt(kappa)/V wide in
-s. Where that is little beside an element, the fronts are steps: then A is one or zero, and the
+s. If that is small compared with an element, the fronts are steps: A is one or zero, and the
 integral of erf(c/s) is s erf(c/s) + (c/sqrt(pi)) E1(c²/s²).
 """
 
@@ -71,8 +71,8 @@ def _spread(c, s):
 def _front(x, speed, kappa):
     """Return the time s at which a heat front passes a side x, corrected for its spread.
 
-    The front in g = (V s² - x)/(2 sqrt(kappa) s) is odd but for the curvature of s(g), by which the
-    integral of [1 + erf(g)]/2 is less than that of a step by kappa/(4 V² s).
+    The front in g = (V s² - x)/(2 sqrt(kappa) s) is odd except for the curvature of s(g), which
+    makes the integral of [1 + erf(g)]/2 less than the integral of a step by kappa/(4 V² s).
     """
     if x <= 0.0:
         return 0.0

@@ -2,8 +2,8 @@
 
 The rectangle is centred at the origin with sides ``dx`` and ``dy``; ``(x, y)`` is observer minus
 centre. Six integrals describe every surface influence coefficient of any pair of materials
-(Kalker 1990, section 4.2; Juliá & Rodríguez-Tembleque 2025, appendix A). Their parities, by which
-one quadrant gives the whole plane:
+(Kalker 1990, section 4.2; Juliá & Rodríguez-Tembleque 2025, appendix A). By their parities one
+quadrant gives the plane:
 
 ========  ==================  ==========  ==========
 name      integrand           in x        in y
@@ -19,7 +19,7 @@ name      integrand           in x        in y
 Near the rectangle the integrals are differences of antiderivatives at its four corners. Far away
 that difference cancels (its terms grow like r ln r, the result falls like 1/r: at 1,000 sides its
 relative error is 4e-9 for a square and 7e-8 for sides 20:1), so beyond ``FAR`` sides a 4 x 4
-Gauss-Legendre rule takes over, whose own relative error is below 2e-13 from there on.
+Gauss-Legendre rule takes over, with a relative error below 2e-13 from there on.
 """
 
 from math import atan2, hypot, log, sqrt

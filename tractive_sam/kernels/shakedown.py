@@ -27,8 +27,8 @@ def shakedown_layer(out, paths):
 
     with c the value that minimises the largest one along each path, and then r the value that
     minimises the largest of all paths. The worst point of a path bounds this from below at every c,
-    the worst points of a depth at every r, each by A + 2 B c + c²: the next c or r is where two
-    such bounds, the last from either side, are smallest together.
+    the worst points of a depth at every r, each by A + 2 B c + c². The next c or r minimises the
+    larger of two bounds, the last one from each side.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def shakedown_layer(out, paths):
         fits[k] = j2[k, index_of_largest(j2[k])]
     room = np.empty(n), np.empty(n), np.empty((2, 2)), np.empty(2)
     r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
-    # A and B of the last bounds whose minimum is to the right, and to the left.
+    # A and B of the last bounds with their minimum to the right, and to the left.
     cuts = np.full((2, 2), math.nan)
     for _ in range(MOST):
         likely = int(np.argmax(np.sqrt(fits) + np.abs(r - at)))
@@ -118,7 +118,7 @@ def _remaining_shear(p, q, j2, r, room):
 def _lowest_upper_bound(one, other):
     """Return the place and value of the minimum of the larger of two parabolas A + 2 B r + r².
 
-    It is at the minimum of either, or where they meet.
+    It lies at the minimum of one of them, or at their intersection.
     """
     a, b = one
     if math.isnan(other[1]) or other[1] == b:

@@ -45,7 +45,7 @@ def row_products(out, rows, kernel, places):
     kernel : ndarray, shape (k, n)
         Spectra by the distance of two rows, weighed.
     places : ndarray of int, shape (m,)
-        Where the rows are, ascending.
+        Positions of the rows, ascending.
     """
     for i in range(rows.shape[0]):
         for j in range(i, rows.shape[0]):

@@ -41,10 +41,10 @@ chi_xyy    -Y / (R+z)                 S_xzz      -z^2 Y / Rp
 The others follow by exchange of x and y. A, the solid angle of the patch, is
 (S_xxz + S_yyz + S_zzz) / 3.
 
-**Cancellation.** Corner sums cancel as written. Corners are therefore first paired along an edge,
-where the difference is taken algebraically, and the logarithms and arctangents of all four merge
-into one call each. What is left, the difference between opposite edges, loses digits with the cube
-of distance over side; far from the patch Gauss-Legendre sums take over (`near_radius`,
+**Cancellation.** Corner sums cancel as written. So corners are first paired along an edge, their
+difference is taken algebraically, and the logarithms and arctangents of all four merge into one
+call each. What is left, the difference between opposite edges, loses digits with the cube of
+distance over side; far from the patch Gauss-Legendre sums take over (`near_radius`,
 `nodes_needed`).
 
 **Accuracy.** Largest error of the stress of one load, relative to its norm, against corner sums of
@@ -109,9 +109,9 @@ def angle_difference(s1, c1, s2, c2, straddles):
 
 @compiled
 def cross(y1, y2, r1, r2, q, width):
-    """Return y1 r2 - y2 r1 for an edge, where r_j^2 = q + y_j^2 and width = y1 - y2.
+    """Return y1 r2 - y2 r1 for an edge, with r_j^2 = q + y_j^2 and width = y1 - y2.
 
-    On the same side of both ends it is width (y1 + y2) q / (y1 r2 + y2 r1), free of cancellation.
+    If y1 and y2 have one sign it is width (y1 + y2) q / (y1 r2 + y2 r1), free of cancellation.
     """
     if y1 * y2 > 0.0:
         return width * (y1 + y2) * q / (y1 * r2 + y2 * r1)
@@ -120,9 +120,9 @@ def cross(y1, y2, r1, r2, q, width):
 
 @compiled
 def log_argument(y1, y2, r1, r2, q, width):
-    """Return (y1 + r1) / (y2 + r2) for an edge, where r_j^2 = q + y_j^2 and width = y1 - y2.
+    """Return (y1 + r1) / (y2 + r2) for an edge, with r_j^2 = q + y_j^2 and width = y1 - y2.
 
-    ln(y + r) cancels for y < 0, where y + r = q / (r - y). On the edge itself (q = 0) and at its
+    ln(y + r) cancels for y < 0; there y + r = q / (r - y). On the edge itself (q = 0) and at its
     ends the logarithm is infinite; the vanishing length is then replaced by the edge's length.
     """
     if y2 >= 0.0:
@@ -190,10 +190,10 @@ def near_integrals(x, y, z, dx, dy):
         S_xxz = A - z XY / R(X^2+z^2),  S_xzz = -z^2 Y / R(X^2+z^2),  S_xyz = z / R
         S_zzz = A + z XY / R (1/(X^2+z^2) + 1/(Y^2+z^2)), the others by exchange of x and y.
 
-    At z = 0: the limit from inside the body; on an edge, where that depends on the direction, the
-    mean of the values beside it on the surface. The logarithms that are infinite there (x loads on
-    the edges x = +-dx/2, y loads on y = +-dy/2, all loads at the corners) lose their infinite part,
-    see `log_argument`.
+    At z = 0 they are the limit from inside the body. On an edge that depends on the direction, and
+    they are the mean of the surface values on both sides. The logarithms that are infinite there (x
+    loads on the edges x = +-dx/2, y loads on y = +-dy/2, all loads at the corners) lose their
+    infinite part, see `log_argument`.
     """
     x1, x2, y1, y2 = x + 0.5 * dx, x - 0.5 * dx, y + 0.5 * dy, y - 0.5 * dy
     zz = z * z
@@ -214,7 +214,7 @@ def near_integrals(x, y, z, dx, dy):
     psi_s1, psi_c1 = edge_psi(x1, y1, y2, r11, r12, z, dy)
     psi_s2, psi_c2 = edge_psi(x2, y1, y2, r21, r22, z, dy)
     psi_xx = angle_difference(psi_s1, psi_c1, psi_s2, psi_c2, x1 * x2 <= 0.0)
-    if z == 0.0:  # where atan(XY / zR) jumps
+    if z == 0.0:  # atan(XY / zR) jumps here
         angle = surface_angle(x1, x2, y1, y2)
     elif abs(x) - 0.5 * dx > abs(y) - 0.5 * dy:  # pair the corners along the nearer edges
         xx = x1 * x2
@@ -260,7 +260,7 @@ def nodes_needed(ratio):
 def far_integrals(x, y, z, dx, dy, nx, ny):
     """Return the 14 integrals by nx x ny Gauss-Legendre nodes; for points far from the patch.
 
-    Parameters as in `near_integrals`; the integrands are those of the module's docstring, with
+    Parameters as in `near_integrals`; the integrands are given in the module's docstring, with
 
         psi_xx = 1 / (R T) - x^2 (R + T) / (R^3 T^2),  psi_xy = -x y (R + T) / (R^3 T^2)
         chi_xxy = y / (R T^2) - x^2 y (2 R + T) / (R^3 T^3),  T = R + z.

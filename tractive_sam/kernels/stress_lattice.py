@@ -3,17 +3,17 @@
 On a mesh the corners of the patches form a lattice, and each is shared by four patches: the corner
 forms of :mod:`tractive_sam.kernels.stress` are evaluated once a corner, their logarithms and
 arctangents by numpy, many at a time; differences between corners make the integrals. Far from the
-patch those differences lose digits, but not more than a sum over the whole mesh does: their error
-is absolute, about 1e-15 at any distance, like that of the transforms.
+patch those differences lose digits, but not more than a sum over the mesh does: their error is
+absolute, about 1e-15 at any distance, like the error of the transforms.
 
 **Packing.** An integral is even (e) or odd (o) in x and in y. Four of them, one of each parity, add
-up to one real function of the whole plane, whose spectrum S falls apart again:
+up to one real function on the plane. Its spectrum S separates them again:
 
     S(+-k_x, k_y) = ee -+ oo - i (eo +- oe),
 
 ee, oe, eo and oo being the real sums with cosines and sines. So four real transforms serve all 14
 integrals (`PACKS`). FFTW's cosine and sine transforms of one quadrant take 1.5 to 4.5 times longer.
-In one dimension two integrals share a transform in the same way.
+In one dimension two integrals share a transform.
 """
 
 import numpy as np
@@ -70,7 +70,7 @@ def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
         For each of `PACKS` the sums ee + eo and oe + oo, at the offset j dy at index j mod p_y;
         p_y even.
     xs : ndarray, shape (edges,)
-        Observer minus edge, at least 0. Where x > 0 is mirrored, ee and eo change sign.
+        Observer minus edge, at least 0. For x < 0 ee and eo change sign.
     z : float
         Depth, at least 0.
     dy : float

@@ -2,7 +2,7 @@
 
 Spectra of functions that are odd in x carry a factor -i, as do those odd in y: with real sums
 ee, oe, eo, oo (see :mod:`tractive_sam.kernels.stress_lattice`) the spectra are ee, -i oe, -i eo and
--oo. A stress component has the parity of its indices times that of its load.
+-oo. The parity of a stress component is the product of the parities of its indices and its load.
 """
 
 from tractive_sam.kernels.compiled import ANY_ORDER, compiled
@@ -36,7 +36,7 @@ def layer_product(out, packs, loads, sign, nu, first, last):
             along_x, along_y = assemble_shear_x(sums, nu), assemble_shear_y(sums, nu)
             normal = assemble_normal(sums, nu)
             x, y, n = sign * loads[0, i, j], sign * loads[1, i, j], loads[2, i, j]
-            # Seen in the mirror x -> -x the sums of -k_x are those of k_x.
+            # In the mirror x -> -x the sums of -k_x become the sums of k_x.
             mx, my, mn = -sign * loads[0, k, j], sign * loads[1, k, j], loads[2, k, j]
             s = _combine(along_x, along_y, normal, x, y, n)
             m = _combine(along_x, along_y, normal, mx, my, mn)

@@ -96,10 +96,10 @@ def summed(tractions):
 def stress_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
     """Compute the stresses at groups of points; distant patches are combined in blocks.
 
-    A quadtree: a block of patches whose sides are at most `widest` times its distance is replaced
-    by point forces at 2 x 2 nodes that have its load and its moments; wider ones are halved, and of
-    single patches there are more nodes. What makes a block depends on `around`, not on the points,
-    so that differences between these are smooth.
+    A quadtree: a block of patches with sides of at most `widest` times its distance is replaced by
+    point forces at 2 x 2 nodes that have its load and its moments. Wider blocks are halved, and
+    single patches have more nodes. The choice of blocks depends on `around`, not on the points, so
+    that differences between points are smooth.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
     points : ndarray, shape (m, n, 3)
         (x, y, z) with the depth z > 0.
     around : ndarray, shape (m, 3)
-        What the points of a group are near.
+        A place near the points of each group.
     signs : ndarray, shape (m,)
         What p_x and p_y are taken times.
     poisson : ndarray, shape (m,)
@@ -116,14 +116,14 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
     corner : tuple of float
         (x, y) of the corner of the mesh from which it extends to larger ones.
     sums : ndarray, shape (n_x + 1, n_y + 1, 3, 4)
-        Those of `summed`, of (p_x, p_y, p_n) on the patches, as in `kernels.stress`.
+        Sums from `summed` of (p_x, p_y, p_n) on the patches, as in `kernels.stress`.
     sides : tuple of float
         (dx, dy) of the patches.
     blocks : tuple of int
         Patches along the sides of the largest blocks: powers of two that divide n_x and n_y.
     widest : float
-        Longest side of a block over its distance, below 1. Of 0.3 the stress under smooth tractions
-        is right to 2e-3, and what it lacks is much the same at points near one another.
+        Longest side of a block over its distance, below 1. With 0.3 the relative error of the
+        stress under smooth tractions is 2e-3, and almost equal at points near one another.
     """
     count = points.shape[1]
     stress, load = np.empty((1, 6, count)), (corner, sums, sides, blocks, widest)

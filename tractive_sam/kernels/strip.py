@@ -11,10 +11,9 @@ y²/r³     -2 ln(abs(x)/d)       even
 x/r²      pi sign(x)            odd
 ========  ====================  ==========
 
-and those of x²/r³, x y/r³ and y/r² contribute nothing. An infinitely long load moves the
-whole half-plane infinitely far, so that only displacements relative to some other point have a
-meaning: here the points of the surface at the distance d from each load, whose mean is
-taken.
+and x²/r³, x y/r³ and y/r² contribute nothing. An infinitely long load moves the half-plane
+infinitely far, so that only displacements relative to some other point have a meaning: here the
+mean of the points of the surface at the distance d from each load.
 
 Source: Johnson, Contact Mechanics (1985), sections 2.2, 2.3 and 2.5, which take derivatives in x
 instead of a datum.

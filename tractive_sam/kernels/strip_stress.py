@@ -1,9 +1,9 @@
 """Stress inside a half-space under uniform traction on strips of its surface, infinitely long in y.
 
-The half-space is z >= 0, z points into the body; loads and signs are those of
-:mod:`tractive_sam.kernels.stress`. The stress of a strip is the difference between its two edges of
-functions that take a uniform traction to reach from an edge to +infinity. With x from the edge,
-r² = x² + z², t = atan(x/z), and up to constants, which fall out of the difference,
+The half-space is z >= 0, z points into the body; loads and signs are as in
+:mod:`tractive_sam.kernels.stress`. The stress of a strip is the difference, between its two edges,
+of the stress under a uniform traction from an edge to +infinity. With x from the edge, r² = x² +
+z², t = atan(x/z), and up to constants, which fall out of the difference,
 
 =====  =======================  =============  ===============
 load   sigma_xx                 sigma_zz       sigma_xz

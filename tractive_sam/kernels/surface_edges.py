@@ -1,10 +1,10 @@
-"""Stress at a surface where no mesh follows it: at the edge of the contact, and where stick ends.
+"""Stress at a surface that a mesh does not resolve: at the edges of contact and of stick.
 
-Towards the edge the pressure falls with the root of the distance, and so does the stress that it
-makes right below itself, -p across the edge and -2 nu p along it (plane strain). The rest is
-smooth: it is taken on to the edge along a straight line. Towards the end of stick the traction has
-a root on the side that sticks, the stress in the plane one on the side that slips (as in Carter's
-solution): each is taken on to it from its smooth side.
+Towards the edge the pressure falls with the root of the distance, and so does the stress right
+below it, -p across the edge and -2 nu p along it (plane strain). The rest is smooth and is
+extrapolated to the edge along a straight line. Towards the end of stick the traction has a root on
+the side that sticks, the stress in the plane one on the side that slips (as in Carter's solution):
+each is extrapolated from its smooth side.
 """
 
 import math
@@ -14,14 +14,14 @@ import numpy as np
 from tractive_sam.kernels.compiled import compiled
 
 FARTHEST = 2.0
-"""Most elements from a corner that all four elements touch to the edge of the contact, where that
-lies straight ahead; half of one less where it lies across a diagonal. An element is loaded about as
-soon as the edge has passed its centre, one and a half from the corner before: with no more than
-that, an edge that moves would come and go."""
+"""Most elements from a corner that all four elements touch to an edge of the contact straight
+ahead; half an element less if the edge lies across a diagonal. An element is loaded about as soon
+as the edge has passed its centre, one and a half from the corner before: with only 1.5, an edge
+that moves would come and go."""
 
 EVENLY = 1.0 - 1e-6
 """Slope towards the edge over that along it, from which a corner is taken: on a diagonal both are
-the same but for rounding."""
+equal except for rounding."""
 
 EVEN = 2.0
 """Most by which the slope of the square of the pressure may change from that corner to the next."""
@@ -30,10 +30,10 @@ WIDEST = 3
 """Most elements from a corner that slips to one that sticks."""
 
 ROOM = WIDEST + 1
-"""Corners beyond those of the elements that steps may lead to."""
+"""Corners outside the elements that steps may lead to."""
 
 UNLOADED, SLIPS, STICKS, BOTH = range(4)
-"""Kinds of corners: an element there is unloaded; all of them slip; all stick; some do either."""
+"""Kinds of corners: an element there is unloaded; all slip; all stick; some slip and some stick."""
 
 DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 
@@ -67,20 +67,20 @@ def stresses_at_loaded_corners(stress, kinds):
 def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
     """Return stresses at points of the edge of the contact and of the end of stick.
 
-    Of the edge from every loaded corner that has one neighbour, in x or in y, that is not, and
-    another one across from it that is: the square of the pressure is a straight line near the edge,
-    which ends there. Of the end of stick midway between a corner that slips and the next one that
-    sticks, in x or in y, where there are at most `WIDEST` steps between them and another one of the
-    same kind behind each.
+    Points of the edge start from a loaded corner with an unloaded neighbour, in x or in y, and a
+    loaded one across from it: near the edge the square of the pressure is a straight line, which is
+    zero there. Points of the end of stick lie midway between a corner that slips and the next one
+    that sticks, in x or in y, at most `WIDEST` steps apart and each with another corner of its kind
+    behind.
 
     Parameters
     ----------
     stress : ndarray, shape (bodies, 6, n_x - 1, n_y - 1), of strips (bodies, 6, n_x - 1, 1)
-        Those between the elements.
+        Stress at the corners between the elements.
     pressure : ndarray, shape (n_x, n_y)
-        On the elements; the bodies share it.
+        Pressure on the elements; the bodies share it.
     kinds : ndarray, shape (n_x - 1, n_y - 1), of strips (n_x - 1, 1)
-        Those of `kinds_of_corners`.
+        Kinds from `kinds_of_corners`.
     poisson : sequence of float
         Poisson's ratios.
     dx, dy : float

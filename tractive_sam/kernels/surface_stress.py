@@ -5,14 +5,14 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def displacement_product(out, spectra, even, odd):
-    """Convert spectra of tractions into those of displacements in the plane.
+    """Convert spectra of tractions into spectra of displacements in the plane.
 
     Parameters
     ----------
     out : ndarray of complex, shape (4, p_x, m)
-        Those of (u_x, u_y) by p_x and p_y, and of (u_x, u_y) by p_n.
+        Set to the spectra of (u_x, u_y) by p_x and p_y, and of (u_x, u_y) by p_n.
     spectra : ndarray of complex, shape (3, p_x, m)
-        Those of (p_x, p_y, p_n).
+        Spectra of (p_x, p_y, p_n).
     even : ndarray, shape (3, p_x, m)
         Spectra of the coefficients xx, xy and yy, which are real.
     odd : ndarray, shape (2, p_x, m)
@@ -56,7 +56,7 @@ def at_corners(out, displacement, tractions, signs, dx, dy, nu):
     p_x, p_y, p_n = tractions
     for i in range(nx):
         for j in range(ny):
-            k = min(j + 1, last)  # of strips the same: they do not change in y
+            k = min(j + 1, last)  # strips do not change in y
             x, y, n = _mean(p_x, i, j, k), _mean(p_y, i, j, k), _mean(p_n, i, j, k)
             xx, yy, xy = _strain(displacement[0], displacement[1], i, j, k, dx, dy)
             n_xx, n_yy, n_xy = _strain(displacement[2], displacement[3], i, j, k, dx, dy)

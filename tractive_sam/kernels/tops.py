@@ -22,15 +22,15 @@ SETTLED = 3e-4
 """A step that gains less than this part of the value is the last but one."""
 
 SAME = 0.3
-"""Ways nearer to each other than this share of the depth lead to the same top."""
+"""Paths nearer to each other than this share of the depth lead to one maximum."""
 
 STEEP = 1e-2
-"""Part of itself by which a value at the floor falls, over a fifth of the depth, away from the
-surface: beyond it no top lies below. Where one was found from there, it fell by a third of that at
-most (114 contacts of the twin discs)."""
+"""Relative fall of a value at the floor, over a fifth of the depth, away from the surface: if it
+falls by more, no maximum lies below. In 114 contacts of the twin discs the fall was at most a third
+of this whenever a maximum was found from there."""
 
 LOST, ENDED, GOES_ON = range(3)
-"""Fates of a way up: given up, at its top, or not there yet."""
+"""State of a search path: abandoned, converged, or running."""
 
 _AXES = np.eye(3)
 # 0, x_i, -x_i, x_j + x_k and -(x_j + x_k), for i = 1 to 3.
@@ -41,21 +41,21 @@ _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, -_AXES, 1.0 - _AXES, _AXES -
 def find_tops(values, above, below):
     """Find the local maxima of fields in a layer, and their approximate places between points.
 
-    Layers cover the same rectangle, each by equal steps in x and in y.
+    Layers cover one rectangle, each by equal steps in x and in y.
 
     Parameters
     ----------
     values : ndarray, shape (m, n_x, n_y)
-        Of the fields; only what is above 0 counts.
+        Values of the fields; only values above 0 count.
     above, below : ndarray, shape (m, k_x, k_y)
-        Those of the layers next to it; empty where there is none.
+        Values of the layers next to it; empty if there is none.
 
     Returns
     -------
     ndarray, shape (n, 5)
         For each maximum its field, its value, its place (i, j) in steps from the first point and
-        that between the layers, 0 in this one and 1 in the one below: where parabolas through the
-        values beside it have their tops.
+        the place between the layers, 0 in this one and 1 in the one below: the tops of parabolas
+        through the neighbouring values.
     """
     fields, nx, ny = values.shape
     # No two of them are neighbours.
@@ -119,25 +119,26 @@ def stencil(at):
 def climb(at, barred, best, values, of, highest, least, floor, first):
     """Take a Newton step towards the maxima of functions, on several paths.
 
-    To the top of the parabola through the values; uphill, where the function curves upwards; along
-    the floor where that bars the way.
+    The step leads to the top of the parabola through the values; uphill if the function curves
+    upwards; along the floor if the floor bars the path.
 
     Parameters
     ----------
     at : ndarray, shape (m, 3)
-        Where the ways are, and are then; the last coordinate is the depth.
+        Places of the paths, before and after; the last coordinate is the depth.
     barred : ndarray of bool, shape (m,)
-        Which ones the floor bars though they are low, by the step before; then by this one.
+        Paths that are low but barred by the floor, in the step before; set to the paths of this
+        step.
     best : ndarray, shape (k,)
-        The highest value of each function at which a way ended.
+        The highest value of each function at which a path ended.
     values : ndarray, shape (m, 13)
-        At the points of `stencil`. What the step gains is added to the first one.
+        Values at the points of `stencil`. The gain of the step is added to the first one.
     of : ndarray of int, shape (m,)
-        Which function it is.
+        Index of the function of each path.
     highest : ndarray, shape (m,)
-        What a way can reach: where another one has reached more it is given up.
+        Bound of the value that a path can reach: it is abandoned if another one has reached more.
     least : ndarray, shape (m,)
-        A way is low where the value is below this one.
+        A path is low if its value is below this.
     floor : float
         Least depth.
     first : bool
@@ -146,7 +147,7 @@ def climb(at, barred, best, values, of, highest, least, floor, first):
     Returns
     -------
     ndarray of int, shape (m,)
-        The fate of each.
+        The state of each path.
     """
     count = len(at)
     fates = np.empty(count, dtype=np.uint8)
@@ -154,7 +155,7 @@ def climb(at, barred, best, values, of, highest, least, floor, first):
         here, on_floor = values[m, 0], at[m, 2] <= floor
         gain = _step(at[m], values[m], floor)
         low, settled = on_floor and here < least[m], gain < SETTLED * here
-        stays = low and at[m, 2] <= floor  # beside the start the way down may be free
+        stays = low and at[m, 2] <= floor  # beside the start the path down may be free
         falls = first and values[m, 6] - values[m, 3] > STEEP * here
         if (low and falls) or (stays and (barred[m] or settled)):
             fates[m] = LOST
@@ -182,7 +183,7 @@ def last_steps(at, values, floor):
 
 @compiled(inner=True)
 def _follows(at, values, of, fates, m):
-    """Return whether a path with a higher value of the same function is near."""
+    """Return whether a path with a higher value of this function is near."""
     for k in range(len(at)):
         if fates[k] == GOES_ON and of[k] == of[m] and values[k, 0] > values[m, 0]:
             x, y, z = at[k, 0] - at[m, 0], at[k, 1] - at[m, 1], at[k, 2] - at[m, 2]

@@ -40,7 +40,7 @@ def chart(speed, pressure, borders, limit, coefficients):
     """Return Archard's coefficient by sliding speed, and pressure over hardness.
 
     Jendel (2002), Wear 253, 89-99: one regime below the first speed, one between both, one above;
-    another one at any speed where the pressure is beyond a limit.
+    a fourth at any speed if the pressure exceeds a limit.
 
     Parameters
     ----------

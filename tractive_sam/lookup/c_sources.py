@@ -60,6 +60,7 @@ def c_sources(table: CreepTable, name: str = "creep_forces") -> dict[str, str]:
 
 
 def _template(suffix: str) -> str:
+    """Return the text of the C template with a suffix, ".c" or ".h"."""
     return (files("tractive_sam.lookup") / f"law{suffix}").read_text(encoding="ascii")
 
 

@@ -140,7 +140,7 @@ class Coordinates:
 
     @property
     def points_of_slopes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Heading, tilt and u, shifted from rest and pure spin, where slopes are undefined."""
+        """Heading, tilt and u, shifted from rest and pure spin, at which slopes are undefined."""
         heading, tilt, u = self.points
         limit = 0.5 * np.pi - POLE
         return heading, np.minimum(np.maximum(tilt, -limit), limit), np.maximum(u, LEAST)
@@ -167,7 +167,7 @@ class Coordinates:
 
 
 def _directions(w: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return creepages with infinite ones replaced by their direction, and where this is."""
+    """Return creepages with infinite ones replaced by their direction, and their places."""
     if np.isnan(w).any():
         raise ValueError("creepages: nan; allowed: numbers")
     is_infinite = np.isinf(w)

@@ -66,6 +66,7 @@ class Forces:
 
     @cached_property
     def _at(self) -> Scaled:
+        """Scaled creepages at the point or points of these forces."""
         return self._table.scale(*self._arguments)
 
     @cached_property
@@ -126,7 +127,7 @@ class CreepTable:
     law : Hermite
         (Q_x, Q_y, M_z / c) / (mu P) over the axes `names`, heading, tilt and u.
     names : tuple of str
-        Axes besides those of creepages: "log_ratio", ln(a/b), and "poisson" in a table of any Hertz
+        Axes besides creepages: "log_ratio", ln(a/b), and "poisson" in a table of any Hertz
         contact, and user-defined axes.
     bars : ndarray, shape (n_1, ..., n_N, 3)
         Error bars of the contacts at the nodes.
@@ -135,7 +136,7 @@ class CreepTable:
     about : mapping
         Title, tolerance, versions and further attributes of the file.
     apart : tuple of str
-        Axes without interpolation, such as files of gaps.
+        Axes without interpolation, for example files of gaps.
     whole : bool
         Whether the table has all headings and tilts, without symmetries.
     contact : mapping of str to float, optional
@@ -187,6 +188,7 @@ class CreepTable:
         return f"{printable_text(f'CreepTable {self.title}'.rstrip())}\n\n{self.description!r}"
 
     def _repr_html_(self) -> str:
+        """Return the description of the table as HTML, for notebooks."""
         sections = self.description._repr_html_()
         return fill("<p><b>$title</b></p>$sections", title=self.title, sections=sections)
 

@@ -24,7 +24,7 @@ def describe_table(
     Parameters
     ----------
     axes : mapping of str to ndarray
-        Nodes along every axis, those of creepages last.
+        Nodes along every axis, creepages last.
     about, apart, whole, contact
         See the attributes of `CreepTable`.
     """

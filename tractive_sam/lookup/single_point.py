@@ -1,8 +1,8 @@
 """Evaluation of a creep-force table at one point, in Python numbers.
 
 With arrays of one point NumPy needs a microsecond for each of some hundred operations. This module
-does them with numbers, and only the sum over the nodes of a cell with arrays. Formulas and results
-are those of `CreepTable`; it returns no result for a point that needs more care (separated bodies,
+computes with numbers, and only the sum over the nodes of a cell with arrays. Formulas and results
+agree with `CreepTable`; it returns no result for a point that needs more care (separated bodies,
 infinite creepages, values outside the table), which `CreepTable` evaluates or refuses.
 """
 
@@ -49,7 +49,7 @@ class SinglePointLaw:
     law : Hermite
         The law.
     names : tuple of str
-        Axes besides those of creepages.
+        Axes besides creepages.
     apart : tuple of str
         Axes without interpolation.
     whole : bool
@@ -74,7 +74,7 @@ class SinglePointLaw:
         contact: tuple[float, float, float, float, float],
         along: Mapping[str, float],
     ) -> Point | None:
-        """Return the point of creepages and a contact; None where arrays must be used.
+        """Return the point of creepages and a contact; None if arrays must be used.
 
         Parameters
         ----------

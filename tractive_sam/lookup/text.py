@@ -10,7 +10,7 @@ from tractive_sam.lookup.coordinates import RATIO, creepages_at
 from tractive_sam.lookup.creep_table import CreepTable
 
 COLUMNS = ("w1", "w2", "w3", "qx", "qy", "mz", "bar_qx", "bar_qy", "bar_mz", "full")
-"""Columns after those of the axes other than creepages."""
+"""Columns after the columns of the axes other than creepages."""
 
 
 def columns_of(table: CreepTable) -> str:

@@ -1,7 +1,7 @@
 """Elastic bodies: displacement of their surfaces under the tractions between them.
 
-A contact problem needs nothing else of its bodies. User-defined bodies, such as coated half-spaces
-or a Winkler foundation, are subclasses of `Elasticity`.
+A contact problem needs nothing else of its bodies. User-defined bodies (coated half-spaces, a
+Winkler foundation) are subclasses of `Elasticity`.
 """
 
 from abc import ABC, abstractmethod
@@ -65,8 +65,8 @@ class Elasticity(Law, ABC):
         Parameters
         ----------
         component : str
-            One of "xx", "xy", "yy", "zz", "xz", "yz"; "xz" is u_x by p_z. The sign of z is that of
-            an axis that points into body A.
+            One of "xx", "xy", "yy", "zz", "xz", "yz"; "xz" is u_x by p_z. The z-axis points
+            into body A.
         offsets : (int, int)
             Shape of the table.
         dx, dy : float
@@ -128,7 +128,7 @@ class Elasticity(Law, ABC):
         return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
 
     def spanning(self, length: float) -> "Elasticity":
-        """Return the law for a mesh of a length in x, mm; by default the same law."""
+        """Return the law for a mesh of a length in x, mm; by default this law."""
         return self
 
     def single_body(self, body: str) -> "Elasticity":
@@ -152,8 +152,8 @@ class HalfSpaces(Elasticity):
     A subclass with other `coefficients` is not homogeneous: the stress in its bodies is known only
     if it defines `alone` as well.
 
-    Juliá & Rodríguez-Tembleque (2025), eqs. (43) and (45); the signs of the coupling terms are
-    those of a z-axis that points into body A.
+    Juliá & Rodríguez-Tembleque (2025), eqs. (43) and (45); the signs of the coupling terms belong
+    to a z-axis that points into body A.
 
     Parameters
     ----------
@@ -315,8 +315,8 @@ class Strips(HalfSpaces):
 class _ElementIntegrals:
     """Integrals over an element for all components and any material.
 
-    The table has as many offsets as were needed so far: the elements of a rectangle around the
-    contact are those of its mesh.
+    The table has as many offsets as were needed so far: a rectangle around the contact has the
+    elements of its mesh.
     """
 
     def __init__(self, dx: float, dy: float) -> None:

@@ -1,7 +1,7 @@
 """Friction that depends on sliding speed, temperature, lateral position and a strength.
 
-The coefficients are those at rest times a share, which is equal for both tribological axes, and the
-traction is limited by a strength:
+The coefficients are their values at rest times a share, which is equal for both tribological axes,
+and the traction is limited by a strength:
 
     ||p_t||_mu <= min(share(V |s|) factor(T) factor(y) p_n, strength / max(mu1, mu2)).
 
@@ -247,7 +247,7 @@ class FallingCoulomb(Coulomb):
         """
         if self.memory > 0.0 and self.strength < np.inf:
             raise ValueError(
-                "FallingCoulomb: a law with memory cannot have a strength in a transient"
+                "FallingCoulomb: a transient cannot have both memory and strength; omit one of them"
             )
         return FallingCoulombInStep(**vars(self), past=past) if self.memory > 0.0 else self
 
@@ -269,7 +269,7 @@ class FallingCoulomb(Coulomb):
             wrong = ~(share >= 0.0)
             raise ValueError(
                 f"{type(self.sliding).__name__}.at returned the share {share[wrong][0]:g} at "
-                f"{(self.speed * size)[wrong][0]:g} mm/s; a number of at least 0 is allowed"
+                f"{(self.speed * size)[wrong][0]:g} mm/s; allowed: at least 0"
             )
         kept = np.zeros_like(share)
         if self.memory > 0.0:
@@ -330,8 +330,8 @@ class FallingCoulomb(Coulomb):
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the share with memory, its derivative by the speed, and by the share ahead.
 
-        To second order the memory over an element is that of a constant speed, exp(-slid/d_c); to
-        first order it is that of an implicit step.
+        To second order the memory over an element follows from a constant speed, exp(-slid/d_c); to
+        first order from an implicit step.
         """
         kept, by_kept = self._kept(size, float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0, second)
         share, ahead = np.empty_like(target), np.empty_like(target)

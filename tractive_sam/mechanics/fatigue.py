@@ -338,9 +338,10 @@ class VolumeLife(Law):
 
     ln(1/S) = constant N^slope integral of (tau - limit)^c / z^h dV. Without a limit and with the
     amplitude of the orthogonal shear stress this is the theory of Lundberg & Palmgren (Acta
-    Polytechnica 7, 1947), with the limit of a criterion that of Ioannides & Harris (J. Tribol. 107,
-    1985, 367). The life is proportional to the load to the power -(c - h + 2)/(3 slope) = -3 for a
-    point contact, and with slope 9/8 to -(c - h + 1)/(2 slope) = -4 for a line contact.
+    Polytechnica 7, 1947), with the limit of a criterion the theory of Ioannides & Harris (J.
+    Tribol. 107, 1985, 367). The life is proportional to the load to the power -(c - h + 2)/(3
+    slope) = -3 for a point contact, and with slope 9/8 to -(c - h + 1)/(2 slope) = -4 for a line
+    contact.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 Friction coefficients mu1, mu2 belong to the tribological axes e1, e2, which are turned by an angle
 counter-clockwise from x, y. With F = M R, M = diag(mu1, mu2) and R the rotation, tractions and slip
-become p~ = F^-T p_t and s~ = F s. They do the same work, p~ . s~ = p_t . s, and the ellipse of
+become p~ = F^-T p_t and s~ = F s. Their work does not change, p~ . s~ = p_t . s, and the ellipse of
 tractions that friction allows becomes a disc.
 """
 

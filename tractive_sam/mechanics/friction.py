@@ -90,7 +90,7 @@ class Slope(ShortArrays):
 
 @dataclass(frozen=True, eq=False)
 class PreviousShare:
-    """Shares of particles before a step of a transient, on the elements where the step ends.
+    """Shares of particles before a step of a transient, on the elements at the end of the step.
 
     Attributes
     ----------
@@ -175,7 +175,7 @@ class FrictionLaw(Law, ABC):
         return self
 
     def on_rows(self, y: np.ndarray) -> "FrictionLaw":
-        """Return the law for a mesh with rows at y, mm; by default the same law."""
+        """Return the law for a mesh with rows at y, mm; by default this law."""
         return self
 
     def weakened(self, factor: float) -> "FrictionLaw":
@@ -183,7 +183,7 @@ class FrictionLaw(Law, ABC):
         return self if factor == 1.0 else ScaledFriction(self, factor)
 
     def with_previous(self, past: "PreviousShare") -> "FrictionLaw":
-        """Return the law for a step after other steps; by default the same law."""
+        """Return the law for a step after other steps; by default this law."""
         return self
 
     def project(
@@ -198,7 +198,7 @@ class FrictionLaw(Law, ABC):
         radius : ndarray, shape (n_x, n_y)
             Bound.
         physical : bool
-            Whether distances are those of unscaled tractions. Scaling stretches the weaker axis:
+            Whether distances belong to unscaled tractions. Scaling stretches the weaker axis:
             scaled steps are too long if mu1 and mu2 differ much.
         """
         out = np.empty_like(traction)
@@ -367,8 +367,8 @@ class Linearisation:
     An element is open, sticks or slips. The equations of Newton's method are: the slip of a stick
     element is zero; the traction of an open element is zero. A slip element moves to the edge of
     the disc along n, the direction of its traction; along the tangent t its equation is
-    kappa t.s + (1 - kappa) t.p, between slip (just at the bound) and traction (far beyond it, where
-    only the direction is unknown).
+    kappa t.s + (1 - kappa) t.p, between slip (just at the bound) and traction (far beyond it, with
+    only the direction unknown).
 
     Attributes
     ----------
@@ -412,7 +412,7 @@ class Linearisation:
         Parameters
         ----------
         step, slip, out : ndarray, shape (2, n_x, n_y)
-            The slip is that of the leading faces, see `FrictionLaw.linearise`; the step does not
+            The slip is taken at the leading faces, see `FrictionLaw.linearise`; the step does not
             include the change by the pressure.
         """
         friction.tangent_row(
@@ -439,10 +439,10 @@ class Linearisation:
         """Return a step that nearly solves the equations, by an upwind sweep.
 
         D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum
-        from the leading edge, where the traction is zero. This is sufficient in stick elements. The
-        equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction, which
-        may be much larger: the right-hand side is divided between both in proportion, and the sum
-        includes gamma implicitly.
+        from the leading edge, at which the traction is zero. This is sufficient in stick elements.
+        The equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction,
+        which may be much larger: the right-hand side is divided between both in proportion, and the
+        sum includes gamma implicitly.
 
         Parameters
         ----------

@@ -9,7 +9,7 @@ from tractive_sam.mechanics.elasticity import Elasticity
 
 @dataclass(frozen=True)
 class InterfacialLayer(Elasticity):
-    """Bodies with an interfacial layer, whose shear displacement is compliance times traction.
+    """Bodies with an interfacial layer: its shear displacement is compliance times traction.
 
     A layer of the thickness h and the shear modulus G3 has the compliance L = h/G3 (the third body
     of Vollebregt 2014, Wear 314, 151-157). It adds L dp_t/dx to the slip and reduces the initial

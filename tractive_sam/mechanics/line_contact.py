@@ -92,7 +92,7 @@ def hertz_line(
     radius : float
         Combined radius R, mm.
     load_per_length : float, optional
-        Normal load per unit length P', N/mm. Give either this or `pressure`.
+        Normal load per unit length P', N/mm. Give this or `pressure`.
     pressure : float, optional
         Peak pressure p0, MPa.
 

@@ -58,8 +58,8 @@ class CombinedMaterial:
     poisson : float
         Combined Poisson's ratio nu.
     coupling : float
-        K, what ties the normal problem to the tangential one; 0 for equal materials, positive
-        where the upper body A is the more compliant one.
+        K, which couples the normal to the tangential problem; 0 for equal materials, positive if
+        the upper body A is the more compliant one.
 
     Examples
     --------

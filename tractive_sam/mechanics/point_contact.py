@@ -18,7 +18,7 @@ class HertzContact:
     Parameters
     ----------
     a, b : float
-        Semi-axes of the contact ellipse in x and in y, mm; either may be the longer one.
+        Semi-axes of the contact ellipse in x and in y, mm; a may be the shorter one.
     p0 : float
         Peak contact pressure, MPa.
     approach : float
@@ -132,7 +132,7 @@ def hertz(
         raise ValueError("give exactly one of load, approach and pressure")
     _require_positive(e_star=e_star, radius_x=radius_x, radius_y=radius_y)
     ratio = _axis_ratio(radius_x, radius_y)
-    # Everything below for an ellipse of the same shape with a b = 1; it scales with c = sqrt(a b).
+    # Everything below for a similar ellipse with a b = 1; it scales with c = sqrt(a b).
     (depth, across), (_, along) = _integrals(ratio, 1 / ratio), _integrals(1 / ratio, ratio)
     bend = (along + across) / 3
     curvature = (1 / radius_x + 1 / radius_y) / 2

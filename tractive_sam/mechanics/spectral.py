@@ -1,14 +1,13 @@
 """Coated and graded half-spaces, defined by their response at wave numbers.
 
-The response c(k) is that of the surface material for short waves, and that of the material far
-below for long waves. With the responses c_s and c_f of homogeneous half-spaces of these materials,
-it is split into
+Short waves respond like the surface material, long waves like the material far below. With the
+responses c_s and c_f of homogeneous half-spaces of these materials, the response c(k) is split into
 
     c = c_s + (c_f - c_s) exp(-k d) + g.
 
-The influence coefficients of the first term are those of `HalfSpaces`. The second term is smooth:
-it is the displacement at a height d (Boussinesq and Cerruti) in closed form. The remainder g
-decreases fast with the wave number and with the distance, and is integrated over the wave numbers.
+`HalfSpaces` has the influence coefficients of the first term. The second term is smooth: it is the
+displacement at a height d (Boussinesq and Cerruti) in closed form. The remainder g decreases fast
+with the wave number and with the distance, and is integrated over the wave numbers.
 """
 
 from abc import abstractmethod
@@ -31,7 +30,7 @@ class SpectralHalfSpaces(HalfSpaces):
     A, B : Material
         The materials far below the surface.
     length : float
-        Depth over which the material changes, mm, such as the thickness of a coating.
+        Depth over which the material changes, mm, for example the thickness of a coating.
 
     Examples
     --------

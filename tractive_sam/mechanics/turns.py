@@ -71,7 +71,7 @@ class Turns:
     def worn(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Return the mean worn depth of a body over its circumference, mm; parameters as in `next`.
 
-        Both bodies roll the same distance: their volumes are proportional to their shares. 0 for a
+        Both bodies roll an equal distance: their volumes are proportional to their shares. 0 for a
         flat body.
         """
         return self.share_of_entering(body) * self.next(entering, leaving)
@@ -79,7 +79,7 @@ class Turns:
     def of_body(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Return the depth of a body behind the contact, mm; parameters as in `next`.
 
-        A flat body passes the contact only once: its depth is that of a single pass.
+        A flat body passes the contact only once: its depth is the wear of a single pass.
         """
         returning = self.per_count[body] / self.gain
         return self.share[body] * (leaving + (returning - 1.0) * entering)

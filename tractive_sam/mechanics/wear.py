@@ -69,7 +69,7 @@ class WearLaw(Law, ABC):
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
 
-        The parameters are those of `rate`. The default is that of a law proportional to both.
+        Parameters as in `rate`. The default holds for a law proportional to both.
         """
         touching = pressure > 0.0
         share = traction / np.where(touching, pressure, 1.0)
@@ -80,8 +80,8 @@ class WearLaw(Law, ABC):
     ) -> np.ndarray | None:
         """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
 
-        The parameters are those of `rate`. None, the default: the shares of the scene, from
-        hardness or coefficients, hold everywhere.
+        Parameters as in `rate`. None, the default: the shares of the scene, from hardness or
+        coefficients, hold everywhere.
         """
         return None
 
@@ -106,19 +106,19 @@ class WearLaw(Law, ABC):
         return parts[:, None, :] * self.rate(pressure, traction, slip)
 
     def on(self, element_area: float) -> "WearLaw":
-        """Return the law for elements of an area, mm²; by default the same law."""
+        """Return the law for elements of an area, mm²; by default this law."""
         return self
 
     def weakened(self, factor: float) -> "WearLaw":
-        """Return the law with friction times a factor; by default the same law."""
+        """Return the law with friction times a factor; by default this law."""
         return self
 
     def with_friction(self, friction: FrictionLaw) -> "WearLaw":
-        """Return the law with another friction law; by default the same law."""
+        """Return the law with another friction law; by default this law."""
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
-        """Return the law at a worn depth, a revolution and a temperature; by default the same law.
+        """Return the law at a worn depth, a revolution and a temperature; by default this law.
 
         Running-in is an example. The dependence must be smooth: adaptive stepping extrapolates the
         rate.
@@ -126,7 +126,7 @@ class WearLaw(Law, ABC):
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Describe conditions beyond those of the tests of the coefficients; empty if within."""
+        """Describe conditions beyond the tests of the coefficients; empty if within."""
         return ""
 
     def depth(
@@ -275,7 +275,7 @@ class ArchardByWork(WearLaw):
     angle : float
         Angle beta of the first axis, counter-clockwise from x, radians.
     friction : FallingCoulomb, optional
-        Falling friction: with lower friction the same work needs a longer sliding distance.
+        Falling friction: with lower friction an equal work needs a longer sliding distance.
     length : float
         Length of an element along x, mm, over which a memory of friction fades; 0: without memory.
     """
@@ -300,7 +300,7 @@ class ArchardByWork(WearLaw):
         return rate / self.friction.friction_factor(pressure, slip, self.length)
 
     def weakened(self, factor: float) -> "ArchardByWork":
-        """See `WearLaw.weakened`; the same work needs a longer sliding distance."""
+        """Return the law with friction times a factor; less friction slides farther for a work."""
         if self.friction is not None:
             return replace(self, friction=self.friction.weakened(factor))
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))

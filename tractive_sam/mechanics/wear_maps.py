@@ -34,8 +34,8 @@ class TGammaPerArea(WearLaw):
     density : float
         Density of the body that wears, kg/m³.
     total : bool
-        Whether T-gamma/A is that of the contact, whose wear is then distributed in proportion to
-        the work of each element; otherwise each element has its T-gamma/A.
+        Whether T-gamma/A is taken of the contact, and its wear is distributed in proportion to the
+        work of each element; otherwise each element has its T-gamma/A.
     """
 
     regimes: Regimes

@@ -1,15 +1,15 @@
-"""Advection: where a particle was before a step, and what it brings from there.
+"""Advection: the place of a particle before a step, and the values that it brings from there.
 
 A particle at x was at x + d before a step of the distance d. Fields are known at nodes only: of
 d = (m + f) dx the part f of an element is interpolated.
 
 **Interpolation that keeps a steady state.** With the differences d_k of the displacements from node
 to node, and the node m ahead as the origin, the parabola through the nodes 0, 1 and 2 makes of the
-slip f (d_0 + (1 - f)/2 (d_0 - d_1)): where the faces 0 and 1 slip by as much as the rigid bodies
-do, so does the particle. So the steady solution is a fixed point for any d up to dx, wherever two
-neighbours stick. A parabola on the side that material comes from damps odd-even waves (Warming &
-Beam 1976, AIAA J. 14, 1241-1249), and its error goes with dx². Wherever one of its nodes is out of
-contact the interpolation is a straight line.
+slip f (d_0 + (1 - f)/2 (d_0 - d_1)). If the faces 0 and 1 slip by as much as the rigid bodies do,
+so does the particle. So the steady solution is a fixed point for any d up to dx, in every pair of
+neighbours that stick. A parabola on the side that material comes from damps odd-even waves (Warming
+& Beam 1976, AIAA J. 14, 1241-1249), and its error is proportional to dx². If one of its nodes is
+out of contact, the interpolation is a straight line.
 """
 
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ class Advection:
     Attributes
     ----------
     elements : int
-        m, whole elements.
+        m, the number of full elements.
     part : float
-        f, of one more, from 0 to 1.
+        f, the fraction of a further element, from 0 to 1.
     """
 
     elements: int
@@ -39,9 +39,10 @@ class Advection:
         Parameters
         ----------
         distance : float
-            The distance.
+            Distance of the step, in elements.
         rounding : float
-            Part of an element by which it may differ from whole ones; knots move by half of it.
+            A distance within this part of an element of a full number is rounded; knots move by
+            half of it.
         """
         whole = round(distance)
         if abs(distance - whole) <= rounding:
@@ -62,8 +63,8 @@ class Advection:
     def middle(self, parabola: np.ndarray) -> np.ndarray:
         """Return the distance from particles to the middle of their path, in elements.
 
-        Spin makes the rigid slip linear along the path, so that its mean is that in the middle.
-        Where the path is interpolated by a straight line, so is the rigid slip on it.
+        Spin makes the rigid slip linear along the path, so that its mean is its value in the
+        middle. On a path that is interpolated by a straight line the rigid slip is so, too.
 
         Parameters
         ----------
@@ -74,14 +75,14 @@ class Advection:
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
 
     def before(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
-        """Return values a step before at the places where the particles of the nodes were.
+        """Return values of a step before at the former places of the particles of the nodes.
 
         Parameters
         ----------
         nodes : ndarray, shape (..., n_x + reach, n_y)
             Values at nodes.
         parabola : ndarray of bool, shape (n_x, n_y)
-            Particles whose values lie on a parabola, of others on a straight line.
+            True for particles with values on a parabola, False for values on a straight line.
         """
         f, count = self.part, parabola.shape[0]
         here, ahead, beyond = (
@@ -106,8 +107,8 @@ class Advection:
         Returns
         -------
         ndarray, shape (..., n_x + reach, n_y)
-            At the nodes before the step: the sum of the products with any nodal field is that of
-            `values` with the field at the places where the particles were.
+            Values at the nodes before the step. Their scalar product with any nodal field equals
+            the product of `values` with the field at the former places of the particles.
         """
         f, count = self.part, values.shape[-2]
         nodes = np.zeros((*values.shape[:-2], count + self.reach, values.shape[-1]))
@@ -132,16 +133,16 @@ class Advection:
         return (1.0 - self.part) * here + self.part * behind
 
     def carried(self, nodes: np.ndarray) -> np.ndarray:
-        """Return depths that move with the material: none negative, and of the same sum.
+        """Return depths that move with the material: none is negative, the sum does not change.
 
-        Of parts of an element as the flux from node to node, by slopes that make no new extremes
-        (van Leer 1974, J. Comput. Phys. 14, 361-370): of second order, like the parabola, where it
-        is smooth.
+        A part of an element moves as a flux from node to node, with slopes that make no new
+        extremes (van Leer 1974, J. Comput. Phys. 14, 361-370). Like the parabola it is of second
+        order for smooth depths.
 
         Parameters
         ----------
         nodes : ndarray, shape (..., n_x, n_y)
-            At nodes a step before; new particles come in with nothing.
+            Depths at nodes a step before; new particles enter with zero.
 
         Returns
         -------

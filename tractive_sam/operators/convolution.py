@@ -24,12 +24,13 @@ class Convolution:
     shape : tuple of int
         Mesh (n_x, n_y).
     padded : tuple of int
-        Periods (p_x, p_y); where they are shorter than 2 n - 1 the convolution is cyclic.
+        Periods (p_x, p_y); if they are shorter than 2 n - 1 the convolution is cyclic.
 
     Attributes
     ----------
     applications : int
-        How often the operator was applied; the machine-independent measure of cost.
+        Number of applications of the operator, a measure of cost that does not depend on the
+        machine.
     """
 
     def __init__(

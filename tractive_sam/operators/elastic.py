@@ -38,7 +38,7 @@ class Operators:
     elasticity : Elasticity
         The bodies.
     gap, slip : float
-        Units of gap and of slip over that of pressure, g*/p*, mm/MPa, and s*/p*, 1/MPa.
+        Units of gap and of slip over the unit of pressure, g*/p*, mm/MPa, and s*/p*, 1/MPa.
     frame : Frame
         Scaled tribological frame.
     """
@@ -58,12 +58,12 @@ class Operators:
         self.frame = frame or Frame()
 
     def on(self, lattice: Lattice) -> "Operators":
-        """Return the operators of the same bodies and units on another mesh."""
+        """Return the operators of these bodies and units on another mesh."""
         return Operators(lattice, self.elasticity, *self._units, self.frame)
 
     @cached_property
     def coarsened(self) -> "Operators":
-        """Operators of the same bodies and units on elements of twice the size."""
+        """Operators of these bodies and units on elements of twice the size."""
         return self.on(self.lattice.coarsened())
 
     @cached_property

@@ -24,8 +24,8 @@ PLANNING_SECONDS = 10.0
 def fast_length(n: int) -> int:
     """Return an even length of at least n that FFTW transforms fast.
 
-    A multiple of eight where one is near: along x FFTW takes neighbouring columns at once, and a
-    length of 126 takes it three times as long as one of 128.
+    It is a multiple of eight if one is near: along x FFTW transforms neighbouring columns together,
+    and a length of 126 takes three times as long as 128.
     """
     two, eight = (k * pyfftw.next_fast_len(-(-n // k)) for k in (2, 8))
     return eight if eight <= 1.03 * two else two
@@ -164,17 +164,17 @@ if hasattr(os, "register_at_fork"):
 
 
 class PlanCache(Generic[Plan]):
-    """Plans of each thread of the process, made when first called and found again by arguments.
+    """Plans of each thread of the process, made at the first call and found again by arguments.
 
-    A plan owns the arrays that it works on, so that threads cannot share it. As all that computes
-    recalls one again and again, here is where a program that was asked to stop does.
+    A plan owns the arrays that it works on, so that threads cannot share it. Every computation
+    requests plans often, so a program that received a signal stops here.
 
     Parameters
     ----------
     make : callable
-        Plans; its arguments are hashable.
+        Function that makes a plan; its arguments are hashable.
     most : int
-        How many are remembered, over all threads.
+        Number of plans stored, over all threads.
     """
 
     def __init__(self, make: Callable[..., Plan], most: int) -> None:

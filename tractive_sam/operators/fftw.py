@@ -1,8 +1,8 @@
-"""pyfftw, without all that it loads for others.
+"""pyfftw without its interfaces to other packages.
 
-It imports its interfaces for dask and scipy, and with them, where they are installed, dask, xarray
-and pandas: that takes three times as long as FFTW itself. Here they are loaded when first used.
-Without pyfftw the transforms are those of SciPy.
+pyfftw imports interfaces to dask and scipy, and with them dask, xarray and pandas if they are
+installed, which takes three times as long as FFTW itself. Here they are loaded when first used.
+Without pyfftw SciPy computes the transforms.
 """
 
 import sys

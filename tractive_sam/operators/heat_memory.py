@@ -65,14 +65,14 @@ class Exponentials:
 class HeatMemory:
     """Fluxes into a body, step by step -> temperature of its surface by all earlier steps.
 
-    Material enters the mesh cold, and what has left it is forgotten, but for a margin that conducts
-    back. What is beyond it would warm the mesh by less than 1e-3 of the largest rise, where half
-    the mesh has a Peclet number of 0.5 or more.
+    Material enters the mesh cold. Material that has left it is dropped, except in a margin that
+    conducts heat back. Beyond the margin it would warm the mesh by less than 1e-3 of the largest
+    rise, if half the mesh has a Peclet number of 0.5 or more.
 
     Parameters
     ----------
     grid : Grid
-        The mesh; of a line contact one row, infinitely long in y.
+        The mesh; one row, infinitely long in y, for a line contact.
     speed : float
         V, mm/s; above 0.
     kappa : float
@@ -80,15 +80,15 @@ class HeatMemory:
     lam : float
         Conductivity, W/(m K).
     shortest : float
-        Lag, in times to roll one element, from which on its root is right.
+        Lag, in times to roll one element, from which on its root is accurate.
     margin : float
-        Width of the margin, in kappa/V: upstream, heat falls by e over one. Of two directions half
-        of that, as heat falls with the distance, too.
+        Width of the margin, in kappa/V: upstream, heat falls by e over this length. On a mesh in
+        two directions the width is half as large, as heat also falls with the distance.
     widest : float
-        Its width at most, in half lengths of the mesh; of two directions half of that.
+        Largest width of the margin, in half lengths of the mesh; half as large in two directions.
     fading : int
-        Elements over which heat fades out at the ends of the margin: a sudden end would ring where
-        a step is not of whole elements.
+        Elements over which heat fades out at the ends of the margin: a sudden end would ring if a
+        step is not a multiple of the element.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class HeatMemory:
         return past
 
     def adopt(self, past: np.ndarray) -> np.ndarray:
-        """Return the fields of a narrower mesh of the same elements on this one.
+        """Return the fields of a narrower mesh with equal elements on this one.
 
         A wider mesh may have slower rates. As all lags so far are short for these, exp(-r tau) is
         linear between the slowest rate before and none.
@@ -181,7 +181,7 @@ class HeatMemory:
     def waves(self, periods: tuple[int, int]) -> np.ndarray:
         """Return kappa |k|² - i V k_x of the waves of a transform, 1/s.
 
-        The shape is (p_x, p_y/2 + 1); (p_x, 1) of a line contact, where it is the same in all.
+        The shape is (p_x, p_y/2 + 1), and (p_x, 1) for a line contact, which has no waves in y.
         """
         along = 2.0 * np.pi * np.fft.fftfreq(periods[0], self.grid.dx)[:, None]
         squares = along**2
@@ -200,18 +200,18 @@ class HeatStep:
     Parameters
     ----------
     memory : HeatMemory
-        Of the body.
+        Heat memory of the body.
     past : ndarray
-        Its fields before the step.
+        Fields of the body before the step.
     time : float
-        Time that the step takes, s.
+        Duration of the step, s.
 
     Attributes
     ----------
     rise : ndarray, shape (elements in x, elements in y)
-        Temperature at the end of the step by all that was given off before it, K, with the margin.
+        Temperature rise at the end of the step by the heat released before it, K, with the margin.
     temperature : ndarray, shape (n_x, n_y)
-        The same on the mesh.
+        This rise on the mesh, without the margin.
     """
 
     def __init__(self, memory: HeatMemory, past: np.ndarray, time: float):

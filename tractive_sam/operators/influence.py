@@ -30,7 +30,7 @@ class Lattice:
     dy: float
 
     def with_shape(self, shape: tuple[int, int]) -> "Lattice":
-        """Return a lattice with the same element sizes and another number of elements."""
+        """Return a lattice with these element sizes and another number of elements."""
         return replace(self, shape=shape)
 
     @property

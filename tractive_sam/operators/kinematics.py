@@ -11,20 +11,20 @@ step the unknown tractions enter by A itself, symmetric and positive definite, s
 solution for any d, and what the particles were displaced before belongs to W
 (`operators.advection`).
 
-**When a step is steady.** For d = dx the steady solution of either stencil (`operators.stencil`) is
+**When a step is steady.** For d = dx the steady solution of both stencils (`operators.stencil`) is
 a fixed point: u(x) - u(x + dx) is its slip -du/dx dx.
 
 **Entering the contact.** A particle that was out of contact before is held from the moment at which
-its gap has closed. As in the steady state, what it slipped till then is -share x gap: near the edge
-the tractions are a smooth share of the pressure, and so are their displacements, which differ by
-the gap there from a smooth course. Interpolated in the same way, both match at any d. Upwind slip
-holds a particle from the first node ahead of the contact on, as in steps of one element: it slips
-by -share x (gap less the gap at that node), which is nothing in steps up to one element.
+its gap has closed. As in the steady state, its slip until then is -share x gap: near the edge the
+tractions are a smooth share of the pressure, and so are their displacements, which differ by the
+gap there from a smooth course. Both are interpolated alike and so match at any d. Upwind slip holds
+a particle from the first node ahead of the contact on, as in steps of one element: its slip is
+-share x (gap less the gap at that node), which is zero in steps up to one element.
 
-**Where slip points.** The mean slip of the path belongs to its middle, d/2 ahead of the particle;
+**Direction of slip.** The mean slip of the path belongs to its middle, d/2 ahead of the particle;
 it is turned back to the particle's place (`kernels.friction.turn`), by half an element at most.
-From farther, the turned slip depends less on the element's own traction than on that of its
-neighbours, and where slip reverses a step may have no solution.
+Turned from farther, the slip depends less on the traction of the element than on its neighbours,
+and a step in which slip reverses may have no solution.
 """
 
 from abc import ABC, abstractmethod
@@ -49,7 +49,7 @@ class Kinematics(ABC):
     Attributes
     ----------
     stencil : Stencil
-        Where the slip of an element is taken.
+        Place in an element at which its slip is taken.
     """
 
     stencil: Stencil = UPWIND
@@ -204,10 +204,10 @@ class RollingStep(Kinematics):
         return partial(found, inverse=operators.tangential_inverse)
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
-        """See `Kinematics.slip_weight`: the smaller, the more elements displace each other.
+        """Return the weight of slip, small if elements displace each other (`Kinematics`).
 
-        Slip is displacement here. Counted in full, a step from rest is taken to slip everywhere,
-        and where all tractions at their bound displace much too far, back again in the next.
+        Slip is displacement here. With its full weight a step from rest would slip everywhere; if
+        all tractions at their bound displace much too far, the next iteration would return.
         """
         along = int(np.count_nonzero((radius > 0.0).any(axis=1)))
         first, _, second = operators.self_displacement

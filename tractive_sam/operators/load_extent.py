@@ -1,10 +1,10 @@
-"""Where a load is, and how far it reaches: all that decides the length of a transform."""
+"""Position and extent of a load, which decide the length of a transform."""
 
 import numpy as np
 
 
 def extent(occupied: np.ndarray) -> slice:
-    """Return the slice from the first to the last occupied place; that of the first if none is."""
+    """Return the slice from the first to the last occupied place; one place if none is occupied."""
     where = np.flatnonzero(occupied)
     return slice(where[0], where[-1] + 1) if where.size else slice(0, 1)
 

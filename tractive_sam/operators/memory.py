@@ -9,11 +9,11 @@ from types import ModuleType
 resource: ModuleType | None
 try:
     import resource
-except ImportError:  # no such limits on this system
+except ImportError:  # this system has no limits
     resource = None
 
 GROUPS = Path("/sys/fs/cgroup")
-"""Folder in which Linux stores the limits of control groups, such as containers or batch jobs."""
+"""Folder in which Linux stores the limits of control groups (containers, batch jobs)."""
 
 
 def available_memory() -> float:
@@ -54,11 +54,11 @@ def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
     """Return the memory left to one control group, bytes."""
     try:
         most, used = (float((group / name).read_text()) for name in (limit, usage))
-    except (OSError, ValueError):  # no such group, or "max"
+    except (OSError, ValueError):  # no control group, or "max"
         return math.inf
     with suppress(OSError, ValueError):
         stat = dict(line.split() for line in (group / "memory.stat").read_text().splitlines())
-        used -= float(stat.get(cache, 0.0))  # is given back where memory is wanted
+        used -= float(stat.get(cache, 0.0))  # the system frees the cache when it needs memory
     return most - used
 
 

@@ -1,7 +1,7 @@
 """Transforms of SciPy behind the names of pyfftw that this package uses.
 
-They take the place of FFTW where pyfftw cannot be imported, for example because there is no build
-of it for a machine. Results agree to rounding; see benchmarks/transforms.py for the time.
+They replace FFTW if pyfftw cannot be imported, for example because a machine has no build of it.
+Results agree to rounding; see benchmarks/transforms.py for the time.
 """
 
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The slip stencil: where the slip of an element is taken, and all that follows from it.
+"""The slip stencil: the place in an element at which slip is taken, and what follows from it.
 
 Tractions belong to the centres of the elements, -du/dx by the difference of two neighbouring
 centres to the face between them: the leading face of the one element and the trailing face of the
@@ -68,13 +68,14 @@ class Stencil:
     def at_centres(self, slip: np.ndarray) -> np.ndarray:
         """Return the slip at the centres, for wear and dissipation, from the leading faces.
 
-        By the mean of both faces frictional work and energy law agree to rounding: the elastic part
-        of it is a central difference, whose work on the tractions is zero by antisymmetry.
+        With the mean of both faces frictional work and energy law agree to rounding: the elastic
+        part of the mean is a central difference, and its work on the tractions is zero by
+        antisymmetry.
 
         Parameters
         ----------
         slip : ndarray, shape (2, n_x, n_y)
-            Slip of the leading faces; the elements at index 0 keep it.
+            Slip of the leading faces; elements at index 0 have no face behind and retain it.
         """
         if not self.staggered:
             return slip
@@ -100,8 +101,9 @@ class Stencil:
 def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:
     """Return the angles from x of the outward normals at leading elements (i, j), shape (m,).
 
-    Down the gradient of the squared pressure, which falls linearly to a smooth edge. Where the
-    pressure does not fall towards the edge, as if it fell a little: so it stays continuous.
+    The normal points down the gradient of the squared pressure, which falls linearly to a smooth
+    edge. A pressure that does not fall towards the edge counts as falling a little, so that the
+    angle stays continuous.
 
     Parameters
     ----------
@@ -134,9 +136,9 @@ def edge_turning(
 
 
 def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return the distance from the edge to the centre ahead over that from the leading element.
+    """Return the ratio of distances from the edge: to the centre ahead, and to the leading element.
 
-    The edge is where the squared pressure, linear from the element behind on, is zero.
+    At the edge the squared pressure, linear from the element behind on, is zero.
     """
     here, behind, _, _ = _around(bound, i, j) ** 2
     # Zero lies t = here/(behind - here) elements ahead of the centre, so that it is (1 - t)/t.
@@ -161,13 +163,13 @@ def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
 
 class FrictionSlip:
-    """The slip in the friction law, from that of the leading faces, under a pressure.
+    """The slip in the friction law, from the slip of the leading faces, under a pressure.
 
     Parameters
     ----------
     staggered : float
-        How many half elements the faces are ahead of the centres to which the slip is turned back;
-        0, of `UPWIND`: not at all.
+        Distance of the faces ahead of the centres to which the slip is turned back, in half
+        elements; 0, of `UPWIND`: the slip is not turned.
     bound, gap : ndarray, shape (n_x, n_y)
         Pressure and gap.
     leading, parted : tuple of ndarray of int, shape (m,)
@@ -176,12 +178,12 @@ class FrictionSlip:
     aspect : float
         dx/dy.
     opening : callable
-        What the face ahead slips by a unit of gap there, over the share of the bound, by the angle
-        of an edge, shape (m,) to (m, 2, 2).
+        Slip of the face ahead per unit of gap there, over the share of the bound, as a function of
+        the angle of an edge, shape (m,) to (m, 2, 2).
     layer : ndarray, shape (2, 2), optional
-        What an interfacial layer slips by over an element, by the traction that it gains there.
+        Slip of an interfacial layer over an element per unit of the traction gained there.
     gap_changes : bool
-        Whether the gap changes with the tractions sought; in a step it is that before.
+        Whether the gap changes with the tractions sought; a step uses the gap before it.
     """
 
     def __init__(
@@ -264,7 +266,7 @@ class FrictionSlip:
     ) -> np.ndarray:
         """Return the change of `sticking` if pressure and gap change as well.
 
-        The elements that lead are taken to remain the same.
+        The set of leading elements is assumed not to change.
 
         Parameters
         ----------
@@ -287,8 +289,8 @@ class FrictionSlip:
         shifted -= share * pressed
         sheared = change[1:][:, *self._here]
         changed = self._leading(slip, self._gap * shifted + share * widened, sheared)
-        # The edge turns with the pressure around it, and with it the opening; and the divisor
-        # changes, which matters where a leading element slips.
+        # The edge turns with the pressure around it, and with it the opening. The divisor changes,
+        # too, which matters if a leading element slips.
         i, j = self._here
         angle = edge_turning(self.bound, change[0], i, j, self._aspect)
         turned = self._turned * angle[:, None, None]
@@ -315,9 +317,9 @@ class FrictionSlip:
         slip, traction : ndarray
             As for `sticking`.
         by : ndarray, shape (2,)
-            Relative change of the two axes.
+            Relative change of both axes.
         unit : float
-            That of the unit of slip.
+            Relative change of the unit of slip.
         """
         change = by[:, None, None] * self.sticking(slip, traction)
         if self._gap.size:

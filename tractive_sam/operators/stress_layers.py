@@ -16,7 +16,7 @@ from tractive_sam.operators.load_extent import reach
 from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 
 KEPT = 64 * 2**20
-"""Most memory that transforms kept for further layers take, bytes."""
+"""Most memory of the transforms that are stored for further layers, bytes."""
 
 ROUND = 8
 """Offsets are rounded up to multiples of this many elements: loads that change a little, as a
@@ -24,10 +24,10 @@ contact does that wears, share plans and transforms."""
 
 
 class _Transforms:
-    """A cache of the transforms of the integrals over an element, for one mesh.
+    """A cache of the transforms of the integrals over an element, by mesh and depth.
 
-    Those of a mesh, by their depths. Where they become too many those of the mesh used longest ago
-    are dropped; of one mesh the first are kept, as depths are gone through again and again.
+    If they become too many, the mesh used longest ago is dropped. Of one mesh the first depths are
+    retained, as every pass goes through all depths.
     """
 
     def __init__(self) -> None:
@@ -64,10 +64,10 @@ class StressLayers:
 
     The bodies are half-spaces z >= 0 with z into the body, loaded as in
     :mod:`tractive_sam.kernels.stress`. For tractions constant on every element the result is exact;
-    its error is that of rounding, about 1e-15 of the tractions at any depth. Nothing is kept of a
-    layer's stress, so that memory does not grow with their number. Bodies under one contact share
-    the integrals over an element, which do not depend on Poisson's ratio, and their transforms;
-    up to `KEPT` bytes of these serve other tractions on the same mesh.
+    its error is rounding, about 1e-15 of the tractions at any depth. The stress of a layer is not
+    stored, so that memory does not grow with the number of layers. Bodies under one contact share
+    the integrals over an element, which do not depend on Poisson's ratio, and their transforms; up
+    to `KEPT` bytes of these serve other tractions on the same mesh.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class StressLayers:
     poisson : sequence of float
         Poisson's ratio of each half-space.
     signs : sequence of float
-        What p_x and p_y are taken times, for each half-space.
+        Factors of p_x and p_y, for each half-space.
     threads : int
         Threads to use.
     """

@@ -24,7 +24,7 @@ class StressPlane:
 
     Bodies, accuracy and sharing as for `StressLayers`, at a fraction of its cost: along the plane
     the elements are convolved by FFT, across it they are summed in the spectrum. The integral over
-    an element is a difference between two of its edges, which neighbours share. So the sum is one
+    an element is a difference between two of its edges, which neighbours share. So the sum runs
     over edges, with the jump of the traction across them, and edges at equal distances on both
     sides of the plane are taken together.
 
@@ -35,13 +35,13 @@ class StressPlane:
     normal : "x" or "y"
         The plane is x = position and its points are at the grid's y, or the reverse.
     position : float
-        Where the plane lies, mm; anywhere.
+        Position of the plane, mm; anywhere.
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on a half-space, MPa.
     poisson : sequence of float
         Poisson's ratio of each half-space.
     signs : sequence of float
-        What p_x and p_y are taken times, for each half-space.
+        Factors of p_x and p_y, for each half-space.
     """
 
     def __init__(

@@ -18,10 +18,10 @@ def surface_stress(
     """Return the stress at the corners of the elements, as means from centre to centre.
 
     With tractions constant on elements the stress is infinite at every edge across which the
-    tangential one jumps; the displacement is not. Its differences between centres are means of the
-    strain, and Hooke's law with the mean of the tractions makes them stress. Displacement at
-    centres is what the contact conditions are met with: the error of each traction is the one that
-    makes it right there.
+    tangential one jumps; the displacement is finite. Its differences between centres are means of
+    the strain, and Hooke's law with the mean of the tractions makes them stress. The contact
+    conditions are met by the displacement at centres: the error of each traction makes it exact
+    there.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def surface_stress(
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
     signs : sequence of float
-        What p_x and p_y are taken times, for each of several such bodies.
+        Factors of p_x and p_y, for each of several bodies of this kind.
 
     Returns
     -------

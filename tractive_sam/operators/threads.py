@@ -18,7 +18,7 @@ MOST = 4
 def threads_for_transform(padded: tuple[int, int]) -> int:
     """Return the number of threads for a transform: all usable cores, up to `MOST`.
 
-    The environment variable OMP_NUM_THREADS bounds them, as it does those of most libraries.
+    The environment variable OMP_NUM_THREADS limits it, as in most libraries.
     """
     if math.prod(padded) < LARGE:
         return 1
@@ -28,7 +28,7 @@ def threads_for_transform(padded: tuple[int, int]) -> int:
 
 
 def cores() -> int:
-    """Return the number of cores that the process may use; if unknown, those of the machine."""
+    """Return the number of cores that the process may use; if unknown, all of the machine."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

@@ -32,8 +32,9 @@ def tile_edges(fields: int, padded: tuple[int, int], cache: int = 2**19) -> list
     padded : tuple of int
         Padded shape (p_x, p_y).
     cache : int
-        Size of a tile, bytes. The time changes by less than 5 % between a quarter and the whole
-        second-level cache (1 to 2 MiB); eight columns at least, which are two lines of the cache.
+        Size of a tile, bytes. The time changes by less than 5 % between a quarter and all of the
+        second-level cache (1 to 2 MiB). A tile has eight columns at least, which are two lines of
+        the cache.
     """
     px, columns = padded[0], padded[1] // 2 + 1
     width = max(8, cache // (16 * fields * px))
@@ -66,7 +67,7 @@ class Convolver(Protocol):
 
 
 class WholeConvolution:
-    """The convolution on a mesh whose spectra fit the cache (`Convolver`).
+    """The convolution on a mesh with spectra that fit the cache (`Convolver`).
 
     Parameters
     ----------
@@ -231,6 +232,7 @@ def _kinds(single: bool) -> tuple[type, type]:
 def _create(
     fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool
 ) -> Convolver:
+    """Return the convolution for a mesh: tiled if its spectra do not fit the cache."""
     tiled = len(tile_edges(fields, padded)) > 2
     return (TiledConvolution if tiled else WholeConvolution)(fields, shape, padded, single)
 

@@ -1,4 +1,4 @@
-"""FFTW's wisdom, kept between processes so that a mesh is planned once per machine."""
+"""FFTW's wisdom, stored between processes so that a mesh is planned once per machine."""
 
 import os
 from contextlib import suppress
@@ -20,7 +20,7 @@ def _file(precision: str) -> Path:
 
 
 def load() -> None:
-    """Add the stored wisdom to that of FFTW; ignore files that cannot be read."""
+    """Add the stored wisdom to FFTW's; ignore files that cannot be read."""
     stored = [b"", b"", b""]
     for i, precision in enumerate(PRECISIONS):
         with suppress(OSError):
@@ -34,4 +34,4 @@ def save() -> None:
         file = _file(precision)
         with suppress(OSError):
             make_folder(file.parent)
-            write_file(file, wisdom)  # processes that plan at the same time never see half a file
+            write_file(file, wisdom)  # a process that plans meanwhile never reads half a file

@@ -32,14 +32,14 @@ HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
 SOLVER = {
     "residual", "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
 }  # fmt: skip
-"""Columns of the solver, whose charts are the last ones."""
+"""Columns of the solver; their charts are the last ones."""
 
 
 def charts(history: History, measured: Measurements | None = None) -> list[dict[str, Any]]:
     """Return the charts over the course: titles, units, and lines with their numbers.
 
     Columns that neither change nor were measured are omitted: the table of numbers contains them.
-    For a duty cycle a chart has the column of the cycle and that of its blocks.
+    For a duty cycle a chart has the columns of the cycle and of its blocks.
     """
     if len(history) < 2 and measured is None:
         return []
@@ -75,7 +75,7 @@ def _of_cycle(history: History, one: Quantity) -> Quantity:
 
 
 def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
-    """Return whether a position alternates, as that of two peaks of about equal height.
+    """Return whether a position alternates, as between two peaks of about equal height.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class PageLimits:
     Attributes
     ----------
     records : int
-        Largest number of records whose fields are on the page; of more some are omitted.
+        Largest number of records with fields on the page; of more some are omitted.
     numbers : float
         Largest count of numbers of all fields, and of all stresses: 4.6 MB of text each.
     elements : int
@@ -184,7 +184,7 @@ def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
     yield "px", contact.traction[0]
     yield "py", contact.traction[1]
     yield "used", contact.utilisation
-    # Slip and wear do not vanish at the edge, where maps are clipped: they are extended.
+    # Slip and wear do not vanish at the edge, and maps are clipped there: they are extended.
     yield "sx", extend_outwards(contact.slip[0], contact.touching)
     yield "sy", extend_outwards(contact.slip[1], contact.touching)
     yield "wear", extend_outwards(1e3 * contact.wear, contact.touching)

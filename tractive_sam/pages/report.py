@@ -52,7 +52,7 @@ def report(
     history : History
         History to show; also of one record, of a line contact, or of a running computation.
     path : path-like
-        The page, such as "twin-discs.html"; an existing one is replaced.
+        The page, for example "twin-discs.html"; an existing one is replaced.
     measured : Measurements, optional
         Measured points, which are drawn in the charts of the columns that have their names.
 

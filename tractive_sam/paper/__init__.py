@@ -2,7 +2,7 @@
 
 After Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195. Every chapter computes a
 group of the paper's figures and yields its findings one by one: statements, figures, tables. Every
-result on the page is computed in the same run.
+result on the page is computed in one run.
 """
 
 from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict

@@ -101,7 +101,7 @@ def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> State
         "Our numerical results agree very well with Kalker's curve, eq. (42).",
         f"The deviation is {deviation[worst]:+.1%} at ξ = {xi[worst]:.2f}, and decreases to "
         f"{deviation[-1]:+.1%} at ξ = {xi[partial][-1]:.2f}. Eq. (42) is a simplified theory: its "
-        f"slope at the origin is {slope:.3f} of that of Kalker's own exact linear theory (his "
+        f"slope at the origin is {slope:.3f} of the slope of Kalker's exact linear theory (his "
         f"coefficient C_11), to which the solution on the half-space tends.",
         Verdict.from_conditions(abs(deviation[worst]) < VERY_WELL),
         f"if within {VERY_WELL:.0%}",
@@ -134,7 +134,7 @@ class _AngleCurve:
     forces : ndarray, shape (2, n)
         Q_x and Q_y over mu1 P.
     full_slip : ndarray, shape (2,)
-        The same for uniform sliding, in closed form.
+        Forces of uniform sliding over mu1 P, in closed form.
     sliding_from : float
         First creep parameter at which less than 1 % of the contact sticks.
     """
@@ -145,7 +145,7 @@ class _AngleCurve:
 
     @property
     def share(self) -> float:
-        """Last Q_x over that of uniform sliding."""
+        """Last Q_x over Q_x of uniform sliding."""
         return self.forces[0, -1] / self.full_slip[0]
 
 

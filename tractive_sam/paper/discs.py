@@ -60,9 +60,8 @@ def _wear(histories: Histories, closed: float = 5e-3) -> Iterator[Finding]:
     yield Statement(
         "Sec. 5",
         "The worn depth follows from the pressure and the slip, eq. (19).",
-        "Friction must dissipate the work that drives the discs. The balance of work has an error "
-        f"of at most {missed:.0e} in any computed revolution, and that of the worn section of "
-        f"{unworn:.0e}.",
+        "Friction must dissipate the work that drives the discs. The error of the balance of work "
+        f"is at most {missed:.0e} in any computed revolution, of the worn section {unworn:.0e}.",
         Verdict.from_conditions(max(missed, unworn) < closed),
         f"if within {closed:.1%}",
     )
@@ -86,7 +85,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
         "Fig. 17",
         "The contact is widest for β = 0°, where the wear is severest.",
         f"b is largest for 0° at {np.sum(b.argmax(axis=0) == 0)} of {b.shape[1]} stored "
-        "revolutions; it counts whole elements.",
+        "revolutions; it is counted in full elements.",
         Verdict.from_conditions(bool(np.all(b[0] >= b[1:]) and np.all(b[0, -1] > b[1:, -1]))),
     )
     yield from _pressure(histories, b)
@@ -169,9 +168,9 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
     stress = _stack_column(histories, "von_mises_max") / p0
     yield Statement(
         "Abstract",
-        "Wear modifies the stresses below the surface, and where they are largest.",
+        "Wear modifies the stresses below the surface, and the place of the largest one.",
         f"The largest equivalent stress of body A goes from {join(stress[:, 0, 0], '.3f')} to "
-        f"{join(stress[:, -1, 0], '.3f')} p_0 for β = {ANGLE_TEXT}, that of body B from "
+        f"{join(stress[:, -1, 0], '.3f')} p_0 for β = {ANGLE_TEXT}, of body B from "
         f"{join(stress[:, 0, 1], '.3f')} to {join(stress[:, -1, 1], '.3f')} p_0; the tables "
         "list the places.",
         Verdict.from_conditions(bool(np.all(abs(stress[:, -1] / stress[:, 0] - 1) > CHANGED))),
@@ -179,7 +178,7 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
     yield Statement(
         "Figs. 9-14",
         "The worn profiles, pressures, forces and stresses over the revolutions are drawn.",
-        "Their curves were not compared; ours below show the same quantities.",
+        "Their curves were not compared; ours below show these quantities.",
         Verdict.OPEN,
     )
 
@@ -208,8 +207,8 @@ def _table(angle: float, history: History) -> Table:
         for k, N in enumerate(history.field_revolutions.tolist())
     ]
     return Table(
-        f"Twin discs, β = {angle:g}°. Last columns: largest equivalent stress over p_0, and where: "
-        "x/a_0, y/b_0, depth/a_0; at the surface it depends on the mesh.",
+        f"Twin discs, β = {angle:g}°. Last columns: largest equivalent stress over p_0, and its "
+        "place: x/a_0, y/b_0, depth/a_0; at the surface it depends on the mesh.",
         (
             "N",
             "depth, µm",
@@ -227,7 +226,7 @@ def _table(angle: float, history: History) -> Table:
 
 
 def _format_stress(history: History, value: float, at: np.ndarray) -> str:
-    """Format a largest stress and its place, over those of Hertz."""
+    """Format a largest stress and its place, over Hertz's values."""
     x, y, depth = at / (history.a0, history.b0, history.a0)
     return f"{value / history.p0:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
 
@@ -283,8 +282,10 @@ def _stack_column(histories: Histories, name: str) -> np.ndarray:
 
 
 def _saved_revolutions(histories: Histories) -> list[int]:
+    """Return the revolutions with stored fields, equal in all histories."""
     return histories[0.0].field_revolutions.tolist()
 
 
 def _last_revolution(histories: Histories) -> int:
+    """Return the last revolution with stored fields."""
     return _saved_revolutions(histories)[-1]

@@ -144,7 +144,7 @@ class Chapter:
 
 
 def format_deviation(value: float, reference: float) -> str:
-    """Return the deviation of a value from a reference, such as "+1.2%"."""
+    """Return the deviation of a value from a reference, as in "+1.2%"."""
     return f"{value / reference - 1:+.1%}"
 
 

@@ -69,7 +69,7 @@ def _inside_and_surface(
     """Yield the comparison of the largest stresses inside and at the surface.
 
     The paper has one digit of the stress inside over p_0; values within a relative distance of
-    `same` remain approximately the same.
+    `same` count as unchanged.
     """
     inside = np.array([top.interior for top in maxima.values()]) / p0
     surface = np.array([top.surface for top in maxima.values()]) / p0
@@ -96,7 +96,7 @@ def _inside_and_surface(
 
 
 def _sides(contacts: dict[float, State], symmetric: float = 1e-3) -> Statement:
-    """Return the comparison of the two sides; those of symmetric fields are equal to a share."""
+    """Return the comparison of the two sides; fields that differ by less count as symmetric."""
     differences = []
     for contact in contacts.values():
         values = stress_on_plane(contact, "x=0", "A").von_mises

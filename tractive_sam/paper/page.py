@@ -58,7 +58,7 @@ def page(
     look = Html(f"\n{style()}{folder.joinpath('page.css').read_text('utf-8')}")
     notice = (
         "A reduced size, with coarse meshes and few revolutions, as a quick check: its numbers and "
-        "verdicts differ from those of the full size."
+        "verdicts differ from the full size."
     )
     return fill(
         folder.joinpath("page.html").read_text("utf-8"),
@@ -98,6 +98,7 @@ def _blocks(findings: Iterable[Finding]) -> Iterator[Html]:
 
 
 def _block(finding: Finding) -> Html:
+    """Return a finding as a block of the page."""
     match finding:
         case Statement():
             return _statement(finding)
@@ -108,7 +109,7 @@ def _block(finding: Finding) -> Html:
 
 
 _STATEMENTS = (
-    '<table class="statements"><thead><tr><th class="place">Where</th><th>The paper says</th>'
+    '<table class="statements"><thead><tr><th class="place">Place</th><th>The paper says</th>'
     '<th>We find</th><th class="verdict-cell">Verdict</th></tr></thead><tbody>\n$rows\n'
     "</tbody></table>"
 )
@@ -135,7 +136,7 @@ def _badge(verdict: Verdict) -> Html:
 
 
 def _picture(picture: Picture, wide: float = 7.0) -> Html:
-    """Return a figure with its caption; figures wider than `wide`, inches, take a whole row."""
+    """Return a figure with its caption; figures wider than `wide`, inches, take a row each."""
     return fill(
         '<figure$wide><label title="enlarge"><input type="checkbox" aria-label="enlarge">'
         '<img alt="$alt" src="data:image/svg+xml;base64,$data"></label>'

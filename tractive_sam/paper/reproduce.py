@@ -37,9 +37,9 @@ def reproduce(
     Parameters
     ----------
     directory : path-like
-        Folder of the output, which is created and whose earlier files are replaced: `index.html`,
-        the page, which needs no other file; `statements.json`; the figures in `figures`; the
-        results files of the discs in `results`.
+        Folder of the output. It is created, and earlier files in it are replaced: `index.html`, the
+        page, which needs no other file; `statements.json`; the figures in `figures`; the results
+        files of the discs in `results`.
     size : Size
         `FULL`, the paper's, or `REDUCED`.
     format : str

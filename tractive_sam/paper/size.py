@@ -18,9 +18,9 @@ class Size:
     creepages : int
         Number of points of a creep-force curve.
     discs, flat_discs : tuple of int
-        Elements in x and y of the twin discs, and of those with the flatter crown.
+        Elements in x and y of the twin discs, and of the discs with the flatter crown.
     saved : tuple of int
-        Revolutions whose fields are stored; the last one ends the run.
+        Revolutions with stored fields; the last one ends the run.
     """
 
     name: str

@@ -77,7 +77,7 @@ def _compare_with_hertz(contact: State) -> Statement:
 
 
 def _compare_force(contact: State, expected: float = 0.657) -> Statement:
-    """Return the comparison of Q_x/(mu P) with that of the paper."""
+    """Return the comparison of Q_x/(mu P) with the paper's."""
     bound = friction_of(contact.scene).mu[0] * contact.P
     force = contact.Qx / bound
     upwind = solve(contact.scene.with_set(['solver.slip="upwind"'])).Qx / bound
@@ -85,7 +85,7 @@ def _compare_force(contact: State, expected: float = 0.657) -> Statement:
         "Sec. 8.1.1",
         f"ξ_x = -0.0031 transmits Q_x = {expected} µP.",
         f"Q_x = {force:.4f} µP ({format_deviation(force, expected)}). With the paper's upwind slip "
-        f"on the same mesh {upwind:.4f} µP ({format_deviation(upwind, expected)}).",
+        f"on this mesh {upwind:.4f} µP ({format_deviation(upwind, expected)}).",
         Verdict.from_conditions(abs(force / expected - 1) < NUMBER),
         f"if within {NUMBER:.0%}",
     )
@@ -100,7 +100,7 @@ def _zones(contact: State) -> Statement:
     trailing = np.mean(contact.sliding[last, columns])
     return Statement(
         "Fig. 5(d)",
-        "The sliding zone is at the back of the contact, that of adhesion at the front.",
+        "The sliding zone is at the back of the contact, the adhesion zone at the front.",
         f"Centre of the stick zone at x = {stick:+.2f} a_0, of the slip zone at {slip:+.2f} a_0; "
         f"{trailing:.0%} of the trailing edge slips; {contact.stick_fraction:.0%} of the contact "
         "sticks.",
@@ -153,9 +153,9 @@ class _SectionMaxima:
 
 
 def _maxima(contact: State, same_place: float = 0.1) -> Iterator[Finding]:
-    """Yield the maxima on both planes, inside and at the surface, and where stick ends there.
+    """Yield the maxima on both planes, inside and at the surface, and the end of stick there.
 
-    Places within a distance of `same_place` half widths a are the same.
+    Places within a distance of `same_place` half widths a count as one.
     """
     maxima = [
         _SectionMaxima.from_contact(contact, plane, body) for plane in PLANES for body in BODIES

@@ -41,7 +41,7 @@ def find(work: Work, good: float = 0.1) -> Iterator[Finding]:
         f"Of both discs together {1e3 * depth[-1]:.2f} µm at N = {last}, GIWM "
         f"{1e3 * course.depth[last]:.2f} µm ({both[-1]:+.0%}; {both[0]:+.0%} at N = {first}). "
         f"Of a single disc, half of it: {single[0]:+.0%} at N = {first}, {single[-1]:+.0%} at N = "
-        f"{last}. GIWM has a mean pressure, full slip, and a contact whose half width in x falls "
+        f"{last}. GIWM has a mean pressure, full slip, and a half width in x that falls "
         f"to {course.a[1] / course.a[0]:.0%} in the first revolution.",
         Verdict.from_conditions(bool(np.all(abs(both) < good)), bool(np.all(abs(single) < good))),
         f"if within {good:.0%} at every stored N",

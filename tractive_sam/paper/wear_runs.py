@@ -28,5 +28,5 @@ def roll_into_file(work: Work, scene: Scene, name: str) -> History:
 
 
 def read_saved(history: History, name: str) -> np.ndarray:
-    """Return a column at the revolutions whose fields were stored."""
+    """Return a column at the revolutions with stored fields."""
     return history[name][np.isin(history["revolution"], history.field_revolutions)]

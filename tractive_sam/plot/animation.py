@@ -68,7 +68,7 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
     width = layout.row_width(frame, 1) + track + 0.2
     figure = new_map_figure(width, frame, history.title, positions=True)
     pictures = []
-    # Once saved, a figure without a layout takes that of the settings.
+    # Once saved, a figure without a layout takes the layout of the settings.
     with mpl.rc_context({"figure.constrained_layout.use": False}):
         for view in _views(history):
             for axes in list(figure.axes):

@@ -1,4 +1,4 @@
-"""A column of several histories over their course, in the same axes."""
+"""A column of several histories over their course, in one figure."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def compare(
     histories : mapping of str to History
         Histories by their label in the legend.
     name : str
-        Name of a column with one number a record, such as "Qx_over_P" or "p_max".
+        Name of a column with one number a record, for example "Qx_over_P" or "p_max".
     reference : mapping of str to pair of array_like, optional
         Values of other models or of measurements by their label: coordinates, and values in the
         unit of the column.
@@ -35,8 +35,8 @@ def compare(
     Raises
     ------
     ValueError
-        If there is no history or no such column, the coordinates of the histories differ, or the
-        column is per length in some of them, as in line contacts.
+        If there is no history, a history lacks the column, the coordinates of the histories differ,
+        or the column is per length in some of them, as in line contacts.
 
     Examples
     --------

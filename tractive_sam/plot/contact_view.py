@@ -120,7 +120,7 @@ class ContactView:
 
     @property
     def isotropic(self) -> bool:
-        """Whether friction is the same in all directions."""
+        """Whether friction is equal in all directions."""
         frame = self.contact.frame
         return frame is None or frame.mu[0] == frame.mu[1]
 
@@ -166,4 +166,4 @@ def select_evenly(saved: np.ndarray, most: int = 8) -> np.ndarray:
 
 
 Source: TypeAlias = "ContactView | State | History"
-"""A contact, or a history with a contact in each record whose fields it stored."""
+"""A contact, or a history with a contact in each record with stored fields."""

@@ -100,15 +100,15 @@ def _has_wear_regimes(history: History) -> bool:
 def wear_regimes(source: History | State, laws: ts.Laws | None = None) -> Figure:
     """Rate of wear of the elements over their frictional work, T-gamma/A.
 
-    A history shows its last stored contact, a duty cycle that of each block. A dot is an element
-    that wears; a line is the law, if it has regimes of work.
+    A history shows its last stored contact, a duty cycle the last one of each block. A dot is an
+    element that wears; a line is the law, if it has regimes of work.
 
     Parameters
     ----------
     source : History or State
         History or contact with wear.
     laws : Laws, optional
-        Laws of the computation, if they are not those of the scene.
+        Laws of the computation, if they differ from the scene's.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def _draw_elements(
 def _draw_laws(
     axes: Axes, contact: State, laws: ts.Laws | None, limits: tuple[float, float]
 ) -> None:
-    """Draw the laws of the bodies that have regimes of work, and where these begin."""
+    """Draw the laws of the bodies that have regimes of work, and the limits of the regimes."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
     label = "law, without heat" if wear is not None and wear.temperature else "law"
     lines: list[object] = []

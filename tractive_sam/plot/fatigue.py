@@ -66,7 +66,7 @@ def _each_damaged_body(history: History) -> list[dict[str, str]]:
 
 @history_figure("shakedown-map", columns=["shakedown_lower"], cure="fatigue.shear_yield")
 def shakedown_map(history: History) -> Figure:
-    """Place of the contact on the shakedown map, and its limits next to those of a line contact.
+    """Place of the contact on the shakedown map, and its limits next to a line contact's.
 
     Peak contact pressure over k, and tangential over normal force. Triangles are the limits
     computed from the stress of the last record, for tractions that increase in proportion.
@@ -110,7 +110,7 @@ def shakedown_map(history: History) -> Figure:
 
 
 def _draw_limits(axes: Axes, history: History, force: float, load: float) -> None:
-    """Draw the limits of shakedown of both bodies; open triangles of B enclose those of A."""
+    """Draw the limits of shakedown of both bodies; the triangles of B are open and larger."""
     limits = (
         ("shakedown_lower", "^", "certain up to"),
         ("shakedown_upper", "v", "impossible above"),
@@ -265,7 +265,7 @@ def fatigue_course(history: History) -> Figure:
 def wear_against_fatigue(history: History, body: str = "A") -> Figure:
     """Wear of a revolution across the track, and the wear rate that balances fatigue.
 
-    Where wear is slower, cracks initiate. Both follow from the last record.
+    Cracks initiate in tracks with slower wear. Both follow from the last record.
 
     Raises
     ------

@@ -62,7 +62,7 @@ class Figure(matplotlib.figure.Figure):
         super().__init__(*args, **options)
 
     def savefig(self, fname: str | PathLike[str] | IO, **options: Any) -> None:
-        """Save the figure, in a file as a whole; arguments are those of matplotlib.
+        """Save the figure, in one operation; arguments as in matplotlib.
 
         Raises
         ------

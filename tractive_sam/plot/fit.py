@@ -22,7 +22,7 @@ class FittedCurve(ShortArrays):
     observed : Variable
         Measured values.
     noise, predicted, band, residual : ndarray, shape (n,)
-        Standard deviation of the measurement, prediction, its standard deviation by that of the
+        Standard deviation of the measurement, prediction, its standard deviation due to the
         parameters, and residual over the noise.
     between : ndarray, shape (3, m), optional
         Further values of x with the prediction and its standard deviation there.

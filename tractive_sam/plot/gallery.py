@@ -62,7 +62,7 @@ def save_all(
     titles : bool
         Whether figures have titles.
     width : float, optional
-        Width of every figure, mm, such as a column of a journal.
+        Width of every figure, mm, for example a column of a journal.
     measured : Measurements, optional
         Measured points, which are drawn with the columns that have their names.
 

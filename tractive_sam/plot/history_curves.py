@@ -181,7 +181,7 @@ def stress_course(history: History) -> Figure:
     axes.legend(loc="lower right", ncols=2)
     note = SURFACE_NOTE
     if np.isnan(history[history.of_role("stress_interior").name]).any():
-        note += " Where a line ends, no maximum is deeper than two elements."
+        note += " A line ends if no maximum is deeper than two elements."
     figure.supxlabel(note, fontsize="small", wrap=True)
     return figure
 
@@ -230,7 +230,7 @@ def course_axes(history: History, quantity: str, scale: str = "") -> tuple[Figur
 def draw_column(
     axes: Axes, history: History, name: str, body: str = "", *, divisor: float = 1.0, **style: Any
 ) -> None:
-    """Draw a column over the course, with measured points of the same name.
+    """Draw a column over the course, with measured points of its name.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def draw_column(
     """
     values = (history[name][:, BODIES.index(body)] if body else history[name]) / divisor
     places, known = history[history.coordinate.name], np.isfinite(values)
-    if not (known[1:] & known[:-1]).any():  # of single records, such as those with stored fields
+    if not (known[1:] & known[:-1]).any():  # single records, as those with stored fields
         places, values, style = places[known], values[known], {"marker": "o", **style}
     (line,) = axes.plot(places, values, clip_on=False, **style)
     if measured := current_options().measured:

@@ -21,9 +21,8 @@ class Measurements(ShortArrays):
     Attributes
     ----------
     columns : mapping of str to ndarray
-        Values by the name of a column, shape (n,); one of them is the coordinate, such as
-        "revolution". Columns of bodies end in the body: "worn_mass B". NaN where nothing was
-        measured.
+        Values by the name of a column, shape (n,); one of them is the coordinate, for example
+        "revolution". Columns of bodies end in the body: "worn_mass B". NaN: not measured.
 
     Examples
     --------

@@ -48,7 +48,7 @@ ONE_ROW = Need(
     lambda subject: len(subject.y) == 1,
     "a single row of elements; this is no line contact: use pressure, traction or stick_slip_map",
 )
-"""Need of functions of x that are the same for all y."""
+"""Need of functions of x that do not depend on y."""
 
 
 def refuse(name: str, missing: Iterable[str]) -> NoReturn:
@@ -101,5 +101,5 @@ def is_worn(history: History) -> bool:
 
 
 def has_worn_contacts(history: History) -> bool:
-    """Return whether anything is worn, and several contacts are stored, or those of blocks."""
+    """Return whether anything is worn, and several contacts (times or blocks) are stored."""
     return is_worn(history) and len(history.saved) * max(1, len(history.block_names)) > 1

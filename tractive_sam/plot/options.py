@@ -9,7 +9,7 @@ from typing import Any, Literal
 from tractive_sam.plot.measured import Measurements
 
 UNITS = ("hertz", "si-mm")
-"""Units of lengths and pressures in figures: over those of Hertz, or in mm and MPa."""
+"""Units of lengths and pressures in figures: over Hertz's, or in mm and MPa."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ def current_options() -> FigureOptions:
 
 @contextmanager
 def change_options(**changes: Any) -> Iterator[None]:
-    """Draw with other options inside of a ``with`` block; arguments are those of FigureOptions."""
+    """Draw with other options inside of a ``with`` block; arguments as in FigureOptions."""
     token = _CURRENT.set(replace(current_options(), **changes))
     try:
         yield

@@ -132,7 +132,7 @@ class PlaneSection:
 
     @property
     def touching(self) -> np.ndarray:
-        """Places along a plane through the depth where the bodies touch, bool; none below it."""
+        """Places of touch along a plane through the depth, bool; none below the surface."""
         depth = self.stress.depth
         if depth.min() > 0.0:
             return np.zeros(self.values.shape[0], dtype=bool)

@@ -50,7 +50,7 @@ _UNEVEN = Need(
 
 
 def _is_worn_evenly(history: History) -> bool:
-    """Return whether worn sections are the same all around the bodies, unlike along a course."""
+    """Return whether worn sections are equal all around the bodies, unlike along a course."""
     worn = (history["wear_profile"] > 0.0).any()
     evenly = np.isfinite(history["wear_per_revolution"]).any()
     return has_worn_contacts(history) and bool(worn and evenly)
@@ -68,7 +68,7 @@ def worn_profiles(history: History, margin: float = 0.15) -> Figure:
     history : History
         History with wear or a measured gap.
     margin : float
-        Margin on either side of the worn track, over its half width.
+        Margin on each side of the worn track, over its half width.
 
     Raises
     ------

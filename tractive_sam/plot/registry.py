@@ -1,8 +1,8 @@
-"""Registered figures: what each one needs, and which of them a history has.
+"""Registered figures: the needs of each one, and the figures that a history has.
 
-A figure is registered where it is defined, by the decorator `history_figure` or `contact_figure`.
-Whether it applies depends on the columns, fields, stresses and elements of a history.
-`save_all`, ``tractive-sam plot`` and the report draw what `list_figures` lists.
+A figure is registered by its decorator, `history_figure` or `contact_figure`. Whether it applies
+depends on the columns, fields, stresses and elements of a history. `save_all`, ``tractive-sam
+plot`` and the report draw what `list_figures` lists.
 """
 
 import inspect
@@ -49,7 +49,7 @@ class FigureEntry:
     shown : callable
         Whether a history to which it applies has it among its figures: not if it is empty.
     each : callable
-        Arguments of each of several figures, such as ``{"body": "A"}``.
+        Arguments of each of several figures, for example ``{"body": "A"}``.
 
     Raises
     ------
@@ -230,7 +230,7 @@ def contact_figure(
     Raises
     ------
     ValueError
-        For the same reasons as `history_figure`.
+        As `history_figure`.
 
     Examples
     --------

@@ -21,8 +21,8 @@ class Scale:
     p : float
         Pressure, MPa.
     hertz : bool
-        Whether they are those of the unworn contact by Hertz; else they are those of the first
-        contact that was computed.
+        Whether they belong to the unworn contact by Hertz; else to the first contact that was
+        computed.
     units : str
         "hertz" if figures divide by them; "si-mm" if lengths are in mm and pressures in MPa.
 

@@ -56,7 +56,7 @@ def von_mises(
     Parameters
     ----------
     source : State, History or PlaneStress
-        A contact, whose stress is computed; a history that stored it; or the stress on one plane,
+        A contact to compute the stress of; a history that stored it; or the stress on one plane,
         which is drawn in mm and MPa unless there is a scale.
     body : "A" or "B"
         The body concerned.
@@ -69,7 +69,7 @@ def von_mises(
         Another quantity: a criterion, "max_shear", or a component, "xx", "yy", "zz", "xy", "xz" or
         "yz".
     scale : Scale, optional
-        Half widths and pressure by which the figure divides; by default those of the contact.
+        Half widths and pressure by which the figure divides; by default the scale of the contact.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def von_mises_sections(
     scale: Scale | None = None,
     **named: float,
 ) -> Figure:
-    """Contours as by `von_mises` for both bodies in the same colours, A above B.
+    """Contours as by `von_mises` for both bodies in one colour scale, A above B.
 
     Planes parallel to the surface are drawn side by side.
 
@@ -112,7 +112,7 @@ def von_mises_sections(
     Raises
     ------
     ValueError
-        For the same reasons as `von_mises`.
+        As `von_mises`.
 
     Examples
     --------
@@ -234,7 +234,7 @@ def _draw_side_by_side(
 def _visible_range(
     section: PlaneSection, view: ContactView | None, axis: int, margin: float = 0.5
 ) -> tuple[float, float]:
-    """Return the ends of an axis: around the contact if it is known, else the whole plane.
+    """Return the ends of an axis: around the contact if it is known, else of the plane.
 
     The margin next to the contact is in half widths a.
     """

@@ -165,7 +165,7 @@ def study_curves(
 
 @apply_style
 def study_map(x: Variable, y: Variable, quantity: Variable, *, title: str = "") -> Figure:
-    """Draw a quantity over two keys of a scene; cases where it is unknown are grey.
+    """Draw a quantity over two keys of a scene; cases without a value are grey.
 
     A key with at most six values has equal fields, each at its value.
 

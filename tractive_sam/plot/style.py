@@ -130,7 +130,7 @@ def new_axes(width: float = 1.0, height: float = 0.66, title: str = "") -> tuple
 
 
 def line_colours(number: int) -> list[tuple[float, float, float]]:
-    """Return different colours: those of lines, then darker, lighter and still darker ones."""
+    """Return different colours: first the set of colours of lines, then darker and lighter sets."""
     rounds = -(-number // len(LOOK.lines))
     ends = [(0.0 if turn % 2 else 1.0, turn / (turn + 1.2)) for turn in range(rounds)]
     found = []

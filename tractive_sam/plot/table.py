@@ -14,7 +14,7 @@ def table_errors(table: CreepTable, *, smallest: float = 1e-6) -> Figure:
     Parameters
     ----------
     table : CreepTable
-        A table whose file has check points.
+        A table with check points in its file.
     smallest : float
         Smallest error that is drawn; smaller ones are drawn there.
 

@@ -15,8 +15,8 @@ def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
     """Tractions on body A along y = 0 and a second line, between their bounds.
 
     The second line is at y = 0.75 a, or 0.75 b if the half width b is less than a or more than
-    three times a. The bounds are the largest values of either component: the extent of the
-    friction ellipse in x and in y. Both components together are smaller.
+    three times a. The bounds are the largest values of one component: the extent of the friction
+    ellipse in x and in y. Both components together are smaller.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def draw_tractions(
     for k, (name, color) in enumerate((("x", LOOK.blue), ("y", LOOK.vermillion))):
         bound = view.bound_ratios[k] * pressure
         if same and k == 0:
-            label = r"$\pm\mu\,p_n$" if view.isotropic else "largest value of either component"
+            label = r"$\pm\mu\,p_n$" if view.isotropic else "largest value of one component"
             _draw_bounds(axes, x, bound, LOOK.grey, label)
         elif not same and significant[k]:
             _draw_bounds(axes, x, bound, color, f"bound of $p_{name}$")

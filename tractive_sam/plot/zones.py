@@ -43,7 +43,7 @@ def fill_zones(axes: Axes, view: ContactView, contact: Path, colours: tuple[str,
 
 
 def extend_outwards(values: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Return the values, and elsewhere that of the nearest element; shapes (n_x, n_y).
+    """Return the values, and elsewhere the value of the nearest element; shapes (n_x, n_y).
 
     Examples
     --------

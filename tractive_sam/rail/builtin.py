@@ -4,7 +4,7 @@ S1002 is the wheel profile of UIC 510-2 and EN 13715: its pieces, with the coeff
 H. Netter (DLR) published it for simulation, are also listed by Polach, Berg & Iwnicki (2006) in the
 Handbook of Railway Vehicle Dynamics. 60E1 (formerly UIC 60) is the rail head of EN 13674-1 and of
 the reference cases of EN 15302: tangent arcs of the radii 300, 80 and 13 mm. The rail of the
-Manchester benchmark (Shackleton & Iwnicki 2008, Vehicle System Dynamics 46, 129-149) has the same
+Manchester benchmark (Shackleton & Iwnicki 2008, Vehicle System Dynamics 46, 129-149) has these
 radii with slightly different limits.
 """
 
@@ -101,6 +101,7 @@ def _polynomial(
 
 
 def _number(length: float, spacing: float) -> int:
+    """Return the number of points over a length at a largest spacing."""
     return int(np.ceil(length / spacing)) + 1
 
 

@@ -1,4 +1,4 @@
-"""Contact of a wheel and a rail: where they touch, and in which patches under a load."""
+"""Contact of a wheel and a rail: points of touch, and the patches under a load."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Clearance:
         return cls(s, points, gap, np.stack((angles, rail.angle(rail_s))), rail_s)
 
     def refined(self, wheel: Wheel, rail: Profile, window: float, parts: int = 8) -> Clearance:
-        """Return the distance at denser points where it is within a window above its minimum."""
+        """Return the distance at denser points of the part within a window above its minimum."""
         near = self.gap <= self.gap.min() + window
         near[1:] |= near[:-1]
         near[:-1] |= near[1:]
@@ -70,13 +70,13 @@ def _top(rail: Profile) -> float:
 
 
 def _steepness(wheel: Wheel, rail: Profile, s: float) -> float:
-    """Return the angle of the wheel above that of the rail below it, rad."""
+    """Return the angle of the wheel minus the angle of the rail below it, rad."""
     found = Clearance.measure(wheel, rail, np.array([s]))
     return float(found.angles[0, 0] - found.angles[1, 0])
 
 
 def contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
-    """Return the points where wheel and rail touch first, or nearly.
+    """Return the points of first touch of wheel and rail, and of near touch.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearanc
     Returns
     -------
     Clearance
-        At the local minima of the distance, where both have the same angle, the least one first.
+        Local minima of the distance, with equal angles of wheel and rail, the least one first.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearanc
 
 
 def _equal_angles(wheel: Wheel, rail: Profile, node: int) -> float:
-    """Return the arc length beside a node at which wheel and rail have the same angle."""
+    """Return the arc length beside a node at which wheel and rail have equal angles."""
     first, last = wheel.profile.s[[node - 1, node + 1]]
     if _steepness(wheel, rail, first) * _steepness(wheel, rail, last) >= 0.0:
         return float(wheel.profile.s[node])  # a kink of a worn or a measured profile
@@ -169,7 +169,9 @@ def _check_contact(found: Clearance, wheel: Wheel, flange_top: float = 2.0) -> N
     k = int(np.argmin(found.gap))
     height = wheel.profile.points[:, 1]
     if height[k] > height.max() - flange_top or k <= np.argmax(height):
-        raise NoContactError("the wheel has derailed: the top of its flange is on the rail")
+        raise NoContactError(
+            "the wheel has derailed: the top of its flange is on the rail; reduce y or yaw"
+        )
     measured = np.isfinite(found.gap[max(k - 1, 0) : k + 2])
     if k == found.gap.size - 1 or not measured.all():
         raise NoContactError(
@@ -362,7 +364,9 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
     while excess(deepest) < 0.0 and deepest < 0.5:
         deepest *= 2.0
     if excess(deepest) < 0.0:
-        raise NoContactError(f"the load of {load:g} N presses the wheel more than 0.5 mm deep")
+        raise NoContactError(
+            f"the load of {load:g} N presses the wheel more than 0.5 mm deep; lower the load"
+        )
     depth = float(scipy.optimize.brentq(excess, 1e-9, deepest, xtol=1e-9))
     overlaps = _overlaps(found, wheel, depth)
     between = [-np.inf]
@@ -386,15 +390,18 @@ class _Overlap:
 
     @cached_property
     def _weights(self) -> Array:
+        """Weights of the points of the overlap, shape (n,): its squared depth, normalised."""
         y = self.clearance.points[self.part, 1]
         weights = self.depth**2 * np.gradient(y) if y.size > 1 else np.ones(1)
         return np.asarray(weights / weights.sum())
 
     def _mean(self, values: Array) -> float:
+        """Return the weighted mean over the overlap of values at all points."""
         return float(self._weights @ values[self.part])
 
     @cached_property
     def _angles(self) -> Array:
+        """Mean of the angles of wheel and rail at all points, rad."""
         return np.asarray(self.clearance.angles.mean(axis=0))
 
     @cached_property
@@ -408,7 +415,7 @@ class _Overlap:
         return np.sqrt(2.0 * self.radius * self.depth)  # cos(angle) cancels
 
     def force(self, e_star: float) -> float:
-        """Return the vertical force of a Hertz contact with the same area of overlap, N."""
+        """Return the vertical force of a Hertz contact with an equal area of overlap, N."""
         y = self.clearance.points[self.part, 1]
         cosine = np.cos(self.angle)
         area = 2.0 * (self._half_length * np.gradient(y)).sum() / cosine if y.size > 1 else 0.0
@@ -444,9 +451,9 @@ def _overlaps(found: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
 def _divide(overlap: Array, first: int, last: int, share: float = 0.5) -> list[slice]:
     """Divide a region of overlap between its maxima.
 
-    In Hertz contacts the surfaces touch where the undeformed bodies overlap by more than half of
-    the approach. So two patches are separate if the overlap between them falls below this share of
-    both maxima.
+    In Hertz contacts the surfaces touch in the area in which the undeformed bodies overlap by more
+    than half of the approach. So two patches are separate if the overlap between them falls below
+    this share of both maxima.
     """
     lowest = [
         k for k in range(first + 1, last - 1) if overlap[k - 1] > overlap[k] <= overlap[k + 1]

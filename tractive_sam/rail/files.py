@@ -42,9 +42,9 @@ def read_profile(
     path : path-like
         The file.
     kind : {"wheel", "rail"}
-        What it describes.
+        Kind of the profile.
     unit : {"mm", "m", "in"}, optional
-        Unit of lengths; by default that of the file, or mm.
+        Unit of lengths; by default the unit in the file, or mm.
     smoothing : float, optional
         Root mean square distance of a cubic smoothing spline from the points, mm; by default the
         profile interpolates the points.
@@ -52,8 +52,8 @@ def read_profile(
     Raises
     ------
     ProfileError
-        If the file cannot be read, or its points are no profile; the message states the line or the
-        place, and what is allowed.
+        If the file cannot be read, or its points are not a profile; the message states the line or
+        the place, and what is allowed.
     """
     try:
         text = read_text(path, max_bytes=10**7, encoding="utf-8-sig")
@@ -196,7 +196,7 @@ def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title
         The file. With the suffix .prw or .prr, z points upwards as these files require; with
         others, lines of y and z in mm, z downwards.
     kind : {"wheel", "rail"}
-        What it describes.
+        Kind of the profile.
     title : str
         A line of text about it.
     """

@@ -15,9 +15,9 @@ from .wheelset import Wheel
 
 @dataclass(frozen=True, eq=False)
 class ContactLocus:
-    """Where the wheels of a wheelset touch the rails, over its lateral position.
+    """Points of touch of the wheels of a wheelset and the rails, over its lateral position.
 
-    Arrays of sides have the right wheel first. Positions of the left side are those of its mirror.
+    Arrays of sides have the right wheel first. Positions of the left side refer to its mirror.
 
     Attributes
     ----------
@@ -28,7 +28,7 @@ class ContactLocus:
     points : ndarray, shape (2, n, 3)
         Contact points in the track frame of each side, mm.
     wheel, rail : ndarray, shape (2, n, 2)
-        The same points in the frames of the wheel and of the placed rail, lateral and down, mm.
+        These points in the frames of the wheel and of the placed rail, lateral and down, mm.
     angle : ndarray, shape (2, n)
         Contact angles, rad.
     radius : ndarray, shape (2, n)
@@ -58,14 +58,14 @@ class ContactLocus:
 
     @property
     def radius_difference(self) -> Array:
-        """Rolling radius of the right wheel less that of the left one, shape (n,), mm."""
+        """Rolling radius of the right wheel minus the radius of the left one, shape (n,), mm."""
         return np.asarray(self.radius[0] - self.radius[1])
 
     def conicity(self, amplitude: float, samples: int = 400) -> float:
         """Return the equivalent conicity by harmonic linearisation, tan gamma_e.
 
-        The cone whose rolling radius difference has the same first harmonic over a sinusoidal
-        motion of the wheelset.
+        It is the cone with an equal first harmonic of the rolling radius difference over a
+        sinusoidal motion of the wheelset.
 
         Parameters
         ----------
@@ -87,8 +87,8 @@ class ContactLocus:
     def klingel_conicity(self, amplitude: float) -> float:
         """Return the equivalent conicity by integration of Klingel's motion, tan gamma_e.
 
-        A free wheelset follows y'' = -difference / (tape distance x radius); the cone has the same
-        wavelength at the same amplitude, half the distance of the extreme positions (EN 15302). The
+        A free wheelset follows y'' = -difference / (tape distance x radius); the cone has its
+        wavelength at its amplitude, half the distance of the extreme positions (EN 15302). The
         wavelength is a quadrature of the first integral of the motion.
 
         Parameters
@@ -119,7 +119,7 @@ class ContactLocus:
         return scipy.interpolate.make_interp_spline(self.y, values, k=1).antiderivative()
 
     def extremes(self, amplitude: float) -> tuple[float, float]:
-        """Return the extreme positions of a motion with the same potential energy."""
+        """Return the extreme positions of a motion, which have equal potential energy."""
         potential = self._potential
 
         def excess(middle: float) -> float:
@@ -133,6 +133,7 @@ class ContactLocus:
         return middle - amplitude, middle + amplitude
 
     def _check_amplitude(self, amplitude: float) -> None:
+        """Raise a ValueError unless an amplitude, mm, is positive and within the positions."""
         most = min(-self.y[0], self.y[-1])
         if not 0.0 < amplitude <= most:
             raise ValueError(

@@ -18,8 +18,8 @@ class Profile:
     """A cross-section as a smooth curve over its arc length.
 
     Lateral positions y increase outward, from the track centre to the field side; z points
-    downwards. The origin of a wheel profile is the tread datum, that of a rail profile the middle
-    of its top. Both belong to the right-hand side of a vehicle.
+    downwards. The origin of a wheel profile is the tread datum, of a rail profile the middle of its
+    top. Both belong to the right-hand side of a vehicle.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class Profile:
 
     @classmethod
     def from_pieces(cls, pieces: list[tuple[Array, Array]]) -> Profile:
-        """Join pieces of points and unit tangents; each begins where the one before it ends."""
+        """Join pieces of points and unit tangents; each begins at the end of the one before."""
         points = np.concatenate([p[k > 0 :] for k, (p, _) in enumerate(pieces)])
         tangents = np.concatenate([t[k > 0 :] for k, (_, t) in enumerate(pieces)])
         return cls(arc_lengths(points, tangents), points, tangents)
@@ -67,6 +67,7 @@ class Profile:
 
     @cached_property
     def _curve(self) -> scipy.interpolate.CubicHermiteSpline:
+        """Cubic through the nodes with their tangents, a function of the arc length."""
         return scipy.interpolate.CubicHermiteSpline(self.s, self.points, self.tangents)
 
     def at(self, s: ArrayLike, order: int = 0) -> Array:
@@ -103,12 +104,12 @@ class Profile:
             Angle of the axis, rad.
         near : float, optional
             y of a point of the part of the profile that is meant if there are several; by default
-            that of the median of the positions.
+            at the median of the positions.
 
         Returns
         -------
         ndarray
-            Arc lengths; beyond the ends of the profile those of its ends.
+            Arc lengths; beyond an end of the profile the arc length of the end.
         """
         axis = np.array([np.cos(angle), np.sin(angle)])
         if near is None:
@@ -133,7 +134,7 @@ class Profile:
         Parameters
         ----------
         angle : float
-            Angle that is added to those of all tangents, rad.
+            Angle that is added to the angles of all tangents, rad.
         shift : array_like, shape (2,)
             Displacement in y and z of the origin, mm.
         """
@@ -163,7 +164,7 @@ class Profile:
 def arc_lengths(points: Array, tangents: Array) -> Array:
     """Return the arc length at points with unit tangents, shape (n,), mm.
 
-    Each chord is taken as that of a circular arc between its tangents, an error of fifth order.
+    Each chord counts as the chord of a circular arc between its tangents, an error of fifth order.
     """
     chords = np.hypot(*np.diff(points, axis=0).T)
     half = 0.5 * np.abs(np.diff(np.unwrap(np.arctan2(tangents[:, 1], tangents[:, 0]))))

@@ -1,4 +1,4 @@
-"""A wheelset on a track: where the surfaces of a wheel and a rail are.
+"""A wheelset on a track: positions of the surfaces of a wheel and a rail.
 
 Track frame: x along the rolling direction, y outward to the right, z downwards; the tops of the
 unloaded rails lie at z = 0, and y = 0 is the middle of the track. A wheelset is displaced by y,
@@ -92,7 +92,7 @@ class Wheel:
 
     @cached_property
     def turn(self) -> Array:
-        """Rotation from the frame of the wheelset to that of the track, shape (3, 3)."""
+        """Rotation from the frame of the wheelset to the frame of the track, shape (3, 3)."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         about_z = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         c, s = np.cos(self.roll), np.sin(self.roll)
@@ -109,7 +109,7 @@ class Wheel:
         return 0.5 * self.inner + TAPE_LINE
 
     def silhouette(self, s: Array) -> tuple[Array, Array]:
-        """Return the points of the surface whose normal is perpendicular to the rail.
+        """Return the points of the surface with a normal perpendicular to the rail.
 
         A prismatic rail can touch the wheel there only. On the circle of each point of the profile
         this is a linear equation in the cosine and sine of the angle around the axle.
@@ -122,7 +122,7 @@ class Wheel:
         Returns
         -------
         points : ndarray, shape (n, 3)
-            In the track frame, mm; nan where the flange is too steep to have such a point.
+            In the track frame, mm; nan if the flange is too steep for this point.
         angles : ndarray, shape (n,)
             Angle of the tangent plane to the horizontal, rad.
         """

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from tractive_sam.mechanics import CombinedMaterial
 
-# Slip changes sign where the pressure is p0 cos t; half of the load lies between these two points
-# when 2t + sin 2t = pi/2. This is cos(t) / 2 at its root, 0.457 in the literature.
+# Slip changes sign at the pressure p0 cos t; half of the load lies between these two points if 2t +
+# sin 2t = pi/2. This is cos(t) / 2 at its root, 0.457 in the literature.
 _SHARE = 0.45738550878651788
 
 
@@ -15,7 +15,7 @@ def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float
     With kappa = 2 K / (1 - nu). Source: Bentall & Johnson, Int. J. Mech. Sci. 9 (1967) 389, in
     the closed form that the limit allows: with vanishing tractions the slip is
     s_x/V = xi_x + (2 K / G) p_n, and the friction forces of the forward- and backward-slipping
-    parts cancel. Negative where the upper body A is the more compliant one, K > 0.
+    parts cancel. Negative if the upper body A is the more compliant one, K > 0.
 
     Parameters
     ----------

@@ -92,4 +92,5 @@ class Carter:
         return -math.copysign(1.0, self.creepage)
 
     def _from_stick_centre(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Return positions relative to the middle of the stick zone, mm."""
         return np.asarray(x, float) - (self.hertz.a - self.stick_half_width)

@@ -29,7 +29,7 @@ def fastsim(
     strip along x the traction increases from the leading edge by the rigid slip over the
     flexibility, and is limited to mu p, with the paraboloid p =
     2 P / (pi a b) (1 - x²/a² - y²/b²) of equal load. As the flexibilities differ, the direction of
-    full slip is (xi_x / L_1, xi_y / L_2), which differs slightly from that of the bodies.
+    full slip is (xi_x / L_1, xi_y / L_2), which differs slightly from the direction of the bodies.
 
     Source: Kalker, A Fast Algorithm for the Simplified Theory of Rolling Contact, Vehicle System
     Dynamics 11 (1982) 1-13.

@@ -5,8 +5,8 @@ p gives sigma_zz = -p and a shear q along +x gives sigma_xz = -q. Lengths in one
 the unit of p0 or q0; arguments broadcast. Results have the shape (6, ...) with the components xx,
 yy, zz, xy, xz, yz.
 
-The field is that of Huber (1904), Hamilton & Goodman, J. Appl. Mech. 33 (1966) 371, and Hamilton,
-Proc. IMechE C 197 (1983) 53, with the derivation in `_moments`.
+Source: Huber (1904), Hamilton & Goodman, J. Appl. Mech. 33 (1966) 371, and Hamilton, Proc. IMechE C
+197 (1983) 53, with the derivation in `_moments`.
 """
 
 from __future__ import annotations
@@ -99,15 +99,15 @@ def _moments(x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float) -> dict[str, St
     """Return S_ijk and the potentials of the load sqrt(1 - r²/a²) on a circle.
 
     S_ijk is the integral of 3 r_i r_j r_k / R^5 times the load over the circle; psi_xx, psi_xy,
-    chi_xxy and chi_xyy those of the derivatives of psi = ln(R + z) and chi = z psi - R.
+    chi_xxy and chi_xyy are the integrals of the derivatives of psi = ln(R + z) and chi = z psi - R.
 
-    The potential of this load is that of point sources at imaginary depths,
+    The potential of this load equals the potential of point sources at imaginary depths,
 
         integral of load / R = pi / (2 a) integral_-a^a (a² - t²) / R(x, y, z + i t) dt,
 
     since at z = 0 the right side is pi² / (4 a) (2 a² - r²) for r < a and its z-derivative vanishes
-    for r > a. The same weight transforms every harmonic function F of a point source to that of the
-    load. Three integrations by parts leave, with Z = z + i a,
+    for r > a. This weight transforms every harmonic function F of a point source into the function
+    of the load. Three integrations by parts leave, with Z = z + i a,
 
         pi / (2 a) (4 Im F_3(Z) - 4 a Re F_2(Z)),        F_n the n-th antiderivative of F in Z.
 

@@ -59,9 +59,9 @@ def line_shear_stress(x: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float
 
 
 def _coordinates(x: Stress, z: Stress, a: float) -> tuple[Stress, Stress, Stress]:
-    """m >= 0, n with the sign of x, and m² + n².
+    """Return m >= 0, n with the sign of x, and m² + n².
 
-    The sum is 1 instead of 0 on the contact's edges, where it only ever divides 0.
+    The sum is 1 instead of 0 on the edges of the contact: it only divides 0 there.
     """
     root = np.sqrt(a * a + (z + 1j * x) ** 2)
     m, n = root.real, np.copysign(root.imag, x)
@@ -70,5 +70,6 @@ def _coordinates(x: Stress, z: Stress, a: float) -> tuple[Stress, Stress, Stress
 
 
 def _plane_strain(xx: Stress, zz: Stress, xz: Stress, nu: float) -> Stress:
+    """Return the six stress components from those in the plane; the strain in y is zero."""
     zero = np.zeros_like(xx)
     return np.stack([xx, nu * (xx + zz), zz, zero, xz, zero])

@@ -28,7 +28,7 @@ def full_slip_with_spin(
     slip : tuple of float
         (xi_x, xi_y), in any unit.
     spin : float
-        c phi, in the same unit.
+        c phi, in the unit of `slip`.
     points : int
         Integration points over the angle if the pole of the slip is outside the contact; if it is
         inside, their number increases towards the edge.

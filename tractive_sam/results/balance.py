@@ -145,5 +145,5 @@ def balance_of(history: Recorded) -> SteadyBalance:
 
 
 def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Return the quotients where the mask holds, and nan elsewhere."""
+    """Return the quotients in the places of a mask, and nan elsewhere."""
     return np.divide(over, under, out=np.full(len(over), np.nan), where=where)

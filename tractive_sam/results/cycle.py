@@ -40,7 +40,7 @@ def cycle_record(
     scene : Scene
         Scene of the cycle.
     own : iterable of Quantity
-        Columns in addition to those of the package.
+        User-defined columns.
     """
     weights = np.array(revolutions, float) / sum(revolutions)
     names = columns_of(scene, [*own, *_replacing_columns(records[0])])
@@ -70,7 +70,7 @@ def block_quantity(quantity: Quantity) -> Quantity:
 
 
 def _replacing_columns(record: Record) -> list[Quantity]:
-    """Return the columns that replace those of the package, such as those of another criterion."""
+    """Return the columns that replace columns of the package, for example by another criterion."""
     return [column for column in record.columns.values() if column.role.startswith("stress")]
 
 
@@ -112,7 +112,7 @@ def _value_or_nan(record: Record, quantity: Quantity) -> Any:
 
 
 def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
-    """Combine the values of the blocks to that of the cycle."""
+    """Combine the values of the blocks into the value of the cycle."""
     match quantity.over_blocks:
         case "largest":
             value = each.max(axis=0)

@@ -47,7 +47,7 @@ def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:
 
 
 def describe_programs(history: Recorded) -> str:
-    """List the programs whose versions changed when a history was resumed, and from where on."""
+    """List the programs with another version after a history was resumed, and the first record."""
     changes = []
     for (_, before), (record, after) in pairwise(history.provenance):
         changed = [name for name in after if after[name] != before.get(name)]
@@ -59,11 +59,11 @@ def describe_programs(history: Recorded) -> str:
 
 
 def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str, str]:
-    """Describe the balances "energy" and "wear" where they differ most from unity.
+    """Describe the balances "energy" and "wear" at their largest distance from unity.
 
-    For a duty cycle that is a record of a block. The wear of a transient is balanced over all of
-    its course, since the wear of shifts is proportional to their work only for small steps.
-    Without work, or without wear, there is no balance.
+    For a duty cycle the distance is sought in the records of all blocks. The wear of a transient is
+    balanced over all of its course, since the wear of shifts is proportional to their work only for
+    small steps. Without work, or without wear, there is no balance.
 
     Parameters
     ----------

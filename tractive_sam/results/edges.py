@@ -1,10 +1,10 @@
 """Positions of the edges of a contact between the centres of elements.
 
 Towards the edge of a contact the square of the pressure falls in proportion to the distance. The
-outermost element in contact and its neighbour determine where it extrapolates to zero. If the
-pressures were samples at points, the edge would lie r²/(1 - r²) elements beyond the centre of the
-outermost one, with r the quotient of both pressures. For elements of constant pressure the distance
-is a cubic in r. The cubic is the same for all bodies and meshes, since any edge is straight on the
+outermost element in contact and its neighbour determine the place at which it extrapolates to zero.
+If the pressures were samples at points, the edge would lie r²/(1 - r²) elements beyond the centre
+of the outermost one, with r the quotient of both pressures. For elements of constant pressure the
+distance is a cubic in r. One cubic serves all bodies and meshes, since any edge is straight on the
 scale of an element, and any contact is in plane strain along it. Its coefficients are fitted to
 line contacts with edges in all positions within an element of size a/728;
 `tests/results/test_edges.py` checks them. When an element comes into contact r is zero, so the edge

@@ -48,7 +48,7 @@ class Grid:
 
     @property
     def line(self) -> bool:
-        """Whether the grid is that of a line contact."""
+        """Whether the grid belongs to a line contact."""
         return self.directions == 1
 
     @property
@@ -94,6 +94,7 @@ class Grid:
 
 
 def _centres(half_length: float, elements: int) -> np.ndarray:
+    """Return the centres of elements that cover -half_length to half_length."""
     # Mirrored exactly about zero, so that symmetric scenes stay symmetric to the last bit.
     return (np.arange(elements) - 0.5 * (elements - 1)) * (2.0 * half_length / elements)
 
@@ -104,7 +105,7 @@ def widen_field(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0
     Parameters
     ----------
     values : ndarray
-        Its last axes are those of the mesh.
+        The last axes are the axes of the mesh.
     shape : tuple of int
         Elements of the wider mesh along these axes.
     outside : float
@@ -113,13 +114,13 @@ def widen_field(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0
     Raises
     ------
     ValueError
-        If the wider mesh does not add the same number of elements on both sides.
+        If the wider mesh does not add equal numbers of elements on both sides.
     """
     before = values.shape[values.ndim - len(shape) :]
     if before == tuple(shape):
         return values
     extra = np.subtract(shape, before)
     if (extra < 0).any() or (extra % 2).any():
-        raise ValueError(f"a mesh of {before} elements is not the middle of one of {shape}")
+        raise ValueError(f"a mesh of {before} elements is not the middle of a mesh of {shape}")
     sides = [(0, 0)] * (values.ndim - len(shape)) + [(n // 2, n // 2) for n in extra]
     return np.pad(values, sides, constant_values=outside)

@@ -59,14 +59,14 @@ class History:
     fields : mapping of str to Rows, length m <= n
         A function of x and y for each record with stored fields; see `field` and `state`.
     saved : ndarray, shape (m,)
-        Values of the coordinate of these records, such as their revolutions.
+        Values of the coordinate of these records, for example their revolutions.
     stresses : mapping of (body, plane) to Rows, length m
         Stress on planes for each record with stored fields; see `stress`. For a duty cycle see
         `stresses_of_blocks`.
     provenance : tuple of (int, mapping of str to str)
         Rows, and the programs that computed the records from each of these rows on.
     law_records : mapping of str to LawRecord
-        Laws that replaced those of the scene, by "friction", "wear" and so on.
+        Laws that replaced laws of the scene, by "friction", "wear" and so on.
     started : str
         Source of the worn bodies with which the history began; empty for new bodies.
     cycles : mapping of str to Rows, length m
@@ -77,7 +77,7 @@ class History:
     measured : str
         Hash of the numbers of the measured gap and profiles; empty without them.
     datum : str
-        Origin of the approach: "vertex", where the unworn bodies touch first, or "node", the
+        Origin of the approach: "vertex", the first touch of the unworn bodies, or "node", the
         nearest element, in results files of earlier versions.
     own_fields : mapping of str to Quantity
         Descriptions of user-defined fields.
@@ -122,7 +122,7 @@ class History:
         law_records: Mapping[str, LawRecord] | None = None,
         started: str = "",
     ) -> Self:
-        """Collect records in memory; those of smaller meshes are widened to the last mesh."""
+        """Collect records in memory; records on smaller meshes are widened to the last mesh."""
         about: dict[str, Any] = {"law_records": law_records or {}, "started": started}
         return cls(scene, status, message, grid, **collect(list(records), scene, grid), **about)
 
@@ -130,12 +130,13 @@ class History:
         return text_table("History", summarize_history(self))
 
     def _repr_html_(self) -> str:
+        """Return the summary as HTML, for notebooks."""
         return html_with_figure(
             summarize_history(self), "forces" if len(self) > 1 else "pressure", self
         )
 
     def __getattr__(self, name: str) -> Any:
-        """Raise an error that names where to find a column, or an attribute of a contact."""
+        """Raise an error that names the place of a column, or of an attribute of a contact."""
         cure = ""
         if name in self.__dict__.get("columns", ()):  # an incomplete copy has no columns
             cure = f"; history[{name!r}] has its values for all records"
@@ -152,7 +153,7 @@ class History:
         Raises
         ------
         KeyError
-            If there is no such column; the message lists all columns.
+            If the column does not exist; the message lists all columns.
         """
         if name in self.values:
             return self.values[name]
@@ -172,7 +173,7 @@ class History:
         Raises
         ------
         LookupError
-            If there is no such column.
+            If no column has this role.
         """
         return find_by_role(self.columns.values(), role)
 
@@ -198,7 +199,7 @@ class History:
 
     @property
     def a0(self) -> float:
-        """Semi-axis in x of the unworn contact by Hertz, mm; nan where Hertz does not apply."""
+        """Semi-axis in x of the unworn contact by Hertz, mm; nan if Hertz does not apply."""
         return math.nan if self.scene.hertz is None else self.scene.hertz.a
 
     @property
@@ -213,7 +214,7 @@ class History:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Bodies whose stress was computed, of "A" and "B"; none without [subsurface]."""
+        """Bodies with computed stress, of "A" and "B"; none without [subsurface]."""
         return () if self.scene.subsurface is None else tuple(self.scene.subsurface.bodies)
 
     @property
@@ -223,7 +224,7 @@ class History:
 
     @property
     def laws(self) -> str:
-        """Laws that replaced those of the scene, in one line; empty if there are none."""
+        """Laws that replaced laws of the scene, in one line; empty if there are none."""
         return describe_laws(self.law_records)
 
     @property
@@ -272,7 +273,7 @@ class History:
 
         Places on the bodies, shape (n,), mm, ascending: the place x is in the middle of the contact
         after rolling the distance x. Depths there, shape (n, n_y), mm: each record has the depth of
-        the material that leaves the mesh; the stored fields of the last record add that of the
+        the material that leaves the mesh; the stored fields of the last record add the depth of the
         material on the mesh.
 
         Raises
@@ -398,7 +399,7 @@ class History:
         if not len(rows):
             saved = ", ".join(map(str, self.saved)) or "none"
             value = "" if at is None else f" {at:g}"
-            raise LookupError(f"no fields of {coordinate}{value}; there are those of {saved}")
+            raise LookupError(f"no fields of {coordinate}{value}; the stored ones are {saved}")
         return int(rows[-1])
 
     def state(self, at: float | None = None, **named: float | None) -> State:
@@ -431,7 +432,7 @@ class History:
     def block(self, which: int | str) -> Self:
         """Return the records of one block of a duty cycle as a separate history.
 
-        Profiles and worn volumes are those of the bodies, which all blocks wear.
+        Profiles and worn volumes belong to the bodies, which all blocks wear.
 
         Parameters
         ----------
@@ -442,7 +443,7 @@ class History:
         Raises
         ------
         LookupError
-            If there is no such block.
+            If the block does not exist.
 
         Examples
         --------
@@ -460,7 +461,7 @@ class History:
         Raises
         ------
         LookupError
-            If there is no such block.
+            If the block does not exist.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""Records of the laws that replaced those of a scene, as a history and its file store them."""
+"""Records of the laws that replaced laws of a scene, as a history and its file store them."""
 
 import json
 from collections.abc import Mapping

@@ -61,6 +61,7 @@ class PlaneStress(ShortArrays):
 
     @cached_property
     def _tensor(self) -> np.ndarray:
+        """Stress components in the order of `COMPONENTS`, first axis 6, MPa."""
         return np.stack([self.components[name] for name in COMPONENTS])
 
     def by(self, criterion: StressCriterion) -> np.ndarray:

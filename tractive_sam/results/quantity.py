@@ -11,7 +11,7 @@ from tractive_sam.scene import Scene
 BODIES = ("A", "B")
 
 LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
-"""Labels along the dimensions of columns that are not those of the mesh."""
+"""Labels along the dimensions of columns, except dimensions of the mesh."""
 
 PROFILES = ("wheel", "rail")
 """Dimensions along the nodes of the profile of a wheel or a rail."""
@@ -44,7 +44,7 @@ class Quantity:
         Function that reads it from a contact. It returns a number, an array of its dimensions, or
         for dimensions ("body", ...) a mapping from "A" and "B". None if only the process has it.
     dims : tuple of str
-        Dimensions in addition to the record, one of `DIMS`: "y" is that of the mesh, "axis" (x, y),
+        Dimensions in addition to the record, one of `DIMS`: "y" of the mesh, "axis" (x, y),
         "body" (A, B), "position" (x, y, depth). Columns of the package may also have one of
         `PROFILES`.
     symbol : str
@@ -110,7 +110,7 @@ class Quantity:
             if not isinstance(text, str) or not text.isprintable():
                 raise ValueError(f"{name} of a column is {text!r}; allowed: one line of text")
         if not re.fullmatch(r"[-+ z#]*\d{0,2},?(\.\d{1,2})?[deEfFgG%]?", self.format, re.ASCII):
-            allowed = "a format of numbers such as .4g, of at most 99 places"
+            allowed = "a format of numbers as in .4g, of at most 99 places"
             raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
         if self.over_blocks not in OVER_BLOCKS:
             raise ValueError(
@@ -136,7 +136,9 @@ class Quantity:
             If only the process has it.
         """
         if self.of is None:
-            raise LookupError(f"{self.name} cannot be read from a contact")
+            raise LookupError(
+                f"{self.name} is not a quantity of a single contact: only a roll records it"
+            )
         return self.of(contact)
 
     def bodies(self, scene: Scene) -> tuple[str, ...]:
@@ -169,7 +171,7 @@ def find_by_role(columns: Iterable[Quantity], role: str) -> Quantity:
     Raises
     ------
     LookupError
-        If there is no such column.
+        If no column has this role.
     """
     for column in columns:
         if column.role == role:

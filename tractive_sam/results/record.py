@@ -27,8 +27,7 @@ class Record:
     fields : mapping of str to ndarray, shape (n_x, n_y)
         Fields by the names of `FIELDS`; empty if they are not stored.
     stress : tuple of PlaneStress
-        Stress on the planes of the scene, stored with the fields; for a duty cycle that of all
-        blocks.
+        Stress on the planes of the scene, stored with the fields; for a duty cycle of all blocks.
     cycles : tuple of BodyFatigue
         Fatigue of each body that [fatigue] names, stored with the fields.
     own_fields : mapping of str to Quantity

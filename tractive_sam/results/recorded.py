@@ -94,7 +94,7 @@ class Recorded(Protocol):
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Bodies whose stress was computed."""
+        """Bodies with computed stress."""
 
     @property
     def block_names(self) -> Sequence[str]:
@@ -102,7 +102,7 @@ class Recorded(Protocol):
 
     @property
     def laws(self) -> str:
-        """Laws that replaced those of the scene."""
+        """Laws that replaced laws of the scene."""
 
     @property
     def totals(self) -> Mapping[str, float]:

@@ -50,7 +50,7 @@ class State:
     """One steady state of rolling contact.
 
     Fields have the shape (n_x, n_y) of the grid, vectors (2, n_x, n_y) with the x-component first.
-    Tractions act on body A; slip is that of A over B per unit rolling speed.
+    Tractions act on body A; slip is the velocity of A relative to B over the rolling speed.
 
     In a line contact n_y is 1, and forces, moment and dissipation are per length: N/mm, and N for
     the moment.
@@ -88,7 +88,7 @@ class State:
         undeformed, worn bodies, N; zero for bodies of equal material. Its differences make
         `work_supplied` equal to the dissipation on any mesh (`contact.steady`).
     sliding : ndarray of bool
-        Elements in contact whose traction has reached the friction bound.
+        Elements in contact with tractions that have reached the friction bound.
     status : Status
         CONVERGED, or the reason of the failure.
     note : str
@@ -100,8 +100,8 @@ class State:
     trace : tuple of str
         Steps of the solution method.
     error_bars : mapping of str to float or mapping
-        For scenes with [accuracy]: estimated distance of numbers from those on an infinitely fine
-        mesh, by their recorded names and in their units, for "von_mises_max" by body; and
+        For scenes with [accuracy]: estimated distance of numbers from their values on an infinitely
+        fine mesh, by their recorded names and in their units, for "von_mises_max" by body; and
         "relative", the widest relative error bar that the tolerance bounds.
     revolution : int
         Revolutions rolled.
@@ -124,9 +124,9 @@ class State:
         Scaled tribological frame of the friction law; None without friction.
     traction_bound : ndarray or None
         Largest ||p_t||_mu that friction allows in each element under its slip, MPa; None if it is
-        the pressure itself, as for Coulomb's law.
+        the pressure, as for Coulomb's law.
     laws : Laws or mapping of str to LawRecord
-        Laws of the solution; for a contact read from a file the laws that replaced those of its
+        Laws of the solution; for a contact read from a file the laws that replaced laws of its
         scene (`History.law_records`).
 
     Examples
@@ -173,6 +173,7 @@ class State:
         return text_table("Contact", self._summary())
 
     def _repr_html_(self) -> str:
+        """Return the summary as HTML, for notebooks."""
         return html_with_figure(self._summary(), "pressure", self)
 
     def _summary(self) -> dict[str, str]:
@@ -228,7 +229,7 @@ class State:
         Raises
         ------
         ValueError
-            If the wider mesh does not add the same number of elements on both sides.
+            If the wider mesh does not add equal numbers of elements on both sides.
         """
         same_sides = np.allclose((grid.dx, grid.dy), (self.grid.dx, self.grid.dy), rtol=1e-9)
         if not same_sides or grid.centre != self.grid.centre:
@@ -284,7 +285,7 @@ class State:
         return self.traction_bound is not None or (friction is not None and friction.varies)
 
     def with_sliding_by_traction(self) -> "State":
-        """Return the contact with `sliding` where the traction reaches its bound."""
+        """Return the contact with `sliding` set by tractions that reach their bound."""
         margin = ON_THE_BOUND * self.pressure.max()
         return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 
@@ -371,9 +372,9 @@ class State:
     def stick_fraction(self) -> float:
         """Share of the contact area that sticks.
 
-        Where stick ends, the distance of the traction from its bound falls to zero as the pressure
-        does at the edge of the contact. So both areas end there between the centres of elements.
-        If the bound is not the pressure, the distance may jump there: then elements are counted.
+        At the end of stick the distance of the traction from its bound falls to zero, as the
+        pressure does at the edge of the contact. So both areas end between the centres of elements.
+        If the bound is not the pressure, the distance may jump; then elements are counted.
         """
         if not self.sticking.any():
             return 0.0

@@ -22,13 +22,13 @@ class Cost:
     Attributes
     ----------
     applications : float
-        Applications of the displacement, slip or coupled operator; those on coarser meshes are
-        weighted by their share of the elements.
+        Applications of the displacement, slip or coupled operator; on coarser meshes weighted by
+        their share of the elements.
     preconditioner : float
         Applications of circulant inverses and, within a step of a transient, of the operators on a
         shorter period; each has as many transforms, of a quarter to half the size.
     convolutions : float
-        All padded transforms of the solve, of operators and preconditioners, over those of one
+        All padded transforms of the solve, of operators and preconditioners, over the number in one
         application of the tangential operator on the mesh (`operators.meter`).
     """
 

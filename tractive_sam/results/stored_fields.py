@@ -20,7 +20,7 @@ def read_component(field: str, k: int, contact: State) -> np.ndarray:
 
 
 def read_number(name: str, contact: State) -> Any:
-    """Return 1 where a condition of a contact holds, else 0."""
+    """Return a value of a contact as a number; 1 and 0 for true and false."""
     return 1.0 * getattr(contact, name)
 
 

@@ -25,7 +25,7 @@ factor (1 - J/c_0)^-1, with which the formula is stable at any length and for gr
 up to 2.
 
 At the rim, rows of elements come into contact one after the other, and no multi-step formula holds
-across that. Such a row wears from the moment at which its gap has closed, at a rate that grows
+across that. These rows wear from the moment at which their gap has closed, at a rate that grows
 from zero.
 """
 
@@ -122,7 +122,7 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
 
 @dataclass(frozen=True, eq=False)
 class _TwoStepFormula:
-    """The two-step formula of a jump; for a jump of one revolution, that of Euler.
+    """The two-step formula of a jump; Euler's formula for a jump of one revolution.
 
     A row of elements that comes into contact during the jump has a separate formula.
     """
@@ -145,6 +145,7 @@ class _TwoStepFormula:
 
     @classmethod
     def from_course(cls, course: tuple[ProfilePoint, ...], jump: int) -> "_TwoStepFormula":
+        """Return the formula for a jump, in revolutions, from the last two points of a course."""
         last, worn_before = course[-1], course[0].rate > 0.0
         if len(course) == 1:
             leading = np.full(last.profile.size, 1.0 / jump)
@@ -206,7 +207,7 @@ class _TwoStepFormula:
     def third_order_correction(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
         """Return the correction of the error of the formula, for a profile with this rate."""
         # (c_0 - J)^-1 turns a missing rate into a correction of the profile; c_0 (c_0 - J)^-1
-        # then restricts it to long waves, whose rate has a smooth course.
+        # then restricts it to long waves, which have rates with a smooth course.
         smooth = self.worn_before & (rate > 0.0)
         missed = np.where(smooth, self.third * (self.rate - rate), 0.0)
         return self.leading * self._solve(response, self._solve(response, missed))
@@ -233,7 +234,7 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
     now = passage_at(model, revolution, profile, last.contacts, _lag(model), grown)
     if not now.converged:
         return now, np.inf
-    # A pass needs no formula: the error is that of the next, longer jump. The rate computed at the
+    # A pass needs no formula: the error belongs to the next, longer jump. The rate computed at the
     # true profile is moved to the profile that the formula predicts.
     rate = now.gained + response @ (predicted - profile)
     error = _relative_correction(model, formula.correction(response, predicted, rate), profile)
@@ -277,7 +278,7 @@ def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tup
 
 
 def _growth(expected: np.ndarray, last: Passage) -> np.ndarray:
-    """Return the expected rate over that of a passage for each row; 0 for rows without wear."""
+    """Return the expected rate over the rate of a passage for each row; 0 for rows without wear."""
     wears = last.gained > 0.0
     return np.divide(expected, last.gained, out=np.zeros_like(expected), where=wears)
 
@@ -296,8 +297,8 @@ def _predict(
     """Return the profile by the formula, the expected rate, and the response of rows in contact.
 
     Rows that were not worn two solved revolutions ago cannot be extrapolated. They start from the
-    last revolution, and carry no pressure before their gap has closed; those whose gap does not
-    close stay out of contact.
+    last revolution, and carry no pressure before their gap has closed; if it does not close they
+    stay out of contact.
     """
     here, new, open_ = formula.here, ~formula.worn_before, _rate_lost_to_gap(last, response)
     # R = offset + J E is linear about the extrapolated state, for new rows about the last one; the

@@ -8,7 +8,7 @@ and at the wear of that time, e_b more than in the mean:
 
 by Taylor in tau_b. The first term adds up to the change of the damage of a pass: it does not grow
 with the number of cycles. The second term is proportional to the wear of a cycle, and has two
-causes. The material lies e_b less deep. And where more is worn the rows carry less load, J_b e_b of
+causes. The material lies e_b less deep. And rows that are worn more carry less load, by J_b e_b of
 their wear in a pass with the response J_b (`rolling.response`), which changes the stress.
 
 For that reason a cycle also wears another profile than its mean: the difference eps obeys
@@ -37,12 +37,13 @@ class BlockOrder:
     delay : ndarray, shape (blocks,)
         Mean time of each block after the middle of the cycle, revolutions.
     wear : ndarray, shape (blocks, n_y)
-        Mean depth worn off by then, minus that of a cycle with constant wear, mm.
+        Mean depth worn off by then, minus the depth in a cycle with constant wear, mm.
     loads, changes : ndarray, shape (blocks, n_y), optional
         Load of each row in each block, and its change by the wear of the order, both as depth that
         a pass wears, mm. None: loads do not change.
     offset : ndarray, shape (n_y,)
-        Depth worn off before the last revolution, minus that of a cycle with constant wear, mm.
+        Depth worn off before the last revolution, minus the depth in a cycle with constant wear,
+        mm.
     """
 
     shares: np.ndarray
@@ -83,7 +84,7 @@ class BlockOrder:
         return cls(shares, delay, wear, offset)
 
     def drift(self, responses: Sequence[np.ndarray], revolution: int) -> np.ndarray:
-        """Return the profile that the order wears, minus that of the mean, shape (n_y,), mm.
+        """Return the profile that the order wears, minus the profile of the mean, shape (n_y,), mm.
 
         Parameters
         ----------
@@ -104,8 +105,8 @@ class BlockOrder:
         """Return the factor on the stress by the changed loads of rows, shape (blocks, n_y, n).
 
         At a depth z the loads of the rows around count by the pressure below a line load on an
-        elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface that of the row alone. The factor
-        is between 0 and 2.
+        elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface only the row itself counts. The
+        factor is between 0 and 2.
 
         Parameters
         ----------
@@ -134,8 +135,9 @@ class BlockOrder:
     ) -> np.ndarray:
         """Return the error of the damage of one pass a revolution over a jump, shape (n_y, m).
 
-        It is the absolute value of the sum of all blocks, plus those of each block: they may not
-        cancel, and elements that come into contact or begin to slip change more than loads do.
+        It is the absolute value of the sum of all blocks plus the absolute values of each block:
+        they may not cancel, and elements that come into contact or begin to slip change more than
+        loads do.
 
         Parameters
         ----------

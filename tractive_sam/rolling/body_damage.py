@@ -2,7 +2,7 @@
 
 The material of a body stays at its depth zeta below the *unworn* surface while the surface recedes
 to E(y, N): in revolution N it lies zeta - E deep, and a pass adds the damage d there, by Miner's
-rule. Where zeta < E the material and its damage are removed:
+rule. If zeta < E the material and its damage are removed:
 
     D(y, zeta; N) = sum of d(zeta - E(y, n); y, n) over n = 1 ... N while zeta > E.
 
@@ -13,7 +13,7 @@ parabola through this record and the two before. The difference from a straight 
 records is reported as the error, and jumps become shorter if it is too large.
 
 In a duty cycle d is the mean over the revolutions of all blocks, and in a revolution of one block
-that of the block. The order of the blocks adds to the error of such a mean
+the damage of the block. The order of the blocks adds to the error of this mean
 (`rolling.block_order`).
 
 With steady d(z) and wear w' of a revolution, material that reaches the surface has D = integral of
@@ -56,7 +56,7 @@ class BodyDamage:
     rate : ndarray, shape (n_y,)
         Depth that a revolution wears off it, mm.
     passes : float
-        Passes in a revolution; 0 for a flat body, whose material passes the contact once.
+        Passes in a revolution; 0 for a flat body: its material passes the contact once.
     error : ndarray, shape (n_y, m)
         Error of the damage.
     initiation : float
@@ -64,8 +64,8 @@ class BodyDamage:
     missed : float
         Error that the last jump added, over the largest damage.
     offset : ndarray, shape (n_y,), optional
-        Depth that the blocks of a duty cycle in their order have worn off it, minus that of their
-        mean, mm; None for a single load.
+        Depth that the blocks of a duty cycle in their order have worn off it, minus the depth worn
+        by their mean, mm; None for a single load.
     """
 
     fatigue: BodyFatigue
@@ -85,8 +85,8 @@ class BodyDamage:
     def damage_error(self) -> float:
         """Estimated error of the largest damage.
 
-        In a duty cycle the error is large just below the surface, where the damage may not be
-        largest. So the largest damage is found for more and for less damage everywhere, also at
+        In a duty cycle the error is large just below the surface; the damage may be largest
+        elsewhere. So the largest damage is found for more and for less damage everywhere, also at
         the worn depth of the blocks in their order.
         """
         now, error = self.fatigue, self.error
@@ -110,7 +110,7 @@ class BodyDamage:
         return self.fatigue.damage_max[0] * life.relative_error(error)
 
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
-        """Return the values of columns of a record, by their names without that of the body."""
+        """Return the values of columns of a record, by their names without the body."""
         if life is None:
             return {}
         top, at = self.fatigue.damage_max
@@ -191,7 +191,7 @@ def after_jump(
     revolution: int,
     order: BlockOrder | None = None,
 ) -> BodyDamage:
-    """Return the damage after a jump; `jump` is its length and that of the jump before."""
+    """Return the damage after a jump; `jump` is its length and the length of the one before."""
     zeta, before = last.fatigue.zeta, last.fatigue
     now = now.with_damage(zeta, before.damage, worn)
     offset = None if order is None else order.offset

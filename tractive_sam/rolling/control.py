@@ -50,7 +50,7 @@ class ErrorControl:
     unit: float = 1
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return the next trial after one whose error, over the tolerated one, was refused."""
+        """Return the trial after one that was refused for its error (given over the tolerance)."""
         length = self._whole(min(step.length * self._change(error), step.length - self.unit))
         return Trial(length, length, refused=True)
 

@@ -105,7 +105,7 @@ def volume_error_bars(
 
 
 def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler) -> dict:
-    """Return the error bars of `fatigue_life` from those of the utilisation, by body.
+    """Return the error bars of `fatigue_life` from error bars of the utilisation, by body.
 
     They are the increase of the life for the smallest utilisation; for the largest it changes less.
     """

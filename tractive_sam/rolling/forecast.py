@@ -42,7 +42,7 @@ class Forecast:
     """
 
     recent: ClassVar[int] = 20
-    """Number of records whose time per contact is used for the remaining ones."""
+    """Number of records with times per contact that are used for the remaining ones."""
 
     longest: ClassVar[int] = 100_000
     """Steps that are predicted one by one; further steps have the length of the last one."""
@@ -61,7 +61,7 @@ class Forecast:
     def add(
         self, place: float, jump: float, solves: float, seconds: float, worn: float = 0.0
     ) -> None:
-        """Add a record: its place, such as revolutions, and its columns with these names.
+        """Add a record: its place, for example revolutions, and its columns with these names.
 
         `worn` is its wear depth over the approach of the bodies.
         """
@@ -79,7 +79,7 @@ class Forecast:
 
     @property
     def seconds_left(self) -> float:
-        """Estimated remaining time, from that of the last records; the first one compiles."""
+        """Estimated remaining time, from the time of the last records; the first one compiles."""
         if not self._spent:
             return 0.0
         first = 1 if 1 < len(self._spent) < self.recent else 0

@@ -62,7 +62,7 @@ class TransientHeat(Observer):
         """See `Observer.begin`.
 
         A contact that rolled steadily has its steady temperature. Other bodies have their bulk
-        temperature, and in contact that of two half-spaces put together.
+        temperature, and in contact the temperature of two half-spaces put together.
         """
         heat = step.result.contact.heat or _first_temperatures(step.result.contact, model)
         first = TransientHeat(heat, _per_body(heat_memories(model), HeatMemory.settled, heat.flux))
@@ -85,7 +85,7 @@ class TransientHeat(Observer):
         return replace(adopted, heat=heat, past=past)
 
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
-        """Return the heat after a shift, whose heat appears at once."""
+        """Return the heat after a shift: its heat appears at once."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
         total = _friction_heat(result)
         warmth = {

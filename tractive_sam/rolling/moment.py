@@ -110,7 +110,7 @@ class Moment(Step):
         return self.distance
 
     def on(self, grid: Grid) -> "Moment":
-        """Return it on a wider mesh of the same elements; `Transient` adds the gap outside."""
+        """Return the moment on a wider mesh of equal elements; `Transient` adds the gap outside."""
         before = None if self.before is None else StepResult(self.before.contact.on(grid))
         return replace(self, result=self.result.on(grid), before=before)
 

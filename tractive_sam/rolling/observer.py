@@ -55,7 +55,7 @@ class Observer(ABC):
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """Columns that it records in addition to those of the package."""
+        """Columns that it records in addition to the package's."""
         return ()
 
     @property

@@ -1,7 +1,7 @@
 """One revolution: the contacts of a cycle and their wear.
 
-A cycle is the contact of a scene, or those of the blocks of its [[duty]]. The wear of a cycle is
-that of one pass for each block. The state of the worn bodies is the profile with which material
+A cycle is the contact of a scene, or the contacts of the blocks of its [[duty]]. The wear of a
+cycle is one pass for each block. The state of the worn bodies is the profile with which material
 enters.
 """
 
@@ -139,7 +139,7 @@ class Passage(Step):
         return StepRecord(contact, values)
 
     def on(self, grid: Grid) -> "Passage":
-        """Return the passage on a wider mesh of the same elements."""
+        """Return the passage on a wider mesh of equal elements."""
         before = self.grid
         course = tuple(point.on(grid.elements[1]) for point in self.course)
         if self.began is not None:  # the initial wear is also defined outside the mesh
@@ -227,7 +227,7 @@ class Passage(Step):
         return self._initial_depth(body) + here, lasting * self.course[-1].rate
 
     def depth_behind(self, body: str) -> np.ndarray:
-        """Return the depth of one body behind the contact, mm; for a flat one that of one pass."""
+        """Return the depth of a body behind the contact, mm; for a flat one of one pass."""
         if self.parts is None:
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
             return self._initial_depth(body) + self.turns[0].of_body(body, *depths)
@@ -328,7 +328,7 @@ def attribute_wear(last: Passage, now: Passage) -> Passage:
 
 
 def next_passage(model: Model, last: Passage) -> Passage:
-    """Roll one more revolution (paper, section 7); with [[duty]] that of the next block."""
+    """Roll one more revolution (paper, section 7); with [[duty]] in the next block."""
     k = last.rolled or 0
     entering = last.turns[k].next(last.entering, last.leaving)
     tolerance, revolution = model.scene.solver.tolerance, last.revolution + 1
@@ -361,7 +361,7 @@ def passage_at(
     tolerance : float
         Residual of the contact conditions that the wear within the pass may leave.
     grown : ndarray, shape (n_y,), or float
-        Depth that the pass is expected to add, over that of `start`.
+        Depth that the pass is expected to add, over the depth in `start`.
     rolled : int, optional
         The only block to roll through; the contacts of the others are returned at no cost.
     """

@@ -99,7 +99,7 @@ class Step(ABC):
 
     @abstractmethod
     def on(self, grid: Grid) -> Self:
-        """Return the step on a wider mesh of the same elements."""
+        """Return the step on a wider mesh of equal elements."""
 
     @abstractmethod
     def record(self, block: int | None = None) -> StepRecord:
@@ -228,7 +228,7 @@ class Recorder:
     Attributes
     ----------
     columns : tuple of Quantity
-        Columns in addition to those of the package.
+        Columns in addition to the package's.
     measured : Gap, optional
         The measured separation of the scene.
     """
@@ -259,8 +259,8 @@ class Process(ABC, Generic[AnyStep]):
     """
 
     columns: ClassVar[tuple[Quantity, ...]] = ()
-    """Columns that it records in addition to those of the package; a column of the role
-    "coordinate" replaces the revolutions."""
+    """Columns that it records in addition to the package's; a column of the role "coordinate"
+    replaces the revolutions."""
     observers: ClassVar[tuple[type[Observer], ...]] = ()
     """Observers of the package that follow it if the scene has their table."""
     first_applications: ClassVar[float] = 60.0
@@ -295,7 +295,7 @@ class Process(ABC, Generic[AnyStep]):
         return next((column for column in self.columns if column.role == COORDINATE), None)
 
     def describe(self) -> Iterable[Row]:
-        """Return the rows that `explain` prints for it, in addition to those of its table."""
+        """Return the rows that `explain` prints for it, in addition to the rows of its table."""
         summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
         return [Row("process", summary)]
 
@@ -422,7 +422,7 @@ class Process(ABC, Generic[AnyStep]):
     def _record_contact(
         self, step: AnyStep, provided: StepRecord, recorder: Recorder, block: int = 0
     ) -> Record:
-        """Return the record of one contact, for a duty cycle that of a block."""
+        """Return the record of one contact; in a duty cycle it belongs to a block."""
         contact, values, may_store = provided
         store = (may_store and step.place in contact.scene.schedule) or not step.converged
         if recorder.measured is not None:

@@ -40,7 +40,7 @@ def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
     ------
     SceneError
         If the scene names a process or an observer that is not installed or does not take its
-        parameters, or has a table whose observer does not follow the process.
+        parameters, or has a table with an observer that does not follow the process.
     """
     scene = model.scene
     if scene.process is not None:

@@ -2,7 +2,7 @@
 
 The stress of every point follows from the tractions of the steps, and only these are stored. It is
 computed when it is recorded: with the stored fields, and at the end. The course counts as one
-cycle: the damage is that of a single course, and the life is a number of equal courses.
+cycle: the damage belongs to a single course, and the life is a number of equal courses.
 """
 
 import math

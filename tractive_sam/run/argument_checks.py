@@ -45,7 +45,7 @@ def model_of(
         cure = "Laws.of(scene).replace(friction=...) makes them"
         raise TypeError(f"laws: must be a Laws, not {type(laws).__name__}; {cure}")
     if solver is not None and not callable(getattr(solver, "solve", None)):
-        needed = "an object with solve(problem, tolerance, start), such as solvers.Newton()"
+        needed = "an object with solve(problem, tolerance, start), for example solvers.Newton()"
         raise TypeError(f"solver: must be {needed}, not {type(solver).__name__}")
     return partial(Model, laws=laws, solver=solver, began=began)
 
@@ -162,9 +162,9 @@ def check_start(start: State, grid: Grid) -> None:
         raise TypeError(f"start: must be a State (solve returns one), not {type(start).__name__}")
     if start.grid != grid:
         raise ValueError(
-            f"start: its mesh must be that of the scene, {grid.elements} elements "
+            f"start: its mesh must equal the scene's, {grid.elements} elements "
             f"over {grid.half_length} mm, not {start.grid.elements} over {start.grid.half_length}: "
-            "give both scenes the same [grid]"
+            "give both scenes one [grid]"
         )
     shape = grid.elements
     for name, field, wanted in (

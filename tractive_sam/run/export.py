@@ -46,9 +46,9 @@ def export_volume(
         For a history: one of its `saved`, in the unit of its coordinate; the last by default.
     depth : float, optional
         Depth in units of the semi-axis a of the unworn contact, or of the half width in x if Hertz
-        does not apply; by default that of the scene's [subsurface], or 1.5.
+        does not apply; by default the depth of [subsurface], or 1.5.
     elements : int, optional
-        Points over the depth; by default those of the scene's [subsurface], or 64.
+        Points over the depth; by default the elements of [subsurface], or 64.
     Whether to replace a file that this function wrote.
         Whether a file of this function may be replaced.
     threads : int

@@ -45,12 +45,12 @@ def solve_many(
 
     Creepages cost least: a scene under other creepages is not checked again, shares mesh, gap and
     operators, and starts from the contact solved before it, which is a neighbour. For any other
-    entry, such as ``load.normal``, the scene is checked and set up once for each of its values.
+    entry, for example ``load.normal``, the scene is checked and set up once for each of its values.
 
     Parameters
     ----------
     scene : Scene
-        Scene whose other entries do not vary; its [wear] and [[duty]] are not rolled.
+        Scene with all other entries; its [wear] and [[duty]] are not rolled.
     over : mapping of str to sequence
         Values by dotted key, ``{"creepage.longitudinal": [-1e-3, -2e-3], "friction.mu": [0.2]}``.
         Several keys as a tuple vary together, with a row of values for each case:
@@ -299,7 +299,7 @@ SHARED = ("undeformed_gap", "operators", "units")
 
 
 def _share_operators(model: Model, scene: Scene) -> Model:
-    """Return the model of a scene that differs only by its creepages, with the same operators."""
+    """Return the model of a scene that differs only by its creepages, with shared operators."""
     shared = Model(scene, model.measured, model.grid, model.laws)
     for name in SHARED:
         shared.__dict__[name] = getattr(model, name)
@@ -333,9 +333,9 @@ class SequentialRuns:
     """Rolls scenes in memory, one after another, each from the contact before it.
 
     Scenes that differ only by creepages share mesh, gap and operators. If the mesh does not change,
-    the previous contact is the initial guess. Results agree with those of `roll` to the tolerance
-    of the solver: the mesh is always the one that the scene alone would have. A scene that is
-    rolled further, or whose solution might depend on the initial guess, starts without one.
+    the previous contact is the initial guess. Results agree with `roll` to the tolerance of the
+    solver: the mesh is always the one that the scene alone would have. A scene that is rolled
+    further, or that may have several solutions, starts without an initial guess.
     """
 
     def __init__(self) -> None:

@@ -61,7 +61,7 @@ def solve(
     wear : array_like, shape (n_x, n_y), optional
         Depth worn off both bodies together, mm.
     start : State, optional
-        State of a similar scene on the same mesh, as initial guess.
+        State of a similar scene on an equal mesh, as initial guess.
     throw : bool
         Whether to raise an error if the solve did not converge.
     laws : Laws, optional
@@ -170,25 +170,25 @@ def roll(
         Results file (HDF5), to which each record is written once it is computed; without it the
         records stay in memory.
     start : History or State, optional
-        Earlier results for the same bodies, under another load for example. The bodies begin as its
+        Earlier results for these bodies, under another load for example. The bodies begin as its
         last record left them; revolutions are counted from 0 again. Wear depths, volumes and masses
-        include the earlier wear, and `History.started` names its source. A flat body begins
-        unworn. On another mesh the depths are interpolated.
+        include the earlier wear, and `History.started` names its source. A flat body begins unworn.
+        On another mesh the depths are interpolated.
     overwrite : bool
         Whether to replace a results file of this package.
     resume : bool
         Whether to continue from the last record of the results file, if it exists. The run may have
-        been killed or stopped, or is to be rolled further. The history is that of an uninterrupted
-        run.
+        been killed or stopped, or is to be rolled further. The history equals an uninterrupted
+        run's.
     progress : bool or callable, optional
         Function to call with each record. True shows a progress bar, False none. By default a bar
         appears in a terminal or a notebook after two seconds.
     laws, solver : Laws and Solver, optional
         See `solve`.
     columns : iterable of Quantity, optional
-        Columns to record in addition to those of the package; nan in records from before.
+        Columns to record in addition to the package's; nan in records from before.
     observers : iterable of Observer, optional
-        Observers of the steps, in addition to those of the scene.
+        Observers of the steps, in addition to the scene's.
 
     Returns
     -------

@@ -175,11 +175,13 @@ class _Terminal:
         self._task = self._bar.add_task("", total=None, left="")
 
     def show(self, text: str, done: float, total: float | None, left: str) -> None:
+        """Update the bar: text, done and total work, and the remaining time as text."""
         remaining = f"left {left}" if left else ""
         self._bar.update(self._task, description=text, completed=done, total=total, left=remaining)
         self._bar.start()
 
     def close(self) -> None:
+        """Remove the bar."""
         self._bar.stop()
 
 
@@ -191,6 +193,7 @@ class _Notebook:
         self._last = 0.0
 
     def show(self, text: str, done: float, total: float | None, left: str) -> None:
+        """Update the bar: text, done and total work, and the remaining time as text."""
         if perf_counter() - self._last < 0.2:
             return
         self._last = perf_counter()
@@ -199,10 +202,12 @@ class _Notebook:
         self._put({"text/html": f"<progress{share}></progress> {label}", "text/plain": label})
 
     def close(self) -> None:
+        """Remove the bar."""
         if self._shown is not None:
             self._put({"text/html": "", "text/plain": ""})
 
     def _put(self, bundle: dict[str, str]) -> None:
+        """Display a bundle of MIME types, or update the one on display."""
         from IPython.display import display  # noqa: PLC0415 - available inside a notebook
 
         if self._shown is None:

@@ -47,13 +47,13 @@ class Recording:
     progress : callable, optional
         Called with each record.
     columns : tuple of Quantity
-        Columns in addition to those of the package.
+        Columns in addition to the package's.
     began : float
         Time when the first record began, by `time.perf_counter`.
     started : str
         See `History`.
     observers : tuple of Observer
-        Observers besides those of the scene.
+        Observers besides the scene's.
     """
 
     scene: Scene
@@ -108,6 +108,7 @@ class Recording:
         first: Iterable[Step],
         widest: np.ndarray | tuple[float, float] = (0.0, 0.0),
     ) -> tuple[History, Step]:
+        """Record a start and the steps after it; return the history and the last step."""
         step, began = start, self.began
         recorder = Recorder(self.columns, self.measured)
         with sink:

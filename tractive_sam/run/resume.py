@@ -56,9 +56,9 @@ def last_step(
     scene : Scene
         The scene of the file; the entries `FREE` may differ, and the grid may be wider.
     laws : Laws, optional
-        User-defined laws; they must be those of the file.
+        User-defined laws; they must equal the laws of the file.
     columns : iterable of Quantity
-        User-defined columns, new ones or those of the file.
+        User-defined columns, new ones or columns of the file.
     measured : Gap, optional
         The measured separation of the scene.
 
@@ -132,7 +132,7 @@ def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> N
 
 
 def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRecord]) -> None:
-    """Raise an error unless the laws have the content of those of the file."""
+    """Raise an error unless the laws equal the laws of the file."""
     stored, current = (
         {name: law.fingerprint for name, law in records.items()}
         for records in (history.law_records, laws)
@@ -143,7 +143,7 @@ def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRe
     alike = ", with different content," if history.laws == line else ""
     raise ResultsError(
         f"laws: {path} was computed with {history.laws or 'the laws of its scene'}, and is to be "
-        f"resumed with {line or 'those of its scene'}{alike}: resume it with the same laws, or "
+        f"resumed with {line or 'the laws of its scene'}{alike}: resume it with its laws, or "
         "write this run to another file"
     )
 

@@ -25,7 +25,7 @@ def worn_bodies(start: History | State, scene: Scene) -> Worn:
     start : History or State
         Earlier results; of a history the last record that was solved.
     scene : Scene
-        Scene to roll, with the same bodies.
+        Scene to roll, with equal bodies.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def worn_bodies(start: History | State, scene: Scene) -> Worn:
     _check_same_bodies(start.scene, scene)
     if start.scene.has("wear") and not start.scene.schedule.revolves:
         raise ResultsError(
-            "start: only whole revolutions wear bodies evenly along the track; give the results of "
+            "start: only full revolutions wear bodies evenly along the track; give the results of "
             "a scene without [transient] and [process]"
         )
     worn = _depths_from_state(start) if isinstance(start, State) else _depths_from_history(start)
@@ -50,7 +50,7 @@ def worn_bodies(start: History | State, scene: Scene) -> Worn:
 
 
 def describe_origin(start: History | State) -> str:
-    """Describe in a line where worn bodies come from."""
+    """Describe the source of worn bodies in a line."""
     scene = start.scene
     where = (
         f"revolution {start.revolution}"
@@ -132,12 +132,13 @@ def _depths_from_state(state: State) -> Worn:
 
 
 def _check_same_bodies(before: Scene, now: Scene) -> None:
+    """Raise a ResultsError that lists entries if the bodies of two scenes differ."""
     stored, current = (_entries_of_bodies(scene) for scene in (before, now))
     keys = stored.keys() | current.keys()
     differ = sorted(key for key in keys if stored.get(key) != current.get(key))
     if differ:
         listed = ", ".join(f"{k}: {stored.get(k)} there, {current.get(k)} now" for k in differ[:3])
-        raise ResultsError(f"start: its bodies differ ({listed}); both scenes need the same bodies")
+        raise ResultsError(f"start: its bodies differ ({listed}); give both scenes equal bodies")
 
 
 def _entries_of_bodies(scene: Scene) -> dict[str, Any]:

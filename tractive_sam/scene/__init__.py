@@ -1,6 +1,6 @@
 """The tables of a scene, and the checks of these tables before a computation.
 
-Tables and keys are those of a scene file; units mm, N, MPa, degrees, revolutions.
+A scene file has these tables and keys; units mm, N, MPa, degrees, revolutions.
 """
 
 from tractive_sam.lazy_names import attach_names

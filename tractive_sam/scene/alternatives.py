@@ -18,7 +18,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
         ("grid", "grid.half_length", "grid.elements"),
     ),
 )
-"""Groups of keys: a key of one group of a line excludes those of the other groups."""
+"""Groups of keys: a key of one group of a line excludes all keys of the other groups."""
 
 
 def excluded_keys(key: str) -> tuple[str, ...]:

@@ -33,7 +33,7 @@ def builtin_text(name: str) -> str:
     Raises
     ------
     SceneError
-        If there is no such scene.
+        If no built-in scene has this name.
     """
     names = builtin_names()
     if name not in names:

@@ -43,7 +43,7 @@ def _check_falling_law_has_speed(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
     """Report radii that give no closed contact."""
-    if entries["gap"] is not None:  # it may limit the contact where the radii do not
+    if entries["gap"] is not None:  # it may limit the contact if the radii do not
         return
     for axis in "xy":
         key = f"radius_{axis}"
@@ -116,7 +116,7 @@ def _check_slender_contact_has_grid(
 
 
 def _check_a_body_turns(entries: ValidEntries) -> Iterator[Fault]:
-    """Report wear of two flat bodies, whose revolutions cannot be counted."""
+    """Report wear of two flat bodies: they have no revolutions to count."""
     wear, radii = entries["wear"], (entries["body.A.radius_x"], entries["body.B.radius_x"])
     if entries["transient"] is not None:
         return

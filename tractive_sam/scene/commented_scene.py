@@ -20,7 +20,7 @@ def commented_scene(name: str) -> str:
     Raises
     ------
     SceneError
-        If there is no such scene.
+        If no built-in scene has this name.
     """
     groups = {table: group for group in key_groups(Scene) for table in group.names}
     lines = [_HEAD]

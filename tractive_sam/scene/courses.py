@@ -97,7 +97,7 @@ class FrictionCourse(Table):
     """
 
     mu: PositiveCourse | None = course(
-        "friction coefficient mu1; mu2 changes by the same factor",
+        "friction coefficient mu1; mu2 changes in proportion",
         "a list of numbers above 0, one for each knot",
     )
 

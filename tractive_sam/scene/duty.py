@@ -27,7 +27,7 @@ from .describe import format_pair
 from .override import override
 
 _CHANGED = ("load", "creepage", "friction", "wheelset")
-"""Tables of a block that change those of the scene."""
+"""Tables of the scene that a block may change."""
 
 
 class BlockLoad(Table):

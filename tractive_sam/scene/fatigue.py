@@ -215,12 +215,12 @@ class Fatigue(LawTable):
 
     @property
     def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, from either key; None if neither is given."""
+        """Yield stress in tension, MPa, from the key given; None if neither is given."""
         if self.yield_strength is not None:
             return self.yield_strength
         return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
 
     @property
     def shear_yield_stress(self) -> float | None:
-        """Yield stress in shear k, MPa, from either key; None if neither is given."""
+        """Yield stress in shear k, MPa, from the key given; None if neither is given."""
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)

@@ -121,7 +121,7 @@ def _check_kinetic(entries: ValidEntries) -> Iterator[Fault]:
         allowed = f"at most the coefficient at rest, {_format_pair(mu)}"
         yield Fault("kinetic", _format_pair(kinetic), allowed)
     elif not math.isclose(kinetic[0] * mu[1], kinetic[1] * mu[0], rel_tol=1e-9):
-        allowed = "a pair in the ratio of the coefficients at rest: both fall by the same factor"
+        allowed = "a pair in the ratio of the coefficients at rest: both fall in proportion"
         yield Fault("kinetic", _format_pair(kinetic), allowed)
 
 

@@ -43,7 +43,7 @@ _MAY_BE_MISSING = ContextVar("gap files may be missing", default=False)
 
 @contextmanager
 def allow_missing_files() -> Iterator[None]:
-    """Accept gap files that do not exist, as in results whose gap file was moved."""
+    """Accept gap files that do not exist: the gap file of results may have moved."""
     before = _MAY_BE_MISSING.set(True)
     try:
         yield
@@ -70,7 +70,7 @@ def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
 
 
 def _check_file(path: Path) -> Path:
-    """Return the absolute path of a gap file; raise a ValueError if there is no such file."""
+    """Return the absolute path of a gap file; raise a ValueError if it does not exist."""
     absolute = absolute_path(path, (".h5", ".npy", ".npz", *TEXTS))
     # os.path.isfile, unlike Path.is_file, accepts any text.
     if not may_be_missing() and not os.path.isfile(absolute):
@@ -205,7 +205,7 @@ class Gap(Table):
     def describe(self, scene: Any) -> Iterator[Row]:
         """See `Table.describe`."""
         source = self.file.name if self.file else "an array"
-        yield Row("separation", f"sum of that of the radii and that of [gap], {source}")
+        yield Row("separation", f"of the radii plus the one of [gap], {source}")
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
@@ -239,7 +239,7 @@ class Gap(Table):
         length = LENGTHS[self.length_unit or units[0]]
         height = LENGTHS[self.unit or units[1]]
         if self.body is not None and self.positive == "outward":
-            height = -height  # a peak of either body reduces the separation
+            height = -height  # a peak of body A or B reduces the separation
         return length * x, length * y, height * values + 0.0
 
     def __eq__(self, other: object) -> bool:
@@ -251,5 +251,6 @@ class Gap(Table):
         return hash(self._compared())
 
     def _compared(self) -> tuple[Any, ...]:
+        """Entries as values that can be compared and hashed: arrays as bytes."""
         given = (getattr(self, key) for key in type(self).model_fields)
         return tuple(a.tobytes() if isinstance(a, np.ndarray) else a for a in given)

@@ -46,7 +46,7 @@ def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
     if entries["grid"] is None:
         return
     line = is_line(entries)
-    for key, values in (("half_length", "numbers above 0"), ("elements", "whole numbers from 3")):
+    for key, values in (("half_length", "numbers above 0"), ("elements", "integers from 3")):
         given = entries[f"grid.{key}"]
         if given is None:
             continue

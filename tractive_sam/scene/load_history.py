@@ -206,15 +206,15 @@ def blocks_of(
 ) -> Binned:
     """Make blocks from a measured load history.
 
-    Each column is divided into levels of equal width between its extremes; revolutions in the same
-    level of every column become one block, with their mean. The order of the revolutions is lost:
+    Each column is divided into levels of equal width between its extremes; revolutions in one
+    level of every column become a block, with their mean. The order of the revolutions is lost:
     a cycle must wear little.
 
     Parameters
     ----------
     measured : path-like, or mapping of str to array_like
-        A CSV file whose first line names its columns, or the columns: keys of [load], [creepage]
-        and [friction] such as "normal" and "longitudinal", "shift_y", and "revolutions" (number of
+        A CSV file with column names in its first line, or the columns: keys of [load], [creepage]
+        and [friction], as in "normal" and "longitudinal", "shift_y", and "revolutions" (number of
         revolutions of each row, default 1). In the units of a scene.
     levels : int
         Number of levels of each column.
@@ -240,7 +240,7 @@ def blocks_of(
     1000
     """
     if not isinstance(levels, int) or isinstance(levels, bool) or not 1 <= levels <= MOST_LEVELS:
-        allowed = f"a whole number from 1 to {MOST_LEVELS}"
+        allowed = f"an integer from 1 to {MOST_LEVELS}"
         raise SceneError([Fault("levels", shorten(levels), allowed)])
     if binning != "levels":
         raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
@@ -249,7 +249,7 @@ def blocks_of(
     given, most_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
     wrong = given[(given < 1) | (given > most_revolutions) | (given % 1 != 0)]
     if wrong.size:
-        allowed = f"whole numbers from 1 to {most_revolutions:.0e} in every row"
+        allowed = f"integers from 1 to {most_revolutions:.0e} in every row"
         raise SceneError([Fault("revolutions", f"{wrong[0]}", allowed)])
     counts = given.astype(int)
     bins = np.stack([_levels(values, levels) for values in columns.values()], axis=1)

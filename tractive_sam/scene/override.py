@@ -50,13 +50,14 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         New values by dotted key, as ``load.normal`` or ``duty[0].load.normal``. Missing tables are
         added; None removes an entry. Setting one of two alternatives (young/shear, normal/approach,
         creepage/force, gap file/arrays, load history/blocks) removes the other, unless it is set as
-        well. A wear law removes the coefficients of another law. If `wear.revolutions` becomes less
-        than a value of `wear.save`, such values are removed and the last revolution is added.
+        well. A wear law removes the coefficients of another law. Values of `wear.save` above a new
+        `wear.revolutions` are removed, and the last revolution is added.
 
     Raises
     ------
     SceneError
-        If a key leads through an entry that is no table, or to a place that a list does not have.
+        If a key leads through an entry that is not a table, or to a place that a list does not
+        have.
     """
     result = copy_tables(tables)
     faults = [fault for key, value in changes.items() for fault in set_key(result, key, value)]
@@ -85,7 +86,7 @@ def _shorten_save(tables: dict[str, Any]) -> None:
     """Remove the stored revolutions beyond the last one."""
     match tables:
         case {"wear": {"revolutions": last, "save": (list() | tuple()) as save} as wear}:
-            # The checks of the scene report values that are no whole numbers.
+            # The checks of the scene report values that are not integers.
             are_whole = all(type(n) is int for n in (last, *save))
             if are_whole and 1 <= last < max(save, default=0):
                 wear["save"] = sorted({n for n in save if n < last} | {last})

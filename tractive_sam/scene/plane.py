@@ -14,7 +14,7 @@ class Plane:
     Parameters
     ----------
     axis : "x", "y" or "z"
-        The normal of the plane; z is the depth below the surface of either body.
+        The normal of the plane; z is the depth below the surface of a body.
     number : float
         The position; mm, or multiples of `unit`.
     unit : "", "a" or "b"

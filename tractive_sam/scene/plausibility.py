@@ -95,7 +95,7 @@ RULES = (
         "modulus beyond any material",
         "bodies",
         read_moduli(0.0, np.inf),
-        "E = {value:g} MPa is above that of any material; is it in Pa? Steel has 2.1e5 MPa",
+        "E = {value:g} MPa is stiffer than any material; is it in Pa? Steel has 2.1e5 MPa",
         "diamond has 1.2e6 MPa; above 2e12, diamond in Pa with a margin, a rigid body is meant",
         above=2e6,
         below=np.nextafter(2e12, np.inf),
@@ -112,7 +112,7 @@ RULES = (
         "density in g/cm3",
         "bodies",
         read_densities,
-        "{value:g} kg/m3 is less than that of any solid; is it in g/cm3 or t/m3? Steel has 7850 "
+        "{value:g} kg/m3 is lighter than any solid; is it in g/cm3 or t/m3? Steel has 7850 "
         "kg/m3; the worn mass is proportional to the density",
         "balsa has 100 kg/m3, and osmium 22.6 g/cm3",
         below=100.0,
@@ -197,7 +197,7 @@ RULES = (
         "friction in per cent",
         "scene",
         read_friction,
-        "{value:g} is more than that of any surfaces; is it in per cent?",
+        "{value:g} is more than any surfaces reach; is it in per cent?",
         "rubber on a dry road, and cold welds, have up to 2",
         needs="friction",
         above=2.0,
@@ -206,9 +206,9 @@ RULES = (
         "fast wear",
         "scene",
         read_wear_rate,
-        "i = {i:g} /MPa, k = {k:g} mm3/(N m), is a thousand times that of dry steel; check the "
+        "i = {i:g} /MPa, k = {k:g} mm3/(N m), is a thousand times the wear of dry steel; check the "
         "unit: wear.coefficient is in mm3/(N m), wear.intensity in 1/MPa",
-        "wear intensity times E*: a thousand times that of dry steel, k = 2e-5 mm3/(N m)",
+        "wear intensity times E*: a thousand times the wear of dry steel, k = 2e-5 mm3/(N m)",
         needs="wear",
         above=2.0,
     ),
@@ -216,7 +216,7 @@ RULES = (
         "slow wear",
         "scene",
         read_wear_coefficients,
-        "k = {value:g} mm3/(N m){given} is less than that of any material; is it in m2/N or "
+        "k = {value:g} mm3/(N m){given} is less than any material has; is it in m2/N or "
         "m3/(N m)? 1e-13 m2/N is 1e-4 mm3/(N m), which is 1e-7 /MPa",
         "diamond-like carbon in oil wears by 1e-10 mm3/(N m); dry steel in m2/N has 1e-15 to 1e-12",
         needs="wear",
@@ -264,7 +264,7 @@ def pressure_notes(scene: Any, pressure: float, place: str = "") -> Iterator[str
     pressure : float
         The largest pressure of all its contacts, MPa.
     place : str
-        Text that follows the number, such as the revolution.
+        Text that follows the number, for example the revolution.
     """
     if not any(_judge("contact", Pair.from_scene(scene))):
         peak = Peak(pressure, place, scene.materials)

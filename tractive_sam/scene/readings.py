@@ -48,7 +48,7 @@ class Pair:
     key : str
         Key of the load.
     rough : bool
-        Whether a [gap] is added to the radii, so that the pressure differs from that of Hertz.
+        Whether a [gap] is added to the radii, so that the pressure differs from Hertz's.
     """
 
     bodies: Bodies

@@ -151,13 +151,13 @@ class Scene(Document):
         Raises
         ------
         ValueError
-            If there are no such tables, or a profile file is missing.
+            If these tables or a profile file are missing.
         """
         return WheelRail.from_scene(self)
 
     @property
     def has_gap(self) -> bool:
-        """Whether the bodies differ from ellipsoids, so that the contact is not that of Hertz."""
+        """Whether the bodies differ from ellipsoids, so that Hertz's contact does not apply."""
         return self.gap is not None or self.wheel is not None
 
     @property
@@ -187,6 +187,7 @@ class Scene(Document):
 
     @cached_property
     def _blocks(self) -> tuple[Scene, ...]:
+        """Scenes of the blocks of [[duty]], in order."""
         return block_scenes(self)
 
     @property
@@ -206,7 +207,7 @@ class Scene(Document):
         Raises
         ------
         SceneError
-            If there is no such scene, or if it is not valid.
+            If the scene does not exist or is not valid.
         """
         return cls.from_toml(name) if is_path(name) else cls.builtin(name)
 
@@ -217,7 +218,7 @@ class Scene(Document):
         Raises
         ------
         SceneError
-            If there is no such scene.
+            If no built-in scene has this name.
         """
         return cls.from_toml_text(builtin_text(name))
 
@@ -225,13 +226,14 @@ class Scene(Document):
         return describe.format_summary(self)
 
     def _repr_html_(self) -> str:
+        """Return the summary as HTML, for notebooks."""
         return describe.draw_summary(self)
 
     def fingerprint(self) -> str:
         """Return a hash of all settings with defaults: equal for equal scenes.
 
         The title has no influence. A gap file is represented by its name. Keys without a value do
-        not count, so that a later version with further optional keys returns the same hash.
+        not count, so that a later version with further optional keys returns an equal hash.
         """
         return hash_settings(self.settings(), without=("title", "load_history"))
 
@@ -317,7 +319,7 @@ class Scene(Document):
 
     @cached_property
     def schedule(self) -> Schedule:
-        """Coordinate along which the scene is solved, its end, and where fields are stored."""
+        """Coordinate along which the scene is solved, its end, and values to store fields at."""
         tables = (self.process, self.transient, self.wear, self.wheelset)
         return next((table.schedule for table in tables if table is not None), Schedule())
 

@@ -207,7 +207,7 @@ class Mesh(Table):
     )
     elements: _OneOrTwo | None = entry(
         "numbers of elements in x and y; by default, they follow from the contact",
-        "a pair of whole numbers from 3 to 1e6",
+        "a pair of integers from 3 to 1e6",
         None,
     )
     centre: _Centre | None = entry(

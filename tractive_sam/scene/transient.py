@@ -131,7 +131,7 @@ class Transient(Table):
 
     @classmethod
     def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return keys with a dot, such as ``"creepage.longitudinal"``, as tables."""
+        """Return keys with a dot, for example ``"creepage.longitudinal"``, as tables."""
         tables: dict[Any, Any] = {}
         for key, value in given.items():
             table, dot, name = str(key).partition(".")
@@ -196,7 +196,7 @@ class Transient(Table):
 
     @property
     def courses(self) -> dict[str, tuple[float, ...]]:
-        """The courses, by the dotted keys whose values they give."""
+        """The courses, by the dotted keys that they set."""
         tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
         return {
             f"{name}.{key}": values

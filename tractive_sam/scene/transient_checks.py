@@ -21,7 +21,7 @@ def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
     if entries["transient"] is None:
         return
     if entries["accuracy"] is not None:
-        cure = "a [grid] in place of [accuracy], whose error bars hold for steady states only"
+        cure = "a [grid] in place of [accuracy]: error bars hold for steady states only"
         yield Fault("transient", "together with [accuracy]", cure)
     if entries["friction"] is not None and entries["friction.layer"]:
         given = f"{entries['friction.layer']:g}, with [transient]"
@@ -70,7 +70,7 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
         return
     if transient is None:
         if "wear.revolutions" not in entries.given:
-            cure = "a whole number from 1, or a [transient] with a distance over which it wears"
+            cure = "an integer from 1, or a [transient] with a distance over which it wears"
             yield Fault("wear.revolutions", "nothing", cure)
         return
     for key in REVOLUTION_KEYS:

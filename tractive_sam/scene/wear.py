@@ -53,7 +53,7 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
 def _check_ascending(save: tuple[int, ...]) -> tuple[int, ...]:
     """Return the revolutions; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(save)):
-        raise ValueError("ascending whole numbers")
+        raise ValueError("ascending integers")
     return save
 
 
@@ -103,7 +103,7 @@ class Wear(LawTable):
     )
     revolutions: Whole = entry(
         "number of revolutions of body A, or of body B if A is flat; not with [transient]",
-        "a whole number from 1 to 1e12; required without [transient]",
+        "an integer from 1 to 1e12; required without [transient]",
         0,
         ge=1,
         le=10**12,

@@ -16,7 +16,7 @@ def describe_stepping(wear: Any, scene: Any) -> str:
         return f"in implicit steps of at most {wear.largest_step:g} mm of wear"
     return (
         f"in adaptive jumps, with an error of {wear.tolerance:g} of the wear depth; "
-        "the residual of their contacts is at most the same"
+        "the residual of their contacts is at most this value"
     )
 
 
@@ -37,7 +37,7 @@ def describe_turns(counting: str, turns: Mapping[str, float]) -> str:
     if turns[other] == 0.0:
         return (
             f"{count}; {other} is flat and passes the contact only once: it enters unworn, and "
-            "its depth is that of a single pass"
+            "its depth is the wear of a single pass"
         )
     return (
         f"{count}; {other} turns {turns[other]:.6g} times in each. Worn material returns after "

@@ -103,7 +103,7 @@ class WheelRail:
         return self.patches[0].creepages(self.pitch)
 
     def is_motion(self, creepage: Creepage) -> bool:
-        """Return whether creepages are those of the motion of the wheelset."""
+        """Return whether creepages follow from the motion of the wheelset."""
         return tuple(getattr(creepage, key) for key in _MOTIONS) == self.creepages
 
 
@@ -111,6 +111,7 @@ class WheelRail:
 def _find(
     profile: Profile, radius: float, rail: Profile, wheelset: WheelsetTable, e_star: float
 ) -> WheelRail:
+    """Place a wheel on a rail, and find its patches under the load; cached."""
     placed = Wheel(profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw)
     free = wheelset.roll == "free"
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)

@@ -52,7 +52,7 @@ class _ProfileTable(Table):
     """Keys for the source of a profile."""
 
     unit: _Unit | None = entry(
-        f"unit of a profile file, one of {', '.join(UNITS)}; default: that of the file, or mm",
+        f"unit of a profile file, one of {', '.join(UNITS)}; default: unit in the file, or mm",
         default=None,
     )
     smoothing: Positive | None = entry(
@@ -62,6 +62,7 @@ class _ProfileTable(Table):
     )
 
     def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Profile:
+        """Return a built-in profile, or one from a file, which is read again if it changes."""
         if profile in BUILTIN:
             return builtin_profile(profile)
         changed = os.stat(profile).st_mtime_ns if os.path.isfile(profile) else 0

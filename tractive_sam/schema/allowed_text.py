@@ -14,7 +14,7 @@ from .field_types import number_to_pair
 
 _WORDS = {
     float: "a number",
-    int: "a whole number",
+    int: "an integer",
     str: "a text",
     bool: "true or false",
     Path: "the path of a file",
@@ -35,7 +35,7 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     Returns
     -------
     str
-        Such as "a number above 0"; empty for other types, which need a separate text.
+        For example "a number above 0"; empty for other types, which need a separate text.
     """
     if get_origin(kind) is Annotated:
         inner, *outer = get_args(kind)

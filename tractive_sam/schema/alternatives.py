@@ -32,4 +32,5 @@ def not_both(*keys: str) -> Check:
 
 
 def _join_keys(keys: tuple[str, ...]) -> str:
+    """Return keys as a list in words: "a, b and c"."""
     return f"{', '.join(keys[:-1])} and {keys[-1]}"

@@ -1,7 +1,7 @@
 """Describe a document: each table returns its rows, and summaries and reports print them.
 
 `Table.describe` returns the rows of a table that is given. `Table.effect` names what is left out
-where a table is absent. The table of an array has `describe_array` in addition.
+if a table is absent. The table of an array has `describe_array` in addition.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ def describe_tables(document: Any) -> dict[str, list[Row]]:
 
 
 def _describe_entry(kind: Any, key: str, value: Any, document: Any) -> list[Row]:
+    """Return the rows of an entry, or the effect of leaving its table out."""
     if isinstance(value, tuple):
         return [*kind.describe_array(value, document)]
     if value is not None:

@@ -1,4 +1,4 @@
-"""Documents: tables with a file, such as a scene or a study."""
+"""Documents: tables with a file, for example a scene or a study."""
 
 from __future__ import annotations
 

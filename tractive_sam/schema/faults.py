@@ -66,7 +66,7 @@ class SceneError(Exception):
     ...     scene.with_set(["load.normal=-1"])
     ... except ts.SceneError as error:
     ...     print(error.faults[0].key, error.faults[0].allowed)
-    load.normal a number above 0 (normal load P, N; of a line contact N/mm)
+    load.normal a number above 0 (normal load P, N; in a line contact, N/mm)
     """
 
     subject: ClassVar[str] = "scene"
@@ -102,7 +102,7 @@ class PlausibilityWarning(SceneWarning):
 
 def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
     """Issue a warning at the line outside of this package that called it."""
-    # Modules of this package, and those whose wrappers are around its functions.
+    # Modules of this package, and modules that wrap its functions.
     inside = (f"{__name__.partition('.')[0]}.", "contextlib", "functools")
     level, frame = 1, inspect.currentframe()
     while frame is not None and frame.f_globals.get("__name__", "").startswith(inside):

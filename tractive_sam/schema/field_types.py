@@ -54,7 +54,7 @@ def number_to_tuple(value: Any) -> Any:
 
 
 def _read_whole(value: Any) -> Any:
-    """Return the integer for a whole number that is written as 1e4."""
+    """Return the integer for a number without fraction that is written as 1e4."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 

@@ -48,7 +48,7 @@ class Key:
 
 @dataclass(frozen=True)
 class KeyGroup:
-    """A table, or several tables with the same keys.
+    """A table, or several tables with equal keys.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class KeyGroup:
     about : str
         Description in a few lines.
     keys : tuple of Key
-        Keys, without those of inner tables.
+        Keys, without keys of inner tables.
     """
 
     names: tuple[str, ...]
@@ -141,7 +141,7 @@ def key_signature(table: Any) -> inspect.Signature:
     """Return the signature of a table class: its keys with the accepted types, and defaults.
 
     A default that is a table, or that follows from other entries, is None: "not given". Parameters
-    of `__init__` that are no keys, as those of a study, come first.
+    of `__init__` that are not keys, as in a study, come first.
     """
     own = inspect.signature(table.__init__).parameters.values()
     named = {item.name: item for item in own if item.kind is item.POSITIONAL_OR_KEYWORD}

@@ -197,7 +197,7 @@ def _check_installed(root: str) -> None:
     """Raise an ImportError unless a module is part of an installed package."""
     spec = find_spec(root)
     if spec is None:
-        raise ImportError(f"there is no module {root}")
+        raise ImportError(f"the module {root} does not exist")
     if not _is_installed(spec):
         place = spec.origin or "the interpreter"
         raise ImportError(f"{root} is not an installed package: it comes from {place}")

@@ -1,6 +1,6 @@
 """Read the entries of a table, and collect every fault at once.
 
-Each entry is read by itself, so that a fault hides no other one. The checks between entries then
+Each entry is read separately, so that a fault hides no other one. The checks between entries then
 run on the entries that are valid.
 """
 
@@ -32,7 +32,7 @@ class Reading:
     values : dict
         The valid values and defaults, in the order of the fields.
     entries : ValidEntries
-        The same and those of inner tables by dotted key.
+        These values, and the values of inner tables, by dotted key.
     faults : list of Fault
         All faults.
     """
@@ -118,7 +118,7 @@ def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
 
 
 def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[TableBase]) -> None:
-    """Read an array of tables: each table by itself, and then the number of them."""
+    """Read an array of tables: each table separately, and then their number."""
     given = reading.given[key]
     if not isinstance(given, list | tuple):
         reading.add_fault(key, f"a list of tables with the keys {', '.join(table.model_fields)}")

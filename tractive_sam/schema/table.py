@@ -21,7 +21,7 @@ _LIBRARY = set(dir(BaseModel))
 
 
 def _listed_names(cls: Any) -> list[str]:
-    """Return the names of a table class for help and completion, without those of pydantic."""
+    """Return the names of a table class for help and completion, without pydantic's."""
     return [name for name in type(BaseModel).__dir__(cls) if name not in _LIBRARY]
 
 
@@ -125,7 +125,7 @@ class Table(TableBase, metaclass=_TableType):
         raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed; {cure}")
 
     def __dir__(self) -> list[str]:
-        """Return the names for users, without those of pydantic and of the package."""
+        """Return the names for users, without internal names of pydantic and the package."""
         internal = frozenset().union(*(getattr(cls, "internal", ()) for cls in type(self).__mro__))
         return [
             name

@@ -36,7 +36,7 @@ class TableBase(BaseModel):
         Raises
         ------
         SceneError
-            With the faults of an entry that has no such form.
+            With the faults of an entry that has none of these forms.
         """
         return given
 
@@ -73,7 +73,7 @@ class TableBase(BaseModel):
         Raises
         ------
         SceneError
-            If there is no such key.
+            If the table has no field of this key.
         """
         table: type[TableBase] | None = cls
         array: type[TableBase] | None = None
@@ -83,7 +83,7 @@ class TableBase(BaseModel):
                 table, array, before = array, None, f"{before}[{name}]"
                 continue
             if table is None:
-                place = f"; {before}[0].{name} is that of the first one" if array else ""
+                place = f"; {before}[0].{name} belongs to the first one" if array else ""
                 raise SceneError([Fault(key, shorten(key), f"no entry within {before}{place}")])
             found = table.model_fields.get(str(name)) or table.find_parameter(str(name))
             if found is None:

@@ -66,7 +66,7 @@ def parse_value(text: str) -> Any:
 
 
 def emit(tables: Mapping[str, Any]) -> str:
-    """Return nested tables as TOML; `parse` reads exactly the same tables."""
+    """Return nested tables as TOML; `parse` reads exactly these tables."""
     return tomli_w.dumps(_to_toml_types(tables))
 
 

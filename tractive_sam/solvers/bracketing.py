@@ -1,10 +1,10 @@
-"""Prescribed forces met between two creepages, where Newton's method fails.
+"""Prescribed forces met by a search between creepages, if Newton's method fails.
 
-A force falls as its creepage grows. Where nearly everything slips it falls in stairs, one for every
-element that turns from slipping forward to slipping backward: so it is of dissimilar bodies that
-roll freely with little friction. A Newton step sees no slope on a stair, and far too steep a one
-between two; between a creepage with too much force and one with too little it is found all the
-same.
+A force falls as its creepage grows. If nearly everything slips it falls in stairs, one for every
+element that turns from slipping forward to slipping backward. This happens in dissimilar bodies
+that roll freely with little friction. A Newton step finds no slope on a stair, and a far too steep
+one between two. A search between a creepage with too much force and one with too little still finds
+the force.
 """
 
 from dataclasses import dataclass, replace
@@ -55,8 +55,8 @@ class Bracketing:
         Returns
         -------
         Outcome
-            With the cost of the whole way; not converged where a problem on it could not be solved,
-            or no creepage has the force.
+            The outcome with the cost of all problems; not converged if one of them could not be
+            solved, or if no creepage has the force.
         """
         forces = problem.forces
         if not len(forces):

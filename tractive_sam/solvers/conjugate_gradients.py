@@ -39,7 +39,7 @@ class ConjugateGradients:
         tolerance : float
             Natural residual, relative, at which to stop.
         start : Start or Outcome, optional
-            First guess; where its pressure is zero no contact is assumed at first.
+            Initial guess; elements with zero pressure are assumed out of contact at first.
         """
         pressure = _first_guess(problem)
         if start is not None:
@@ -112,7 +112,7 @@ class _Iteration:
             beta = max(0.0, (product - np.vdot(last.gap, step)) / last.product)
             direction = step + beta * np.where(active, last.direction, 0.0)
             if self.under_load and not unchanged:
-                # Those of the former area must not change the load on this one.
+                # Elements of the former area must not change the load on this one.
                 direction = self._without_load(direction)
         self._last = _Search(direction, self.gap, product)
         return self._minimise_along(direction)

@@ -1,9 +1,9 @@
-"""Friction that falls with sliding: its solution reached from that of friction at rest.
+"""Friction that falls with sliding, solved on a path from friction at rest.
 
-A falling law may have several solutions. The way begins with friction at rest (or at great speed),
-which has one, and Newton's method leads from there; where it does not, by way of slower (or faster)
-rolling, each problem started from the one before. Of prescribed forces that are not found the
-traction curve is followed up to its top.
+A falling law may have several solutions. The path begins with friction at rest (or at great speed),
+which has one, and Newton's method leads from there. If it fails, the path passes through slower (or
+faster) rolling, and each problem starts from the one before. If prescribed forces are not found,
+the traction curve is followed up to its maximum.
 """
 
 from dataclasses import dataclass, replace
@@ -23,15 +23,15 @@ class FromRest:
     Attributes
     ----------
     solver : Solver
-        Solves that of the beginning, and the last one where nothing else does.
+        Solves the first problem of the path, and the last one if nothing else does.
     nearby : Solver
-        Solves each other one from a start nearby.
+        Solves every other problem from a start nearby.
     sliding : bool
-        Whether the way begins at great speed.
+        Whether the path begins at great speed.
     rough : float
         Residual of the intermediate problems.
     first, shortest : float
-        Stretches of the way from 0 to 1: the first one, and the shortest before giving up.
+        Parts of the path from 0 to 1: the first one, and the shortest that is tried.
     growth : float
         Growth of the creepage from step to step, up to the maximum of the traction curve.
     """
@@ -138,7 +138,7 @@ class _Curve:
 
 
 def _add_cost(outcome: Outcome, *earlier: Outcome) -> Outcome:
-    """Add the cost of solves to that of the curve."""
+    """Add the cost of earlier solves to the cost of the curve."""
     for one in earlier:
         outcome = outcome.costing(one)
     return outcome

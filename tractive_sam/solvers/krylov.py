@@ -15,7 +15,7 @@ Map = Callable[[np.ndarray], np.ndarray]
 
 
 class LinearSystem(Protocol):
-    """A linear system whose matrix contains an elastic operator."""
+    """A linear system with an elastic operator in its matrix."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -46,7 +46,7 @@ def gmres(
     rhs : ndarray, shape (n,)
         Right-hand side.
     tolerance : float
-        Norm of the residual, relative to that of `rhs`, at which to stop.
+        Norm of the residual over the norm of `rhs` at which to stop.
     most : int
         Most iterations.
 
@@ -62,8 +62,8 @@ def gmres(
         return np.zeros_like(rhs), 0
     basis = np.empty((min(most, 15) + 1, rhs.size), rhs.dtype)
     basis[0] = rhs / norm
-    # The basis has the precision of rhs. The triangle and the rotations are in double: they are
-    # small, and add no rounding errors to those of the products.
+    # The basis has the precision of rhs. The triangle and the rotations are small and in double
+    # precision: they add no rounding errors.
     triangle = np.zeros((most, most))
     rotations: list[tuple[float, float]] = []
     residual = np.zeros(most + 1)
@@ -93,8 +93,8 @@ def gmres(
         np.divide(w, rhs.dtype.type(beyond), out=basis[k])
     if k == 0:
         return np.zeros_like(rhs), 0
-    # From the right: the residual minimised is that of the system itself, and the step is
-    # preconditioned once, at the end.
+    # Preconditioned from the right: the residual minimised belongs to the system itself, and the
+    # step is preconditioned once, at the end.
     weights = np.linalg.solve(triangle[:k, :k], residual[:k]).astype(rhs.dtype)
     return np.array(preconditioner(weights @ basis[:k])), k
 
@@ -102,8 +102,8 @@ def gmres(
 def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the part of w orthogonal to the basis, its components along it, and its norm.
 
-    Classical Gram-Schmidt: products with the whole basis at once. It is done again where little is
-    left, with rounding errors ("twice is enough").
+    Classical Gram-Schmidt: products with all vectors together. It is repeated if little is left,
+    which has rounding errors ("twice is enough").
     """
     before = sqrt(w @ w)
     h = basis @ w
@@ -130,7 +130,7 @@ def conjugate_residuals(
     system : LinearSystem
         The system.
     tolerance : float
-        Norm of the residual, relative to that of the right-hand side, at which to stop.
+        Norm of the residual over the norm of the right-hand side at which to stop.
     most : int
         Largest number of applications.
 

@@ -1,4 +1,4 @@
-"""The methods that a scene may name, as data: what is tried, and what where that fails."""
+"""The methods that a scene may name, as data: what is tried first, and what after a failure."""
 
 from dataclasses import dataclass, replace
 
@@ -25,9 +25,9 @@ class Ladder:
     rungs : tuple of Solver
         The methods, the first one first.
     with_forces : int
-        How many of them take prescribed tangential forces.
+        Number of methods, from the first one, that take prescribed tangential forces.
     begin : Solver, optional
-        Finds a start for the second and later ones where there is none.
+        Finds a start for the second and later methods if there is none.
     """
 
     rungs: tuple[Solver, ...]
@@ -57,11 +57,11 @@ class Method:
     Attributes
     ----------
     alike : Solver
-        For bodies of equal material, whose pressure does not depend on the tractions.
+        For bodies of equal material: the pressure does not depend on the tractions.
     dissimilar : Solver
-        Of others.
+        For bodies of different material.
     description : str
-        What it does.
+        Description of the method.
     cure : str
         What to try if it does not converge.
     wears_in_pass : bool
@@ -74,7 +74,7 @@ class Method:
     dissimilar: Solver
     description: str
     cure: str = (
-        "raise solver.tolerance, or refine the mesh with grid.elements where the contact is only a "
+        "raise solver.tolerance, or refine the mesh with grid.elements if the contact is only a "
         "few elements wide"
     )
     wears_in_pass: bool = False
@@ -99,14 +99,14 @@ NEARBY = Newton(
     loosest=0.03,  # iterations cost less than the linearisations that they save
     aim=0.6,
     single_from=0,  # what is planned serves many steps
-    gmres_from=50_000,  # from where on the three vectors would take most of the memory
+    gmres_from=50_000,  # above, three vectors would take most of the memory
 )
 """Newton's method from a start nearby: a step or a revolution before."""
 
 TANGENTIAL_NEWTON = Nested(FIXED_PRESSURE, nearby=NEARBY)
 NEWTON = Sequential(NORMAL, TANGENTIAL_NEWTON)
 ROUGH_SEQUENTIAL = RoughSequential(NORMAL, Nested(FIXED_PRESSURE))
-"""Where the method for dissimilar bodies starts."""
+"""Start of the method for dissimilar bodies."""
 
 COUPLED_NEWTON = Nested(COUPLED, begin=ROUGH_SEQUENTIAL, nearby=NEARBY)
 
@@ -130,14 +130,14 @@ METHODS = {
             with_forces=2,
             begin=ROUGH_SEQUENTIAL,
         ),
-        description="auto: newton; where that fails, of given creepages continued from full slip, "
-        "then anderson, and of prescribed forces by creepages in place of a force",
+        description="auto: newton; if it fails, continuation from full slip (given creepages) or a "
+        "search between creepages (prescribed forces); then anderson (given creepages)",
     ),
     "newton": Method(NEWTON, COUPLED_NEWTON, "newton"),
     "anderson": Method(Sequential(NORMAL, Anderson()), Anderson(), "anderson", _NOT_AUTO),
     "uzawa": Method(Uzawa(), Uzawa(), "uzawa", _NOT_AUTO, wears_in_pass=True, predictable=False),
 }
-"""By the names that ``solver.method`` may have."""
+"""Methods by the names that ``solver.method`` may have."""
 
 
 def falling_method(solver: Solver, sliding: bool) -> Solver:
@@ -148,11 +148,11 @@ def falling_method(solver: Solver, sliding: bool) -> Solver:
     solver : Solver
         The method for friction that does not.
     sliding : bool
-        Of several solutions, whether the one reached from great speed is sought, not from rest.
+        Whether the solution reached from great speed is sought; else the one from rest.
     """
     if isinstance(solver, Sequential) and solver.tangential is not None:
         return replace(solver, tangential=falling_method(solver.tangential, sliding))
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
-    # On the path from rest no start is near enough for less than the whole of Newton's method.
+    # On the path from rest no start is near enough for the shorter method for a near start.
     far = replace(nearby, nearby=None) if isinstance(nearby, Nested) else nearby
     return OneSolution(nearby, FromRest(solver, far, sliding))

@@ -49,8 +49,8 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     """Interpolate pressure to a finer mesh by a quantity that is smooth across the edge.
 
     At a distance d from the edge the pressure inside rises like d^1/2 and the gap outside like
-    d^3/2, so p² continues as -gap^2/3; the factor is the one of a Hertzian contact of line form,
-    where gap = 2/3 p^3 continued, in the dimensionless units of the problem.
+    d^3/2, so p² continues as -gap^2/3. The factor is taken from a Hertzian line contact, with gap =
+    2/3 p^3 continued, in the dimensionless units of the problem.
     """
     peak = pressure.max()
     if peak == 0.0:
@@ -93,7 +93,7 @@ class Nested:
         tolerance: float,
         start: Start | Outcome | None = None,
     ) -> Outcome:
-        """Solve a problem of either kind; see `Solver`."""
+        """Solve a normal or a tangential problem; see `Solver`."""
         if start is not None:
             return (self.nearby or self.solver).solve(problem, tolerance, start)
         earlier, share = [], 1.0
@@ -119,8 +119,8 @@ def refined(
 ) -> Start | Outcome | None:
     """Return a start for a problem from the solution on a coarser mesh; None if it is no help.
 
-    Tractions that were not solved for still show where the contact sticks. Pressure and tractions
-    of dissimilar bodies that were not lead nowhere.
+    Tractions that did not converge still show which elements stick. Pressure and tractions of
+    dissimilar bodies that did not converge are no help.
     """
     if isinstance(problem, NormalProblem):
         pressure = _refined_pressure(coarse, problem)

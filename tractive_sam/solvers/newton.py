@@ -1,16 +1,16 @@
 """Preconditioned semismooth Newton-Krylov method.
 
-The friction law is the root of F(p) = p - disc(p - s(p)), unilateral contact that of
-p - max(0, p - gap). Where an element sticks a step asks that its slip vanish; where it slips the
-traction moves along the disc. Of bodies of equal material the tractions are the only unknowns,
-under a pressure that is fixed. Pressure makes dissimilar surfaces slip and tractions make them
-lift, and alternating between both problems diverges for strong coupling: then pressure and
-tractions are unknowns of the same iteration.
+The friction law is the root of F(p) = p - disc(p - s(p)), unilateral contact the root of p - max(0,
+p - gap). In a step the slip of an element that sticks vanishes, and the traction of one that slips
+moves along the disc. For bodies of equal material the tractions are the only unknowns, under a
+fixed pressure. Pressure makes dissimilar surfaces slip and tractions make them lift, and
+alternating between both problems diverges for strong coupling: then pressure and tractions are
+unknowns of the same iteration.
 
 The linear systems are preconditioned by the circulant inverse for the pressure and by the
 kinematics for the tractions (`operators.kinematics`). They are solved by generalised conjugate
 residuals, so that no application of the elastic operator is lost: the response to a step is known
-unless something has to be brought back to a bound. On large meshes they are solved by GMRES in
+unless a traction has to be returned to its bound. On large meshes they are solved by GMRES in
 single precision, which holds one vector of each iteration instead of three.
 """
 
@@ -43,29 +43,29 @@ class Newton:
     halvings : int
         Most lengths of a step that are tried.
     rise : float
-        Merit over that before up to which a length is taken at once.
+        Ratio of the merit to the previous one up to which a length is accepted at once.
     bounded : bool
-        Whether tractions are brought back to their bound after each step (`Iterate`), which takes
-        an application, or stay outside of it on their way.
+        Whether tractions are returned to their bound after each step (`Iterate`), which takes an
+        application, or may stay outside it between steps.
     patience : int
         Steps without a smaller residual after which `bounded` is reversed, and, once it is, after
-        which a step is taken only as far as it helps.
+        which steps are damped.
     hopeless : int
-        Steps without a smaller residual after which no more are taken.
+        Steps without a smaller residual after which the method stops.
     loosest : float
         Loosest relative residual of the linear system of a step.
     sharpest : float
         Smallest relative residual of the linear system, of undamped steps.
     sharp : float
-        Relative residual of a step that is taken only as far as it helps: where the residual has
-        stalled, only a sharp step is sure to lead down.
+        Relative residual of a damped step: once the residual has stalled, only a sharp step is sure
+        to lead down.
     aim : float
         Part of the tolerance that a linear system is to leave.
     rough : float
         Relative residual down to which a linear system may be solved in single precision.
     rounding : float
         Part of the tolerance that the rounding of the response to a step may take; otherwise the
-        response is evaluated again, in double precision. Where vectors of the Krylov space cancel,
+        response is evaluated again, in double precision. If vectors of the Krylov space cancel,
         their rounding is up to 80 times the estimate from their sum.
     single_from : float
         Number of elements from which single precision pays: below, planning its transforms costs as
@@ -74,7 +74,7 @@ class Newton:
         Number of elements from which systems in single precision are solved by GMRES, which stores
         one vector of an iteration, not three.
     inside : float
-        Share of the bound below which a first guess is taken to stick.
+        Share of the bound below which an initial guess is assumed to stick.
     """
 
     steps: int = 60
@@ -115,7 +115,9 @@ class Newton:
             If the problem has wear within the pass.
         """
         if problem.wear is not None:
-            raise ValueError("problem.wear: Newton's method takes wear as part of the gap only")
+            raise ValueError(
+                "problem.wear: Newton's method takes wear only in the gap; use solvers.Uzawa"
+            )
         at, cost = self._first(problem, start)
         least, since, before, bounded = np.inf, 0, np.inf, self.bounded
         status, taken = Status.OUT_OF_ITERATIONS, 0
@@ -191,7 +193,7 @@ class Newton:
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, Cost]:
-        """The iterate after a step whose linear system is solved to a relative residual."""
+        """Return the iterate after a step with its linear system solved to a relative residual."""
         elements = at.pressure.size
         system = System(problem, at, self.precision(goal, at.residual, tolerance, elements))
         response: np.ndarray | None = None
@@ -254,16 +256,17 @@ class Newton:
     def forcing(self, residual: float, before: float, tolerance: float) -> float:
         """Return the relative residual to which a linear system should be solved (inexact Newton).
 
-        By how much the step before has gained (Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17,
+        It follows the gain of the previous step (Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17,
         16-32, choice 2): loose while the stick and slip zones still move, sharp towards the end,
-        and never beyond what the tolerance needs.
+        and never sharper than the tolerance needs.
 
         Parameters
         ----------
         residual, before : float
-            Natural residuals now and before the last step; infinite before the first one.
+            Current natural residual, and the one before the last step; infinite before the first
+            one.
         tolerance : float
-            That of the problem.
+            Tolerance of the problem.
         """
         gained = min(1.0, residual / before) ** GOLDEN if before < np.inf else 1.0
         loosest = min(self.loosest, residual**0.25)  # the sharper, the nearer the first guess
@@ -276,15 +279,15 @@ class Newton:
         """Return the type of numbers in which to solve a linear system to a relative residual.
 
         Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed
-        over a Krylov space: half the memory is moved for the same step. A response that is stored
-        must not add its rounding to the residual of the solution.
+        over a Krylov space, and a step moves half the memory. A response that is stored must not
+        add its rounding to the residual of the solution.
 
         Parameters
         ----------
         goal : float
             Relative residual to which to solve.
         residual, tolerance : float
-            Natural residual now, and that of the problem.
+            Current natural residual, and the tolerance of the problem.
         elements : int
             Number of elements.
         """
@@ -299,8 +302,8 @@ class Newton:
         """Return the trial at the given length, or at the first halving that lowers the merit.
 
         The active sets of a step may be worse for some steps before the solution improves, so some
-        rise is allowed; where none is that good, the best one is taken. Where the residual
-        has stalled, full steps swing between two states: then the best one is taken as well.
+        rise is allowed. If no length is that good, the best one is taken. After the residual has
+        stalled, full steps swing between two states, and the best length is taken as well.
         """
         trials = []
         for _ in range(self.halvings):
@@ -313,7 +316,7 @@ class Newton:
 
 def _outcome(problem: Problem, at: Iterate, status: Status, taken: int, cost: Cost) -> Outcome:
     """Return the outcome at an iterate, with pressure and tractions within their bounds."""
-    # What is beyond a bound, or remains where the gap is open, is part of the residual.
+    # Tractions beyond a bound, and pressure in an open gap, are part of the residual.
     pressure = at.pressure if problem.is_pressure_fixed else closed(at.pressure, at.gap)
     bound = problem.bound(pressure).radius
     return Outcome(

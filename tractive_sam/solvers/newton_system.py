@@ -19,16 +19,16 @@ ROUNDING = 4.0 * float(np.finfo(float).eps)
 class Iterate:
     """An iterate (pressure, tractions, approach, creepages) and its contact conditions.
 
-    Tractions may be tiny beside the pressure: they and their slip count `ratio` times, the size of
-    the pressure over theirs. The merit weights them by that factor.
+    Tractions may be tiny compared with the pressure. They and their slip are weighted by `ratio`,
+    the size of the pressure over the size of the tractions, as in the merit.
 
-    Tractions beyond their bound are brought back to it, which is the safer way while stick and slip
-    zones move. But where mu1 and mu2 are far apart, a step can push an element at its bound, and
-    said to stick, outwards along the weak axis; brought back every time, it never gets to slip.
-    If not `bounded` it stays outside, and the next linearisation finds that it slips.
+    Tractions beyond their bound are returned to it, which is safer while stick and slip zones move.
+    But if mu1 and mu2 differ much, a step can push an element that is at its bound, and assumed to
+    stick, outwards along the weak axis. Returned every time, it never slips. If not `bounded` it
+    stays outside, and the next linearisation finds that it slips.
 
-    The response of the operator to the fields may be known (`response`); if it is not, or something
-    has been brought back, `applications` is one.
+    The response of the operator to the fields may be known (`response`); if it is not, or a
+    traction was returned to its bound, `applications` is one.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class Iterate:
         return self.traction if fixed else np.concatenate((self.pressure[None], self.traction))
 
     def merit_by(self, ratio: float) -> float:
-        """Return the size of the residual, with that of the tractions weighted by `ratio`."""
+        """Return the size of the residual, with the part of the tractions weighted by `ratio`."""
         # The ratio may be larger than what a square can be.
         return float(np.hypot(np.sqrt(self._normal), ratio * np.sqrt(self._tangential)))
 
@@ -164,7 +164,7 @@ class System:
     def fields(self, vector: np.ndarray) -> np.ndarray:
         """Return the pressure and tractions in a vector of unknowns, a view of its first part.
 
-        Shape (3, n_x, n_y), or (2, n_x, n_y) of the tractions only where the pressure is fixed.
+        The shape is (3, n_x, n_y); under a fixed pressure (2, n_x, n_y), the tractions only.
         """
         return vector[: self.size].reshape(self.shape)
 

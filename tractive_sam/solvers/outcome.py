@@ -38,9 +38,9 @@ def relative(distance: float, size: float) -> float:
 
 
 def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Return the pressure of the elements in contact, and zero where the gap is open.
+    """Return the pressure of the elements in contact, and zero elsewhere.
 
-    An element is in contact where the pressure exceeds the gap, both dimensionless: there the
+    An element is in contact if its pressure exceeds its gap, both dimensionless, so that the
     projection of the pressure, max(0, pressure - gap), is positive. Elsewhere an iteration leaves
     pressures of the size of its residual.
 
@@ -98,11 +98,11 @@ class Outcome:
     Attributes
     ----------
     status : Status
-        How it ended; only CONVERGED is a solution.
+        State at the end; only CONVERGED is a solution.
     residual : float
         Natural residual of the contact conditions, relative: the distance of the pressure from its
-        projection, |p - project(p - r)| / |p| with r the gap, and that of the tractions, with r the
-        slip, each over its own size; the larger one, where both are solved for.
+        projection, |p - project(p - r)| / |p| with r the gap, and the distance of the tractions,
+        with r the slip, each over its size. If both are unknown, the larger one.
     iterations : int
         Outer iterations on the finest mesh.
     cost : Cost
@@ -114,14 +114,14 @@ class Outcome:
     approach : float, optional
         delta.
     creepage : ndarray, shape (m,), optional
-        The creepages found where forces were given.
+        The creepages found for prescribed forces.
     trace : tuple of Note
-        What was done, step by step: methods tried, and fallbacks.
+        Methods tried and fallbacks, step by step.
     top : (float, float), optional
-        Where no creepage has the first of the given forces because friction falls with sliding:
-        the largest force, and its creepage.
+        The largest force and its creepage, if no creepage has the first of the prescribed forces
+        because friction falls with sliding.
     steepness : float, optional
-        `solvers.uniqueness.steepness` there, if the method has needed it.
+        `solvers.uniqueness.steepness` of the solution, if the method has needed it.
     """
 
     status: Status
@@ -160,7 +160,7 @@ class Outcome:
 
 
 class Solver(Protocol):
-    """Protocol of solvers: any object with this method, such as a frozen dataclass."""
+    """Protocol of solvers: any object with this method, for example a frozen dataclass."""
 
     def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:
         """Solve a problem.

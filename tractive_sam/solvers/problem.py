@@ -40,9 +40,9 @@ class NormalProblem:
     gap : ndarray, shape (n_x, n_y)
         Separation of the undeformed surfaces.
     load : float or None
-        Sum of pi_n over the elements; None where the approach is given.
+        Sum of pi_n over the elements; None if the approach is given.
     approach : float
-        delta; where the load is given, a first guess that is not used.
+        delta; not used if the load is given.
     """
 
     operators: Operators
@@ -111,8 +111,8 @@ class PrescribedForces:
     def trust_fraction(self, creepage: np.ndarray, change: np.ndarray, elastic: float) -> float:
         """Return the longest part of a change that trusts its linearisation, at most 1.
 
-        Where nearly everything slips the forces hardly depend on the creepages, and a Newton step
-        would run away. Full slip begins at a slip of order one, or of the `elastic` slip.
+        If nearly everything slips the forces hardly depend on the creepages, and a Newton step
+        would diverge. Full slip begins at a slip of order one, or of the `elastic` slip.
         """
         size = np.abs(change).max(initial=0.0)
         trusted = 3.0 + np.abs(creepage).max(initial=0.0) + elastic
@@ -167,11 +167,11 @@ class Problem:
     """Contact problem: find pi_n, pi_t within the bound of the friction law, and the slip sigma.
 
     The normal conditions are those of `NormalProblem`, with the lift by tractions; in slip
-    pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. D and the sigma
-    that an element answers for belong to the kinematics.
+    pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. The kinematics
+    define D and the sigma in the friction law of an element.
 
     Unknowns and the response to them are **fields** of shape (3, n_x, n_y): pressure and tractions,
-    gap and slip; where the pressure is fixed, of shape (2, n_x, n_y): tractions, and slip. So
+    gap and slip. Under a fixed pressure their shape is (2, n_x, n_y): tractions, and slip. So
     `fields[-2:]` are always the tangential ones.
 
     Parameters
@@ -179,15 +179,16 @@ class Problem:
     normal : NormalProblem or FixedPressure
         The normal block, free or fixed; it has the operators.
     rigid : ndarray, shape (2, n_x, n_y)
-        Slip that does not depend on the unknowns: of the undeformed bodies; in a step less the
-        displacements that the particles had before; under a fixed pressure with the slip by it.
+        Slip that does not depend on the unknowns: the slip of the undeformed bodies, in a step less
+        the former displacements of the particles, under a fixed pressure plus the slip that it
+        causes.
     friction : Friction
         The friction law on the mesh.
     forces : PrescribedForces
-        Forces given in place of creepages.
+        Forces prescribed in place of creepages.
     wear : callable, optional
-        Wear within the pass, added to the gap. Only iterations that evaluate the gap itself can
-        have it (`Uzawa`).
+        Wear within the pass, added to the gap. Only iterations that evaluate the gap itself support
+        it (`Uzawa`).
     kinematics : Kinematics
         How slip follows from displacement.
     """
@@ -337,6 +338,7 @@ class Problem:
 
     @cached_property
     def _fixed_weight(self) -> float:
+        """Weight of slip under the bound of the fixed pressure."""
         return self.kinematics.slip_weight(self.operators, self._fixed_bound.radius)
 
     @cached_property
@@ -375,12 +377,12 @@ class Problem:
     def sliding(
         self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> tuple[np.ndarray, Bound]:
-        """Return where a solution slides, and the bound of its tractions.
+        """Return the elements that slide in a solution, and the bound of the tractions.
 
         Returns
         -------
         sliding : ndarray of bool, shape (n_x, n_y)
-            Elements in contact whose traction is at its bound and opposes the slip.
+            Elements in contact with a traction that is at its bound and opposes the slip.
         bound : Bound
             Bound under this slip.
         """

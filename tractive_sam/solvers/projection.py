@@ -64,7 +64,7 @@ class Evaluation:
 class ProjectedMap:
     """The map (pi_n, pi_t) -> projections of both (paper, eq. 13 and section 7.5, steps II-V).
 
-    States are fields of the problem, whose approach is taken as given.
+    States are fields of the problem; the approach is fixed.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ class Projection(ABC):
     def iterate(
         self, mapping: ProjectedMap, tolerance: float, state: Array
     ) -> tuple[Outcome, ProjectedMap]:
-        """Solve for a given approach; also return the map, whose steps may be shorter."""
+        """Solve for a given approach; also return the map, possibly with shorter steps."""
         states = self._states(mapping, mapping.admissible(state))
         mapping, state = next(states)
         again = 0
@@ -213,7 +213,9 @@ class Projection(ABC):
             If the problem prescribes tangential forces.
         """
         if len(problem.forces):
-            raise ValueError("problem.forces: projected iterations are for given creepages only")
+            raise ValueError(
+                "problem.forces: projected iterations need given creepages; use solvers.Newton"
+            )
         cost = Cost()
         start = start or Start()
         traction = start.traction

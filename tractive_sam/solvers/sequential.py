@@ -33,7 +33,7 @@ class Sequential:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem whose pressure is free or fixed; see `Solver`."""
+        """Solve a problem with free or fixed pressure; see `Solver`."""
         if problem.is_pressure_fixed:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
@@ -125,7 +125,7 @@ class RoughSequential:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem whose pressure is free, without a start; see `Solver`."""
+        """Solve a problem with free pressure, without a start; see `Solver`."""
         normal = self.normal.solve(problem.normal, self.rough)
         pressure = needed(normal.pressure, "outcome.pressure")
         tangential = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))
@@ -157,8 +157,8 @@ def _beyond(problem: Problem, share: float) -> Outcome:
 def rectangle(contact: np.ndarray, around: int = 0) -> Box:
     """Return the contact, a row on both sides in x, and a number of elements around it.
 
-    The slip at the centre of an element needs that of the row behind it, the slip of a leading
-    element the gap ahead.
+    The slip at the centre of an element depends on the slip of the row behind it, the slip of a
+    leading element on the gap ahead.
     """
     i = np.flatnonzero(contact.any(axis=1))
     j = np.flatnonzero(contact.any(axis=0))

@@ -36,7 +36,7 @@ def steepness(
     Parameters
     ----------
     problem : Problem
-        What is solved.
+        The problem that was solved.
     pressure, gap : ndarray, shape (n_x, n_y)
         Of the solution, dimensionless.
     traction, slip : ndarray, shape (2, n_x, n_y)
@@ -69,16 +69,16 @@ def steepness(
 
 @dataclass(frozen=True)
 class OneSolution:
-    """Solves a step from the one before, and without that start where several solutions may hold.
+    """Solves a step from the one before, and without this start if several solutions may exist.
 
-    So what is found does not depend on where the search begins.
+    So the result does not depend on the start of the search.
 
     Attributes
     ----------
     nearby : Solver
         Solves a problem from a start.
     path : Solver
-        Solves it without one, where the first does not, or finds one of several solutions.
+        Solves it without a start, if `nearby` fails or finds one of several solutions.
     """
 
     nearby: Solver

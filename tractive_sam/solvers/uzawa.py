@@ -13,22 +13,22 @@ from tractive_sam.solvers.projection import ProjectedMap, Projection, States
 class Uzawa(Projection):
     """Repeats the projected step until the contact conditions hold (paper, section 7.5).
 
-    Departures from the paper: it stops on the change of the iterate, which is small also where the
-    step is, here the residual of the contact conditions is what has to fall; and it leaves the
-    choice of the steps to the user, here they are taken from a bound and shortened if that was too
-    bold.
+    Departures from the paper: the paper stops on the change of the iterate, which is small also
+    after a short step; here the residual of the contact conditions has to fall. The paper leaves
+    the choice of the steps to the user; here they follow from a bound and are shortened if the
+    residual does not fall.
 
     Attributes
     ----------
     step_factor : float
-        Step of the slip over its bound: fastest at 31 x 31 and at 91 x 91 on the scene `spheres`,
-        where 8 and 10 times the bound diverge.
+        Step of the slip over its bound: fastest at 31 x 31 and at 91 x 91 on the scene `spheres`; 8
+        and 10 times the bound diverge there.
     iterations : int
         Most iterations.
     patience : int
-        Iterations without a smaller residual after which the step is taken to be too long.
+        Iterations without a smaller residual after which the step counts as too long.
     shorter : float
-        What it is multiplied by then.
+        Factor by which the step is shortened then.
     """
 
     step_factor: float = 5.5

@@ -15,7 +15,7 @@ COMPRESSED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shu
 
 CHUNK_BYTES = 4096
 """Least size of a chunk: a page of the disk. The checksum of a chunk of zeros is zero, so the
-loss of a page that contains a whole chunk with its checksum would not be noticed."""
+loss of a page that contains all of a chunk with its checksum would not be noticed."""
 
 
 def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:

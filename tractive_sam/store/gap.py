@@ -20,8 +20,8 @@ VALUES = ("separation", "height", "z")
 """Names of the measured quantity in files."""
 
 LARGEST = 1e30
-"""Largest magnitude of coordinates and separations, mm, at which no formula overflows. Equal to
-that of `scene.quantities`, which would load the scene reader."""
+"""Largest magnitude of coordinates and separations, mm, at which no formula overflows. Equal to the
+limit in `scene.quantities`, which would load the scene reader."""
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 

@@ -101,7 +101,7 @@ def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
         if len(row) != width
     ]
     if wrong:
-        raise GapError(path, first_place(wrong), "rows of the same length")
+        raise GapError(path, first_place(wrong), "rows of equal length")
     names, units = zip(*header, strict=True) if header else ((), ())
     return TextTable(cells, line_numbers, names, units)
 

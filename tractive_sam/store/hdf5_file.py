@@ -11,10 +11,10 @@ from tractive_sam.store.errors import ResultsError
 def open_to_read(path: Path) -> h5py.File:
     """Open an HDF5 file for reading, also while other code of this process has it open.
 
-    HDF5 shares one handle between all openings of a file by the same driver. It refuses an opening
-    with different flags: h5py and xarray set flags of locks, netCDF sets a flag of closing. So the
-    file is opened by the driver for buffered files, which other code does not use. Only a file
-    that this process has open for writing is opened by the usual driver, to share its handle.
+    HDF5 shares one handle between all openings of a file by one driver. It refuses an opening with
+    different flags: h5py and xarray set flags of locks, netCDF sets a flag of closing. So the file
+    is opened by the driver for buffered files, which other code does not use. Only a file that this
+    process has open for writing is opened by the usual driver, to share its handle.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def open_to_read(path: Path) -> h5py.File:
     ResultsError
         If another process has it open for writing.
     OSError
-        If the file is no regular file, no HDF5 file, or is damaged.
+        If the file is not a regular file, not an HDF5 file, or is damaged.
     """
     open_regular(path).close()
     try:

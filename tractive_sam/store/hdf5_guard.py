@@ -16,7 +16,7 @@ from struct import unpack_from
 import h5py
 
 LAST_HEAP_SUPERBLOCK = 2
-"""Last superblock version whose files may contain texts in heaps that this package reads."""
+"""Last superblock version of files that may contain texts in heaps that this package reads."""
 
 _HEAD, _OBJECT, _SIGNATURE = 16, 16, b"GCOL"
 
@@ -56,7 +56,7 @@ def check_claimed_size(
     claimed : int
         Size of the data in memory, bytes.
     ratio : int
-        Largest compression ratio, that of deflate.
+        Largest compression ratio (deflate).
     min_bytes : int
         Bytes that any file may claim: values that were never written need no space in a file.
 

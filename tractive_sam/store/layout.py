@@ -124,9 +124,9 @@ def create_layout(
     mesh : Grid
         The mesh.
     laws : mapping of str to LawRecord, optional
-        Laws that replace those of the scene.
+        Laws that replace laws of the scene.
     coordinate : Quantity, optional
-        The column along which the history runs; by default that of the scene.
+        The column along which the history runs; by default the scene's.
     """
     coordinate = coordinate or find_by_role(columns_of(scene).values(), COORDINATE)
     set_text(file, "format", FORMAT)

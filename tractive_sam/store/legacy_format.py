@@ -21,7 +21,7 @@ VERSION_PREFIX = "version_"
 
 
 DEFAULTS = {("wear", "turns"): "equal"}
-"""Defaults of scene keys in this format that differ from those of today."""
+"""Defaults of scene keys in this format that differ from today's."""
 
 RENAMED = {("load", "traction_x"): "force_x", ("load", "traction_y"): "force_y"}
 """Present names of scene keys, by table and name in this format."""
@@ -66,7 +66,7 @@ def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
 
 
 def read_bodies(file: ResultsFile) -> tuple[str, ...]:
-    """Return the bodies whose stress was computed."""
+    """Return the bodies with computed stress."""
     return file.labels("history/body") if "history/body" in file else ()
 
 

@@ -67,7 +67,7 @@ def open_history(path: str | Path) -> History:
 def read_state(path: str | Path, row: int) -> dict[str, np.ndarray]:
     """Read the state after the last record with a solved contact.
 
-    Its names are those of `FIELDS`, for a transient also those of `BEFORE`, and those of observers.
+    Its names are listed in `FIELDS`, for a transient also in `BEFORE`, and by observers.
 
     Parameters
     ----------
@@ -149,7 +149,7 @@ def _read_history(file: ResultsFile) -> History:
 
 
 def _read_laws(file: ResultsFile) -> dict[str, LawRecord]:
-    """Return the laws that replaced those of the scene."""
+    """Return the laws that replaced laws of the scene."""
     try:
         return load_laws(file.text("scene", "law_records", ""), file.text("scene", "laws", ""))
     except ValueError as error:

@@ -67,7 +67,7 @@ def _field_groups(record: Record) -> list[str]:
 
 
 def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Record]) -> None:
-    """Add the fields, stress and fatigue of records that have the same groups."""
+    """Add the fields, stress and fatigue of records with equal groups."""
     _append_group(file["fields"], rows, records, [record.fields for record in records], OUTSIDE)
     for planes in zip(*(record.stress for record in records), strict=True):
         group = file["stress"][
@@ -197,7 +197,7 @@ def _widen_rows(
     outside: float = 0.0,
     lead: int = 0,
 ) -> None:
-    """Widen every row, one at a time; `lead` is the number of axes before those of the mesh."""
+    """Widen every row, one at a time; `lead` is the number of axes before the mesh's."""
     outer, inner = dataset.shape[1 : 1 + lead], dataset.shape[1 + lead + len(axes) :]
     old = (*(slice(n) for n in outer), *(slice(before[axis]) for axis in axes))
     shape = (*outer, *(after[axis] for axis in axes), *inner)

@@ -21,10 +21,10 @@ def decode_text(value: str | bytes) -> str:
     Raises
     ------
     ValueError
-        If it is no text in UTF-8.
+        If it is not a text in UTF-8.
     """
     if not isinstance(value, str | bytes):
-        raise ValueError(f"{value!r} is no text")
+        raise ValueError(f"{value!r} is not a text")
     return value.decode() if isinstance(value, bytes) else value.encode().decode()
 
 

@@ -69,7 +69,7 @@ def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], Non
     path : Path
         The file.
     overwrite : bool
-        Whether a file of the same kind may be replaced. A file of another kind is never replaced.
+        Whether a file of this kind may be replaced. A file of another kind is never replaced.
     check_kind : callable
         Raises ResultsError if a file is of another kind.
 

@@ -55,8 +55,7 @@ class HistoryWriter:
     started, measured : str
         See `History`.
     coordinate : Quantity, optional
-        The column along which the history runs, of the role `COORDINATE`; by default that of the
-        scene.
+        The column along which the history runs, of the role `COORDINATE`; by default the scene's.
 
     Raises
     ------
@@ -251,7 +250,7 @@ class HistoryWriter:
 
 
 def _field_bytes(record: Record) -> int:
-    """Size of what is kept of a record beside its numbers."""
+    """Return the size of the fields and other arrays that are stored of a record, bytes."""
     arrays = [*record.fields.values()]
     arrays += [array for plane in record.stress for array in plane.components.values()]
     arrays += [array for c in record.cycles for array in vars(c).values() if np.ndim(array)]

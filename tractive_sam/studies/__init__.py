@@ -47,10 +47,10 @@ The file of a study
     start = 0.1
     stop = 0.6
 
-Where the cases run
--------------------
-On processes of this machine, or on the workers of any scheduler of dask.distributed. Workers need
-this package, one thread each, and the folder of the study under the same name::
+Processes and workers
+---------------------
+Cases run on processes of this machine, or on the workers of any scheduler of dask.distributed.
+Workers need this package, one thread each, and the folder of the study under one name::
 
     dask scheduler                                         # says its address
     dask worker ADDRESS --nthreads 1 --nworkers 16         # on every machine
@@ -95,12 +95,12 @@ transforms that other threads are making. With ``spawn``, the script needs ``if 
 What holds when something dies
 ------------------------------
 The state of a study is in its files (see `folder`), not in the scheduler. A case is complete when
-its results file says so, and is then never run again; to run the study again is to resume it,
-also with other axes: cases are known by the hash of their scenes. A case whose worker died is
-handed to another one and continues from its results file; one process at a time writes a file.
-A client that loses its scheduler waits for it, or for another one at that address, for ten minutes;
-the workers of a scheduler end with it, and have to be started again as well.
-Where the client itself goes, cases begun end on their workers, and the next client finds them.
+its results file says so, and is then never run again. Running the study again resumes it, also with
+other axes: cases are identified by the hash of their scenes. If a worker dies, its case passes to
+another one and continues from its results file; one process at a time writes a file. A client that
+loses its scheduler waits for it, or for another one at that address, for ten minutes; the workers
+of a scheduler end with it, and have to be started again as well. If the client dies, cases that
+have begun end on their workers, and the next client finds them.
 """
 
 from tractive_sam.lazy_names import attach_names

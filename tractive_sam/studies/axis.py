@@ -49,9 +49,9 @@ _SPACING = '"linear" or "logarithmic"'
 
 
 def _check_values(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault unless either values or a complete range is given."""
+    """Yield a fault unless values or a complete range is given, and not both."""
     ends = [name for name in ("start", "stop", "number") if name in entries.given]
-    allowed = "either values, or start, stop and number"
+    allowed = "values, or start, stop and number; not both"
     if "values" in entries.given:
         if ends:
             yield Fault("values", f"together with {', '.join(ends)}", allowed)
@@ -267,7 +267,7 @@ class Dimension:
 def _between(
     key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
 ) -> tuple[float | int, ...]:
-    """Return values at shares of the range from start to stop; integers for whole entries."""
+    """Return values at shares of the range from start to stop; integers for integer entries."""
     if spacing == "logarithmic":
         values = start * (stop / start) ** shares
     else:

@@ -97,11 +97,11 @@ def cases(study: Study) -> list[Case]:
             new = [Fault(error.key, error.given, error.allowed)]
         else:
             twin = seen.setdefault(case.digest, case)
-            allowed = f"scenes that differ; {twin} is the same"
+            allowed = f"scenes that differ; {twin} is equal"
             new = [] if twin is case else [Fault("axis", "a scene twice", allowed)]
             found.append(case)
         for fault in new:
-            # Many cases have the same fault: one is reported, with their number.
+            # Many cases share a fault: it is reported once, with their number.
             faults.setdefault((fault.key, fault.given), []).append((fault, case))
     if faults:
         raise StudyError(_merge_faults(same) for same in faults.values())
@@ -137,7 +137,7 @@ def _digest(scene: Scene, contents) -> str:
 
 @cache
 def _generation() -> str:
-    """Return the version of the methods, and that of results files."""
+    """Return the versions of the methods and of results files."""
     first, second, *_ = (*versions()["tractive-sam"].split("."), "")
     return f"{first}.{second} {FORMAT_VERSION}"
 

@@ -89,7 +89,7 @@ class CaseLog:
         write_file(self.path, b"".join(b"\n%b" % line for line in whole))
 
     def _lines(self) -> list[tuple[bytes, dict[str, Any] | None]]:
-        """Return the lines that are not empty, and their entries; None where one is damaged."""
+        """Return the lines that are not empty, and their entries; None for a damaged one."""
         if not self.path.is_file():
             return []
         found, checked_before = [], False

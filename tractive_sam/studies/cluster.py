@@ -148,8 +148,8 @@ def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "
 def _close_unused_clients() -> None:
     """Close clients that found no scheduler, before another event loop is started.
 
-    The garbage collector closes such a client at any time. If the lock of the loops is held at
-    that time, it would wait forever.
+    The garbage collector closes these clients at any time. If the lock of the loops is held at that
+    time, it would wait forever.
     """
     gc.collect()
 
@@ -203,7 +203,7 @@ def on_cluster(
     say : callable
         Called with a message about what is waited for.
     security : Security, optional
-        Keys that a client needs; by default those of the configuration of dask.
+        Keys that a client needs; by default from the configuration of dask.
 
     Raises
     ------
@@ -299,7 +299,7 @@ def _client(
             sleep(WAITS.pause)
         except ValueError:
             cure = "use tcp://HOST:PORT, as the scheduler prints it"
-            raise ResultsError(f"{address} is no address of a scheduler; {cure}") from None
+            raise ResultsError(f"{address} is not an address of a scheduler; {cure}") from None
     try:
         yield client
     finally:
@@ -372,16 +372,16 @@ def computed(
     say : callable
         Called with a message about what is waited for.
     security : Security, optional
-        Keys that a client needs; by default those of the configuration of dask.
+        Keys that a client needs; by default from the configuration of dask.
 
     Raises
     ------
     ResultsError
-        If that is no address.
+        If the address is invalid.
     RuntimeError
-        If every worker of a call died. Other errors are those of the calls.
+        If every worker of a call died. Errors of the calls are raised as they are.
     SchedulerLostError
-        If there is no scheduler there, or none any more for `PATIENCE`.
+        If no scheduler answers at the address for `PATIENCE`.
 
     Examples
     --------

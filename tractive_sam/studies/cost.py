@@ -127,9 +127,9 @@ def _estimate_times(
     with_files : bool
         Whether a results file is written for each.
     file : float
-        Seconds for a results file, whatever its content (benchmarks/study.py).
+        Seconds for a results file, independent of its content (benchmarks/study.py).
     uzawa : float
-        Applications of Uzawa's method over those of the default one, roughly: it orders the cases.
+        Applications of Uzawa's method over the default one's, roughly: it orders the cases.
     """
     kinds = defaultdict(list)
     for model in models:

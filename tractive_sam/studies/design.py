@@ -1,4 +1,4 @@
-"""The design of a study: a scene and what varies in it, checked as a whole."""
+"""The design of a study: a scene and the keys that vary in it, checked together."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
-    """A key beside those of its table must be a parameter of a law of another package."""
+    """Report unknown keys that are not parameters of a law of another package."""
     keys = [key for one in _dimensions(entries["axis"], entries["latin"]) for key in one.columns]
     for key in keys:
         name, _, entry_name = key.partition(".")
@@ -133,7 +133,7 @@ class Study(Document):
     axis: tuple[Axis, ...] = entry("the axes", "a list of tables", ())
     latin: Latin | None = entry("the Latin hypercube", default=None)
     keep: Literal["all", "scalars"] = entry(
-        "what is kept of each case: a results file, or the numbers of its last record",
+        "what is stored of each case: a results file, or the numbers of its last record",
         default="all",
     )
     checks: ClassVar[tuple[Check, ...]] = (

@@ -65,7 +65,7 @@ def save_figures(
     directory : path-like
         Folder of the figures; it is created if it does not exist.
     quantities : tuple of str
-        Names of `Tabulated.quantities`; by default those of `DEFAULTS` that vary.
+        Names of `Tabulated.quantities`; by default the ones in `DEFAULTS` that vary.
     at : mapping of str to object, optional
         Fixed values of axes, by key; they are needed if more than two axes vary. The titles and
         the names of the files contain them.
@@ -125,7 +125,7 @@ def first_figure(results: Tabulated) -> Figure | None:
 
 
 def short_key(key: str, study: Study) -> str:
-    """Return the last part of a key, or all of it if another axis has the same."""
+    """Return the last part of a key, or all of it if another axis ends alike."""
     last = [one.name.rpartition(".")[2] for one in study.dimensions]
     short = key.rpartition(".")[2]
     return short if last.count(short) == 1 else key
@@ -205,7 +205,7 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
 
 
 def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
-    """Return the values of a key; by default of the first one, that of the axis."""
+    """Return the values of a key; by default of the first one, the key of the axis."""
     key = key or next(iter(columns))
     numbers = all(isinstance(one, int | float) for one in columns[key])
     values = np.array(columns[key] if numbers else distinct_texts(columns[key]))

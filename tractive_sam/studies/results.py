@@ -114,6 +114,7 @@ class StudyResults:
         return text_table("Study", self._summary())
 
     def _repr_html_(self) -> str:
+        """Return the summary as HTML, for notebooks."""
         return html_table(self._summary(), self._picture())
 
     def _summary(self, most: int = 8) -> dict[str, str]:
@@ -182,7 +183,7 @@ class StudyResults:
         ResultsError
             If it has no results file yet.
         IndexError
-            If there is no such case.
+            If the case does not exist.
         """
         if not -len(self) <= number < len(self):
             raise IndexError(f"no case {number}; they are numbered from 0 to {len(self) - 1}")
@@ -195,7 +196,7 @@ class StudyResults:
         return open_history(row.file)
 
     def column(self, name: str, revolution: int | None = None) -> np.ndarray:
-        """Return a quantity of all cases, shape (len(self),); nan where it is unknown.
+        """Return a quantity of all cases, shape (len(self),); nan if it is unknown.
 
         Parameters
         ----------
@@ -272,7 +273,7 @@ class StudyResults:
         quantities: Sequence[str] = (),
         units: bool = False,
     ) -> None:
-        """Write the table of all cases as CSV, numbers as they are.
+        """Write the table of all cases as CSV, numbers in full precision.
 
         Parameters
         ----------
@@ -287,7 +288,7 @@ class StudyResults:
         Raises
         ------
         ValueError
-            If there is no such quantity.
+            If a quantity is unknown.
         """
         keys = [key for one in self.study.dimensions for key in one.columns]
         unknown = [name for name in quantities if name not in self.quantities]

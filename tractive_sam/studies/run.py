@@ -89,8 +89,8 @@ def study(
         Its folder. In the folder of an earlier run, complete cases are not run again, and others
         resume from their last record.
     scheduler : str, optional
-        Address of a scheduler of dask.distributed whose workers compute; they must see the folder
-        under the same name.
+        Address of a scheduler of dask.distributed: its workers compute, and must see the folder
+        under this name.
     workers : int, optional
         Without a scheduler: number of processes on this machine. With 0, the cases are computed in
         this process, one after another. By default one for each core, or 0 if the work is shorter
@@ -164,7 +164,7 @@ def study(
 def remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tuple[list[Task], int]:
     """Return the remaining tasks and the number of complete cases.
 
-    Long cases are first; if scalars are kept, neighbours follow each other.
+    Long cases are first; if only scalars are stored, neighbours follow each other.
     """
     files, complete = folder.results(), folder.log.read().entries
     scalars = requested.keep == "scalars"

@@ -26,8 +26,8 @@ from tractive_sam.subsurface.surface import surface_cycles
 def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     """Return the depths at which [fatigue] is computed, shape (elements,), mm.
 
-    They are the surface, one element below it (the longer side), and further depths down to that of
-    the scene, or at least three elements.
+    They are the surface, one element below it (the longer side), and further depths down to the
+    depth in the scene, or at least three elements.
 
     Parameters
     ----------
@@ -61,9 +61,9 @@ def fatigue(
     contact : State
         The solved contact of a scene with [fatigue].
     depths : array_like, shape (n,), optional
-        Depths, ascending from 0, mm; by default those of [fatigue].
+        Depths, ascending from 0, mm; by default from [fatigue].
     laws : Laws, optional
-        Criterion and bodies; by default those of the solution.
+        Criterion and bodies; by default the laws of the solution.
 
     Returns
     -------
@@ -111,7 +111,7 @@ def cycle_fatigue(
     Returns
     -------
     dict of str to (BodyFatigue, ndarray of shape (contacts, n_y, n))
-        By body: the largest utilisation, and that of each contact.
+        By body: the largest utilisation, and the utilisation of each contact.
 
     Examples
     --------
@@ -208,8 +208,8 @@ def layer_cycles(
     laws : Laws
         Laws of the bodies.
     half_width : float, optional
-        Half width of the contact in x that determines the length of layers; by default that of
-        this contact, mm.
+        Half width of the contact in x that determines the length of layers, mm; by default of this
+        contact.
     spaces : int
         See `_columns`: with 12 the error of a criterion from maxima outside the layers is 1e-3,
         with 8 it is 3e-3.

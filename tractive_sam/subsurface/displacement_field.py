@@ -28,7 +28,7 @@ def displacement(
     depth : float
         Depth below the surface, mm.
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
 
     Returns
     -------
@@ -38,8 +38,8 @@ def displacement(
     Raises
     ------
     ValueError
-        If there is no such body, the depth is negative or not finite, the law of the bodies is not
-        that of homogeneous half-spaces, or it is a line contact, whose displacement relative to
+        If the body is not "A" or "B", the depth is negative or not finite, the bodies are not
+        homogeneous half-spaces, or the contact is a line contact: its displacement relative to
         distant points is infinite.
 
     Examples
@@ -82,7 +82,7 @@ def elastic_energy(contact: State, laws: Laws | None = None) -> float:
     contact : State
         The solved contact.
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
 
     Raises
     ------

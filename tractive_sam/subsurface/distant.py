@@ -1,4 +1,4 @@
-"""Stress at a distance from a contact, where its elements act like a few point forces."""
+"""Stress at a distance from a contact: its elements act like a few point forces there."""
 
 from collections.abc import Sequence
 

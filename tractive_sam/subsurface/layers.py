@@ -41,7 +41,7 @@ def stress_layers(
     threads : int
         Number of threads.
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
 
     Yields
     ------
@@ -51,7 +51,7 @@ def stress_layers(
     Raises
     ------
     ValueError
-        If there is no such body, or depths are negative or not finite.
+        If the body is not "A" or "B", or depths are negative or not finite.
 
     Examples
     --------

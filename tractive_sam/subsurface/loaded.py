@@ -28,13 +28,20 @@ class Loading(Protocol):
     """
 
     @property
-    def scene(self) -> Scene: ...  # noqa: D102
+    def scene(self) -> Scene:
+        """Scene of the contact."""
+
     @property
-    def grid(self) -> Grid: ...  # noqa: D102
+    def grid(self) -> Grid:
+        """Mesh of the surface."""
+
     @property
-    def pressure(self) -> np.ndarray: ...  # noqa: D102
+    def pressure(self) -> np.ndarray:
+        """Pressure, shape (n_x, n_y), MPa."""
+
     @property
-    def traction(self) -> np.ndarray: ...  # noqa: D102
+    def traction(self) -> np.ndarray:
+        """Tractions (p_x, p_y) on body A, shape (2, n_x, n_y), MPa."""
 
 
 @dataclass(frozen=True, eq=False)

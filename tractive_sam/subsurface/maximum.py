@@ -56,9 +56,9 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
     The search starts in layers at depths in a geometric sequence, with elements combined in blocks
     with sides up to the depth. The largest local maxima are refined with blocks that grow with
-    their distance. For constant tractions on the elements the error of the value is 6e-4, that of
-    the position a hundredth of its depth (`benchmarks/whole_roll.py`). If two maxima are nearer
-    than the layers, the result may be the smaller one.
+    their distance. For constant tractions on the elements the error of the value is 6e-4, of the
+    position a hundredth of its depth (`benchmarks/whole_roll.py`). If two maxima are nearer than
+    the layers, the result may be the smaller one.
 
     At the surface the stress is computed between the elements, at the edge of the contact and at
     the border of stick and slip, from differences of displacements: on a mesh the stress is
@@ -73,7 +73,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     body : "A" or "B"
         The body.
     laws : Laws, optional
-        Criterion and bodies; by default those of the solution.
+        Criterion and bodies; by default the laws of the solution.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     Raises
     ------
     ValueError
-        If there is no such body.
+        If the body is not "A" or "B".
 
     Examples
     --------
@@ -138,7 +138,7 @@ def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tu
 
 
 def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
-    """Return depths from below the elements down to where no maximum is expected, mm."""
+    """Return depths, mm, from below the elements down to the deepest possible maximum."""
     first, deepest = _SEARCH.shallowest * levels.side, _SEARCH.deepest * levels.half_width
     count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
     return first * levels.growth ** np.arange(count)

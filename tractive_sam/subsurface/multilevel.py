@@ -169,7 +169,7 @@ class MultiLevel:
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """Return the largest stress of each body at the surface, MPa, and its position, mm.
 
-        It includes positions where the mesh cannot resolve the stress (`subsurface.surface`).
+        It includes positions with stress that the mesh cannot resolve (`subsurface.surface`).
 
         Parameters
         ----------

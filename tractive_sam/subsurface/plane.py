@@ -34,9 +34,9 @@ def stress_on_plane(
     body : "A" or "B"
         The body.
     depths : array_like, optional
-        Depths of a vertical plane, mm; by default those of [subsurface].
+        Depths of a vertical plane, mm; by default from [subsurface].
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
 
     Raises
     ------
@@ -69,9 +69,9 @@ def stress_on_planes(
     contact : State
         The solved contact.
     planes : sequence of Plane or str, optional
-        See `stress_on_plane`; by default those of [subsurface].
+        See `stress_on_plane`; by default the planes of [subsurface].
     bodies : sequence of str, optional
-        By default those of [subsurface].
+        By default the bodies of [subsurface].
     depths, laws : optional
         See `stress_on_plane`.
 

@@ -29,7 +29,7 @@ def stress_at(
     body : "A" or "B"
         The body.
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
 
     Returns
     -------
@@ -39,7 +39,7 @@ def stress_at(
     Raises
     ------
     ValueError
-        If there is no such body, or if points have another shape, are not finite or above the
+        If the body is not "A" or "B", or if points have another shape, are not finite or above the
         surface.
 
     Examples
@@ -85,7 +85,7 @@ def stress_path(
         Positions in x, mm; by default `number` points from `reach` semi-axes a before the contact,
         on the leading side x > 0, to `reach` behind it.
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
     number : int
         Number of points without `x`.
     reach : float
@@ -99,7 +99,8 @@ def stress_path(
     Raises
     ------
     ValueError
-        If there is no such body, x is no sequence, or a point is not finite or above the surface.
+        If the body is not "A" or "B", x is not a sequence, or a point is not finite or above
+        the surface.
 
     Examples
     --------

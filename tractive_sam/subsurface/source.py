@@ -74,7 +74,9 @@ def stress_source(
     ValueError
         If no method is registered for the class.
     """
-    raise ValueError(f"there is no method for the stress in bodies with the law {body!r}")
+    raise ValueError(
+        f"the stress in bodies with the law {body!r} is unknown; use HalfSpaces or a subclass"
+    )
 
 
 class PatchStress:

@@ -127,8 +127,9 @@ def surface_points(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Return the stress of a surface at the corners of elements, one or more at each of them.
 
-    At an edge of the contact or of stick that is the stress on its smooth side, at the nearest
-    corner; where it is not known that between the elements. Parameters as for `surface_cycles`.
+    At an edge of the contact or of stick it is the stress on the smooth side, at the nearest
+    corner; if this is not known, the stress between the elements. Parameters as for
+    `surface_cycles`.
 
     Returns
     -------
@@ -161,7 +162,7 @@ def _surface_stresses(
     stress : ndarray, shape (6, n_x - 1, n_y - 1)
         At the corners.
     is_smooth : ndarray of bool, shape (n_x - 1, n_y - 1)
-        Corners where the stress is smooth.
+        Corners with smooth stress.
     is_valid : ndarray of bool, shape (n_y - 1,)
         Rows with a valid path.
     edge_stress : ndarray, shape (6, n)

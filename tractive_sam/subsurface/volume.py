@@ -32,7 +32,7 @@ def stress_volume(
     threads : int
         Number of threads.
     laws : Laws, optional
-        Laws of the bodies; by default those of the solution.
+        Laws of the bodies; by default the laws of the solution.
 
     Yields
     ------
@@ -42,7 +42,7 @@ def stress_volume(
     Raises
     ------
     ValueError
-        If there is no such body, or depths are negative or not finite.
+        If the body is not "A" or "B", or depths are negative or not finite.
 
     Examples
     --------

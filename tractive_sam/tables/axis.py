@@ -1,4 +1,4 @@
-"""Axes of a table other than those of creepages: any keys of a scene."""
+"""Axes of a table besides the creepages: any keys of a scene."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
         return
     if at is None:
         if not all(map(_is_number, values)):
-            needed = "a number for each of the values, ascending: where they are along the axis"
-            yield Fault("at", "nothing, of values that are no numbers", needed)
+            needed = "a number for each of the values, ascending: their places along the axis"
+            yield Fault("at", "nothing, with values that are not numbers", needed)
         elif _falls(values):
             yield Fault("values", shorten(values), "ascending numbers, each once")
     elif len(at) != len(values):
@@ -61,7 +61,7 @@ class TableAxis(Axis):
     """An axis of a table: a key of the scene, and others that vary together with it.
 
     Numbers, and lists of them, are interpolated, and nodes are added between them. Other values,
-    such as files of gaps, are discrete.
+    for example files of gaps, are discrete.
 
     Examples
     --------
@@ -76,7 +76,7 @@ class TableAxis(Axis):
         "what a table calls it", "a name; by default the last part of the key", None
     )
     at: tuple[float, ...] | None = entry(
-        "where the values are along the axis", "ascending numbers; the values by default", None
+        "places of the values along the axis", "ascending numbers; the values by default", None
     )
     checks: ClassVar[tuple[Check, ...]] = (
         *Axis.checks,

@@ -1,4 +1,4 @@
-"""Refine a table: add nodes where errors at check points are too large."""
+"""Refine a table: add nodes near check points with too large errors."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ class TableBuilder:
         return self._with_gradient_bars(self.make_table(previous.between, previous.about))
 
     def _refine(self, axis: int, split: np.ndarray) -> np.ndarray:
-        """Return the nodes of an axis with divided intervals; those of creepages stay symmetric."""
+        """Return the nodes of an axis with divided intervals; nodes of creepages stay symmetric."""
         nodes = self.axes[axis]
         split = self.grid.alike(axis - self.lead, split, len(nodes) - 1)
         middles = 0.5 * (nodes[split] + nodes[split + 1]) if len(split) else np.empty(0)
@@ -102,7 +102,7 @@ class TableBuilder:
             (errors_by_force / (reported + 1e-12)).max(axis=1),
             errors_by_force.max(axis=1),
         )
-        # The error bars of 95 of 100 points, with those of the contact, are sufficient.
+        # The error bars of 95 of 100 points, and of the contact, are sufficient.
         widening = max(1.0, float(np.quantile(shares, 0.97)))
         design = self.design
         about = {
@@ -218,7 +218,7 @@ class TableBuilder:
     def interval_errors(self, table: CreepTable) -> list[np.ndarray]:
         """Return the largest errors of interpolation in the middle of every interval, by axis.
 
-        An interval has the same points in every round: among new ones some would be worse.
+        The points of an interval do not change between rounds: among new ones some would be worse.
         """
         found, points, where = [], [], []
         for k, nodes in enumerate(self.axes):
@@ -252,9 +252,9 @@ class TableBuilder:
         """Return the intervals to divide because errors at points anywhere are too large.
 
         These are the check points so far. If their errors are small, as many new ones follow, from
-        the sequence of Halton, which leaves no gap in several dimensions. At such a point the axis
-        with the largest error is divided, over the share of nodes that are added; the other
-        coordinates are those of the nearest node.
+        the sequence of Halton, which leaves no gap in several dimensions. At a point anywhere the
+        axis with the largest error is divided, over the share of nodes that are added; the other
+        coordinates are taken from the nearest node.
         """
         split: list[set[int]] = [set() for _ in self.axes]
         missed = self._find_missed(table)
@@ -280,7 +280,7 @@ class TableBuilder:
         return [np.array(sorted(some), int) for some in split]
 
     def _find_missed(self, table: CreepTable) -> list[Point]:
-        """Return the check points whose errors are too large."""
+        """Return the check points with too large errors."""
         if not self.check_points:
             return []
         errors = np.abs(self.errors_at(table, self.check_points)).max(axis=1)

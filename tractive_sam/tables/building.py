@@ -32,16 +32,16 @@ def build_table(
     Parameters
     ----------
     design : TableDesign or path-like
-        Its design, or the file (TOML) of the design. The file or the name of a table yields the
-        same table with slopes at rest of fine meshes and error bars of gradients, which older files
+        Its design, or the file (TOML) of the design. The file or the name of a table yields this
+        table with slopes at rest of fine meshes and error bars of gradients, which older files
         lack; other contacts are not solved again.
     path : path-like, optional
         File to write, netCDF; `open_table` reads it.
     progress : callable, optional
         Called whenever contacts have been solved.
     scheduler : str, optional
-        Address of a scheduler of dask.distributed whose workers solve the contacts; others take
-        over the contacts of a worker that dies.
+        Address of a scheduler of dask.distributed: its workers solve the contacts; others take over
+        the contacts of a worker that dies.
     workers : int
         Without a scheduler: number of processes on this machine. With 0 the contacts are solved in
         this process. A script with workers calls it under ``if __name__ == "__main__":``, as the

@@ -20,11 +20,11 @@ def coefficients(
 ) -> np.ndarray:
     """Return the derivatives of `Hermite` at the nodes of a table.
 
-    Along axes other than those of creepages only values are known: slopes are those of the cubic
-    spline through them. A mixed derivative is the mean of the differences of lower derivatives
-    along each of its axes; beyond the ends of heading and tilt, values follow from the symmetries
-    of the table. At rest forces are linear in the creepages: the derivatives are known functions
-    of heading and tilt.
+    Along axes other than creepages only values are known; slopes follow from the cubic spline
+    through them. A mixed derivative is the mean of the differences of lower derivatives along each
+    of its axes; beyond the ends of heading and tilt, values follow from the symmetries of the
+    table. At rest forces are linear in the creepages: the derivatives are known functions of
+    heading and tilt.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def coefficients(
 
 
 def _use_known_slopes(values: np.ndarray, parts: dict, heading: int, whole: bool) -> None:
-    """Use the derivative by heading or tilt alone at the nodes where it is known."""
+    """Use the derivative by heading or tilt alone at the nodes that have it."""
     for axis in (heading + HEADING, heading + TILT):
         if axis in parts:
             for place in _known(values.ndim, axis, heading, whole):
@@ -85,7 +85,7 @@ def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
 
 
 def _known(dims: int, axis: int, heading: int, whole: bool) -> list[tuple]:
-    """Return nodes where values are sums of 1, cos and sin: at rest, over heading at a pole."""
+    """Return nodes with values that are sums of 1, cos and sin: at rest, over heading at a pole."""
     every = [slice(None)] * dims
     places = []
     for other, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):

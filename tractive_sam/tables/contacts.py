@@ -34,7 +34,7 @@ class Solved:
     gradient : ndarray, shape (3, 3)
         Derivatives of the three by scaled creepages.
     gradient_bar : ndarray, shape (3, 3)
-        Error bars of the derivatives at rest; zero elsewhere, where checks of the table find them.
+        Error bars of the derivatives at rest; zero elsewhere, since checks of the table find them.
     """
 
     force: np.ndarray
@@ -46,7 +46,9 @@ class Solved:
 def hertz_of(scene: Scene) -> HertzContact | HertzLine:
     """Return the Hertz contact of a scene: a table needs it."""
     if scene.hertz is None:
-        raise SceneError([Fault("body", "radii of no closed contact", "radii of an ellipse")])
+        raise SceneError(
+            [Fault("body", "radii without a closed contact", "radii that close in x and y")]
+        )
     return scene.hertz
 
 
@@ -63,7 +65,7 @@ class Contacts:
     scene : Scene
         Scene without a mesh and creepages.
     contact : tuple of float, optional
-        a, b, load, mu and shear that scale creepages and forces; by default those of the scene.
+        a, b, load, mu and shear that scale creepages and forces; by default the scene's.
     """
 
     def __init__(self, scene: Scene, contact: tuple[float, ...] | None = None):
@@ -158,7 +160,7 @@ class Contacts:
         return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._unit
 
     def _excess_moments(self, contact: State, elements: int) -> np.ndarray:
-        """Return second moments of the covered area over those of the ellipse of Hertz, minus 1.
+        """Return second moments of the covered area over the moments of Hertz's ellipse, minus 1.
 
         Shape (2,), x² first, or (0,) for contacts that are no ellipses.
         """
@@ -201,7 +203,7 @@ def _error_bar(
     previous: float = 0.7,
     shared: float = 0.4,
 ) -> np.ndarray:
-    """Return the error bars of forces on three meshes, as those of [accuracy], shape (3,).
+    """Return the error bars of forces on three meshes, as in [accuracy], shape (3,).
 
     Parameters
     ----------
@@ -219,7 +221,7 @@ def _error_bar(
 
 
 def odd(number: float) -> int:
-    """Return the nearest odd whole number."""
+    """Return the nearest odd integer."""
     return 2 * round(0.5 * (number - 1.0)) + 1
 
 

@@ -82,7 +82,7 @@ def _check_keys(entries: ValidEntries) -> Iterator[Fault]:
     if entries["scene"] is not None:
         for key in ("ellipticity", "poisson"):
             if key in entries.given:
-                cure = "an [[axis]] of the scene, such as body.B.radius_y"
+                cure = "an [[axis]] of the scene, for example body.B.radius_y"
                 yield Fault(key, "a table of one scene", cure)
 
 
@@ -151,7 +151,7 @@ class TableDesign(Document):
 
     title: str = entry("title", default="")
     scene: Scene | None = entry(
-        "the scene whose contact it is, instead of any contact of Hertz of alike bodies",
+        "the scene of the contact, instead of any contact of Hertz of alike bodies",
         "a built-in name, a scene file, or the tables of a scene",
         None,
     )
@@ -211,7 +211,7 @@ class TableDesign(Document):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the axes other than those of creepages."""
+        """Names of the axes other than creepages."""
         further = tuple(one.label for one in self.axis)
         return further if self.scene is not None else (RATIO, "poisson", *further)
 
@@ -318,6 +318,6 @@ def _reversed(scene: Scene) -> bool:
 
 
 def _has_named_law(scene: Scene) -> bool:
-    """Return whether the scene has a law of another package, whose symmetry is unknown."""
+    """Return whether the scene has a law of another package: its symmetry is unknown."""
     tables = (scene.friction, scene.elasticity)
     return any(one is not None and one.named_law is not None for one in tables)

@@ -64,7 +64,7 @@ VERSIONS = {
 
 
 def write_fmu(table: CreepTable, path: str | PathLike[str], fmi: Literal[2, 3] = 2) -> bool:
-    """Write a table as an FMU; the name of the file is that of its model.
+    """Write a table as an FMU; the name of the file becomes the name of its model.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def write_fmu(table: CreepTable, path: str | PathLike[str], fmi: Literal[2, 3] =
     ImportError
         If fmpy is not installed, which has the headers of the interface and checks the unit.
     ValueError
-        If the name is not valid in C, or there is no such version.
+        If the name is not valid in C, or the version of FMI is not 2 or 3.
     RuntimeError
         If the compiler fails, or fmpy finds errors in the unit.
 
@@ -140,7 +140,7 @@ def _compiled(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
         command, cwd=root / "sources", capture_output=True, text=True, check=False
     )
     if completed.returncode:
-        raise RuntimeError(f"{compiler} cannot compile the unit: {completed.stderr[-500:]}")
+        raise RuntimeError(f"{compiler} cannot compile the FMU: {completed.stderr[-500:]}")
     return True
 
 

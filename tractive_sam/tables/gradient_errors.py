@@ -72,8 +72,8 @@ class GradientBars:
     ) -> GradientBars:
         """Return root mean squares of each interval, times a factor that suits all checks.
 
-        Each check is compared with the bars of the others. At rest, where contacts are solved on
-        many meshes, the bar is the largest error.
+        Each check is compared with the bars of the others. At rest contacts are solved on many
+        meshes, and the bar is the largest error.
 
         Parameters
         ----------

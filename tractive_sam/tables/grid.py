@@ -55,7 +55,7 @@ class CreepageGrid:
     def canonical(
         self, creepages: tuple[float, ...]
     ) -> tuple[tuple[float, float, float], np.ndarray]:
-        """Return the solved node among those of equal forces, and the signs between them."""
+        """Return the solved node among nodes of equal forces, and the signs between them."""
         heading, tilt, u = creepages
         # Digits of a heading, so that it does not depend on how it is mirrored or turned.
         digits, none = 12, np.ones(3)

@@ -17,12 +17,13 @@ class Refinement:
     anywhere : int
         Check points anywhere, at most as many as nodes. The points that led to a refinement say
         less about others: a table is complete only if as many new ones have small errors. If three
-        in a thousand exceed `miss`, a thousand random points find one in 95 of 100 cases; these
-        are distributed more evenly.
+        in a thousand exceed `miss`, a thousand random points find one in 95 of 100 cases; these are
+        distributed more evenly.
     miss : float
-        Error over the tolerance from which such a point leads to a refinement.
+        Error over the tolerance from which a point anywhere leads to a refinement.
     worst : float
-        The same over the largest error: nodes for the worst points often reduce smaller errors.
+        The corresponding error over the largest one: nodes for the worst points often reduce
+        smaller errors.
     checks : int
         Final check points anywhere, which measure the errors; at most as many as nodes.
     rounds : int
@@ -45,7 +46,7 @@ class Refinement:
 
     @property
     def last_u(self) -> float:
-        """Largest u that is solved: that of `full`."""
+        """Largest u that is solved, at `full`."""
         return self.full / (1.0 + self.full)
 
 

@@ -1,6 +1,6 @@
 """Slopes of creep forces at rest, extrapolated to an infinitely fine mesh.
 
-At rest the whole contact sticks. Its tractions are singular at the trailing edge, and their
+At rest all of the contact sticks. Its tractions are singular at the trailing edge, and their
 resultants depend on how the elements cover the contact: by 1 % to 2 % with fifteen elements across
 it, irregularly from mesh to mesh. Most of this error depends on the second moments of the covered
 area, which are known for an ellipse. A fit over many meshes
@@ -28,9 +28,9 @@ def rest_meshes(
     number : int
         Meshes: four times the unknowns of the fit.
     spread : float
-        Elements of the finest over those of the coarsest mesh.
+        Elements of the finest over elements of the coarsest mesh.
     """
-    # From 101 elements slopes are within 0.3 % where forces are wanted within 0.8 % of mu P.
+    # From 101 elements slopes are within 0.3 % if forces are wanted within 0.8 % of mu P.
     most = min(finest, max(2 * elements, 0.8 / wanted))
     across = np.geomspace(most / spread, most, number)
     return np.unique(2 * np.rint(0.5 * (across - 1.0)).astype(int) + 1)

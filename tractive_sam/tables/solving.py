@@ -28,7 +28,7 @@ class Job:
     Attributes
     ----------
     place : tuple of float
-        Position along the axes other than those of creepages.
+        Position along the axes other than creepages.
     w : tuple of float
         Scaled creepages.
     gradient : bool

@@ -66,7 +66,7 @@ CoarseRuns = tuple[CoarseRun, ...]
 
 @dataclass(frozen=True, eq=False)
 class ErrorBars(Observer):
-    """Error bars of every contact, by the same revolutions on two coarser meshes.
+    """Error bars of every contact, from equal revolutions on two coarser meshes.
 
     They are computed when they are recorded: a step that is tried and refused takes no time.
 
@@ -149,6 +149,7 @@ class ErrorBars(Observer):
         )
 
     def _assess(self, block: int, sample: Sample) -> Assessment:
+        """Compare a sample of a block with the samples of its two coarser runs."""
         revolution = self.step.place
         samples = (self.coarse[block].at(revolution), self.middle[block].at(revolution), sample)
         return assess(self.step.contacts[block], samples, peak=revolution == 0)
@@ -200,7 +201,7 @@ def choose_level(
     ErrorBars
         Error bars on that mesh.
     int
-        Level of the mesh: the first whose error bars may be narrow enough, judged by the
+        Level of the mesh: the first with error bars that may be narrow enough, judged by the
         difference between the two meshes before it.
     """
     levels, last = Levels(scene, measured), scene.wear.revolutions

@@ -1,17 +1,17 @@
-"""Estimate how far results on a mesh are from those on an infinitely fine one.
+"""Estimate the distance of results on a mesh from results on an infinitely fine one.
 
-With an error C h^p, two meshes whose element sizes differ by sqrt(2) differ by (2^(p/2) - 1) C h^p.
-So the error of the finer one is their difference times 1.0 if it falls with h² (equal bodies), and
-times 2.4 if it falls with h (different bodies; see `operators.stencil`). The positions of the edges
-of contact and of stick within their elements scatter the results by about as much, and a small
-difference may be chance. So the previous difference counts as well, and the error of one force is
-applied to all forces, since one traction causes them.
+With an error C h^p, results on two meshes with element sizes in the ratio sqrt(2) differ by
+(2^(p/2) - 1) C h^p. So the error of the finer one is their difference times 1.0 if it falls with h²
+(equal bodies), and times 2.4 if it falls with h (different bodies; see `operators.stencil`). The
+positions of the edges of contact and of stick within their elements scatter the results by about as
+much, and a small difference may be chance. So the previous difference counts as well, and the error
+of one force is applied to all forces, since one traction causes them.
 
 The largest stress at a surface may converge more slowly. If slip turns about its pole, or no
 elements resolve the end of stick, the stress has a cusp: its error falls with the root of h.
 
-A peak contact pressure that grows on two refinements faster than any such error may have no limit,
-as at the edge of a step, and the stress below it may have none. Their error bars are infinite.
+A peak contact pressure that grows on two refinements faster than these errors may have no limit, as
+at the edge of a step, and the stress below it may have none. Their error bars are infinite.
 """
 
 import math
@@ -82,7 +82,7 @@ class Sample:
     Attributes
     ----------
     values : mapping of Name to float
-        Quantities by name; those of stress by `BodyStress`.
+        Quantities by name; stresses by `BodyStress`.
     scales : mapping of Name to float
         Reference of the relative error of each quantity; zero for prescribed quantities. Forces:
         the integral of the magnitude of the traction, times the mean radius of the contact for the
@@ -222,7 +222,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
     Parameters
     ----------
     coarse, middle, fine : Sample
-        Samples of one state on meshes whose element sizes differ by sqrt(2).
+        Samples of one state on meshes with element sizes in the ratio sqrt(2).
 
     Returns
     -------
@@ -247,7 +247,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
 
 
 def _at_surface(name: Name) -> bool:
-    """Return whether a name is that of the largest stress at a surface."""
+    """Return whether a name belongs to the largest stress at a surface."""
     return isinstance(name, BodyStress) and name.surface
 
 

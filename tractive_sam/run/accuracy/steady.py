@@ -67,6 +67,7 @@ def refine_unworn(
 
 
 def _sample(contact: State, laws: Laws) -> Sample:
+    """Return the quantities of a contact, with its stress maxima and its fatigue."""
     has_fatigue = contact.scene.has("fatigue") and not contact.scene.schedule.end
     cycles = fatigue(contact, laws=laws) if has_fatigue else {}
     return Sample.of(contact, stress_maxima(contact, laws), cycles)
