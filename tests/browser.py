@@ -70,7 +70,7 @@ class Tab:
             os.dup2(first, 3)
             os.dup2(second, 4)
 
-        self._process = subprocess.Popen(  # its descriptors are where the browser looks for them
+        self._process = subprocess.Popen(  # with the descriptors that the browser expects
             [BROWSER, *options, profile],
             pass_fds=(3, 4),
             preexec_fn=connected,  # noqa: PLW1509 - no other threads here

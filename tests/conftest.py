@@ -10,8 +10,8 @@ from PIL import Image
 
 from tests import cpu_time
 
-# The examples are the same in each run, whatever the speed of the machine;
-# `--hypothesis-profile=search` looks for new ones.
+# The examples are equal in each run, at any speed of the machine; `--hypothesis-profile=search`
+# looks for new ones.
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.register_profile("search", derandomize=False, database=None, deadline=None)
 settings.load_profile("same")
@@ -34,7 +34,7 @@ def pytest_configure(config):
 
 @pytest.fixture(autouse=True)
 def _strict_numpy():
-    """NumPy raises where a result is invalid or infinite."""
+    """Let NumPy raise if a result is invalid or infinite."""
     with np.errstate(invalid="raise", over="raise", divide="raise"):
         yield
 

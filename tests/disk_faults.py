@@ -68,21 +68,21 @@ turns = "equal"
 half_length = [0.323, 0.513]
 elements = [15, 15]
 """
-"""A scene whose records and fields are few: most of its time is that of its file."""
+"""A scene with few records and fields: most of its time belongs to its file."""
 
 
 @dataclass
 class Try:
-    """A command one of whose calls failed.
+    """A command with one failed call.
 
     Attributes
     ----------
     status : int
         Exit status, or minus the signal that ended it.
     message : str
-        What it printed.
+        Its output.
     calls, renames : int
-        Number of calls, and of files that took their place.
+        Number of calls, and of files that were renamed into place.
     """
 
     status: int
@@ -132,7 +132,7 @@ class SameSize(Output):
 
 
 class Export(SameSize):
-    """A file that replaces none but those of its kind."""
+    """A file that replaces only files of its kind."""
 
     def set_reference(self) -> None:
         super().set_reference()
@@ -152,7 +152,7 @@ class Cases(Output):
 class Results(Output):
     """A results file: it opens, holds all records written before the fault, and can be resumed."""
 
-    # Removing all objects takes as long as the command, whose files are closed by then.
+    # Removing all objects takes as long as the command; its files are closed by then.
     finalized_every: int = 10
     resumed_every: int = 50  # tries after which a state of the file is resumed once more
     resumed: Counter = field(default_factory=Counter)

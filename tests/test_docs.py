@@ -32,7 +32,7 @@ SLOW = {
     "tractive_sam.subsurface.course_fatigue",
     "tractive_sam.wear_profiles",
 }
-"""Names whose examples take seconds."""
+"""Names with examples that take seconds."""
 
 
 def list_names():

@@ -1,4 +1,4 @@
-"""Packages of extras: where one is missing, the message names the extra and its command."""
+"""Packages of extras: if one is missing, the message names the extra and its command."""
 
 import re
 import sys

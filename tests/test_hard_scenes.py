@@ -86,7 +86,7 @@ few = settings(max_examples=25)
 
 
 def residual(contact):
-    """The natural residual of either problem, by plain sums over the fields reported."""
+    """Return the natural residual of both problems, by plain sums over the fields reported."""
     model = Model(contact.scene, _gap(contact.scene), contact.grid)
     units, frame, grid = model.units, model.frame, contact.grid
     mesh = Lattice(grid.elements, grid.dx, grid.dy)
@@ -160,7 +160,7 @@ def test_contact_conditions(scene):
 @few
 @given(scenes(), st.sampled_from([1e-3, 1e3]))
 def test_units_do_not_matter(scene, metre):
-    """Lengths in m: forces in N and stresses in N/m² are the same scene, to rounding."""
+    """Lengths in m, forces in N and stresses in N/m² describe one scene, to rounding."""
     other = in_units(scene, metre)
     one, two = ts.solve(scene, throw=False), ts.solve(other, throw=False)
     assert same_work(one, two)
@@ -173,7 +173,7 @@ def test_units_do_not_matter(scene, metre):
 
 
 def same_work(one, two):
-    """Equal iterations, but for one more where rounding decides whether a tolerance is just met."""
+    """Return whether iterations agree, but for one if rounding decides about the tolerance."""
     work = [c.cost.applications + c.cost.preconditioner for c in (one, two)]
     return abs(work[1] - work[0]) <= max(4.0, 0.1 * work[0])
 
@@ -216,7 +216,7 @@ def test_load_and_radius(scene, times):
 
 
 def agrees(mine, other):
-    """Two solves of the same contact: both residuals, times what the operators amplify them by."""
+    """Compare two solves of one contact: both residuals, times the amplification by operators."""
     return size(mine - other) <= 1e-4 * size(mine)
 
 

@@ -102,7 +102,7 @@ def check_page(page, harmless):
 
 
 def called(*arguments):
-    """What a command prints; it ends by itself."""
+    """Return the output of a command, which must end without a signal."""
     result = CliRunner().invoke(app, [str(one) for one in arguments])
     assert result.exception is None or isinstance(result.exception, SystemExit), result.exception
     assert "Traceback" not in result.output
@@ -121,7 +121,7 @@ def leaves(value, at=()):
 
 
 def with_leaf(value, at, text):
-    """The same with another text at a place."""
+    """Return the tables with another text at a place."""
     if not at:
         return text
     copy = dict(value) if isinstance(value, dict) else list(value)
@@ -367,7 +367,7 @@ def test_script_of_the_page_parses_no_text_as_html():
 @pytest.mark.slow
 @needs_browser
 def test_in_a_browser(results, tmp_path):
-    """A page whose every text is hostile runs nothing, requires nothing, and is drawn."""
+    """A page with only hostile texts runs nothing, requires nothing, and is drawn."""
     path = tmp_path / "r.h5"
     path.write_bytes(results.read_bytes())
     # Each of the texts that would run something, in places of every kind.

@@ -1,6 +1,6 @@
-"""Results of small random scenes stay the same where only their description changes.
+"""Results of small random scenes do not change if only their description does.
 
-The scenes and their changes are those of benchmarks/invariance.py, which compares more of them.
+The scenes and their changes come from benchmarks/invariance.py, which compares more of them.
 """
 
 from pathlib import Path

@@ -58,7 +58,7 @@ def test_time_of_a_large_mesh_is_that_of_a_part():
     assert explain.timed_shape((3, 10**6), 2**10) == (3, 2**10 // 3)
     assert explain.timed_shape((9, 9), 2**10) == (9, 9)
     assert explain.seconds_per_application(model, 2**10) > 0.0
-    assert "slip" not in vars(model.operators)  # nothing of the whole mesh was made
+    assert "slip" not in vars(model.operators)  # nothing of the full mesh was made
 
 
 def test_memory_counts_the_vectors_of_a_linear_system(monkeypatch):

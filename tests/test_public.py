@@ -98,7 +98,8 @@ def test_every_error_crosses_between_processes():
 
 
 def test_what_holds_arrays_is_equal_only_to_itself():
-    """Arrays have no one truth and no hash; those of arguments of functions are held by no one."""
+    """Arrays have no single truth value and no hash; arrays in arguments of functions are not
+    stored."""
     holding = {
         kind
         for kind in filter(is_dataclass, classes_of_the_package())

@@ -43,7 +43,7 @@ def test_pictures_exist():
     ids=str,
 )
 def test_links_lead_somewhere(page):
-    """Those of the manual are checked as it is built."""
+    """Links of the manual are checked when it is built."""
     text = (ROOT / page).read_text(encoding="utf-8")
     for link in re.findall(r"[^!]\[[^\]]*\]\((?!http)(.*?)\)", text):
         assert ((ROOT / page).parent / link.partition("#")[0]).exists(), link

@@ -33,7 +33,7 @@ def coarse(*settings):
 
 
 def assert_same(history, wanted, exact=True):
-    """The same records, with the same fields and stress; exactly within one process."""
+    """Check that records, fields and stress are equal; exactly within one process."""
     # Plans of transforms may differ between processes, and with them the last digits, which grow
     # to what the tolerance of the solver leaves open.
     close = {"rtol": 0.0} if exact else {"rtol": 1e-6, "atol": 1e-9}
@@ -169,7 +169,7 @@ def test_versions_that_rolled_are_reported_with_where_they_began(tmp_path, monke
 
 @pytest.mark.slow
 def test_mesh_that_became_too_small_is_widened(tmp_path):
-    """The run stops and names the cure; with it, the run continues where it stopped."""
+    """The run stops and names the cure; with it, the run continues from the last record."""
     path = tmp_path / "a.h5"
     narrow = coarse("grid.half_length=[0.35, 0.54]", "grid.elements=[15, 15]")
     history = roll(narrow, path)
@@ -186,7 +186,7 @@ def test_mesh_that_became_too_small_is_widened(tmp_path):
 
 @pytest.mark.slow
 def test_nothing_of_the_revolution_that_failed_is_kept(tmp_path):
-    """Widened and continued, a roll is that of the wide mesh from the beginning."""
+    """Widened and continued, a roll equals a roll on the wide mesh from the beginning."""
     path, settings = tmp_path / "a.h5", ("wear.revolutions=40", 'wear.stepping="every-revolution"')
     fast = ("wear.intensity=2e-5", "wear.save=[40]", *settings)
     narrow = coarse("grid.half_length=[0.35, 0.54]", "grid.elements=[15, 15]", *fast)

@@ -2,7 +2,7 @@
 
 The numbers show early that a change makes the code harder to read: imports that build on each
 other, functions and modules that do several things, constants that belong to a record. If one
-exceeds its limit, improve the code; where a number has fallen, lower its limit. Do not evade them.
+exceeds its limit, improve the code; if a number has fallen, lower its limit. Do not evade them.
 """
 
 import ast
@@ -93,7 +93,7 @@ def walk_executed(nodes):
 
 
 def imported_modules(module, nodes, names):
-    """Return those of `names`, other than the module, that import statements among `nodes` name."""
+    """Return the `names`, other than the module, that import statements among `nodes` name."""
     found = set()
     for node in nodes:
         if isinstance(node, ast.Import):

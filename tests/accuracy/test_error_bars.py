@@ -1,4 +1,4 @@
-"""Error bars: of known errors, of real contacts against much finer meshes, and where they fail."""
+"""Error bars: of known errors, of real contacts against much finer meshes, and their limits."""
 
 import math
 

@@ -18,7 +18,7 @@ def has_command(text):
 
 @pytest.fixture
 def spoilt(folder):
-    """A results file whose texts command terminals."""
+    """Return a results file with texts that command terminals."""
     path = folder / "spoilt.h5"
     with HistoryWriter(path, SCENE.replace(title=COMMANDS), GRID) as writer:
         writer.append(make_record(0))

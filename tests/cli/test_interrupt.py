@@ -23,7 +23,7 @@ DISCS = Scene.builtin("twin-discs").replace(
 
 @pytest.fixture(autouse=True)
 def _as_a_terminal_starts_it():
-    """Where a shell has put the tests behind, signals are ignored, and so they would stay."""
+    """Restore signals: a shell that runs the tests in the background ignores them."""
     before = {one: signal.getsignal(one) for one in interrupt.SIGNALS}
     for one in before:
         usual = signal.default_int_handler if one is signal.SIGINT else signal.SIG_DFL

@@ -124,7 +124,7 @@ def test_bad_input(call, file, folder, arguments, reported):
 
 
 def test_notes_of_a_scene_are_printed_once(call, folder):
-    """Also where the study could as well be a table, whose design makes the same scene."""
+    """Also if the study could be a table, with a design that makes an equal scene."""
     scene = ts.Scene.builtin("spheres").replace(subsurface=None)
     with pytest.warns(ts.SceneWarning, match=r"grid\.elements"):
         coarse = scene.replace(grid={"half_length": [4.1, 4.1], "elements": [9, 9]})

@@ -13,7 +13,7 @@ REFERENCE = json.loads((Path(__file__).parents[1] / "data" / "reference.json").r
 
 
 def test_curve_lies_on_that_of_an_independent_program():
-    """CONTACT, of first order: on the same mesh with slip alike, and in the limit of fine ones."""
+    """CONTACT, of first order: on an equal mesh with its slip, and in the limit of fine meshes."""
     for row in REFERENCE["creep_force_curve_spheres"]["rows"][::3]:
         creepage = -row["xi"] * 3 * 0.4013 * 0.4705 * (4 - 3 * 0.28) / (16 * 3.499981**2)
         for slip, value, tolerance in (("upwind", "n61", 0.005), ("auto", "mesh_limit", 0.001)):

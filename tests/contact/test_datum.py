@@ -49,7 +49,7 @@ def test_the_gap_of_radii_is_their_parabola(elements):
 
 
 def paraboloid(x, y, at=(0.013, -0.021)):
-    """A gap whose vertex lies between elements and samples, with a distance that all share."""
+    """Return a gap with a vertex between elements and samples, and a distance that all share."""
     return x, y, 5.0 + ((x[:, None] - at[0]) ** 2 + (y[None, :] - at[1]) ** 2) / 20.0
 
 

@@ -1,4 +1,4 @@
-"""Contacts whose friction falls with sliding, is capped, or acts through a layer.
+"""Contacts with friction that falls with sliding, is capped, or acts through a layer.
 
 Numbers printed by the independent program CONTACT 25.1 (examples and test bank) are compared on its
 meshes with the paper's slip, which is its discretisation; they have four digits.
@@ -170,10 +170,10 @@ def solved_from_both_sides(slip, half_speed, creepage):
 @pytest.mark.parametrize("slip", ["upwind", "auto"])
 def test_both_of_several_solutions_warn_and_a_gentle_one_does_not(slip, half_speed, creepage):
     forces, warns = solved_from_both_sides(slip, half_speed, creepage)
-    # Several differ by 1e-3 and more, the same one by ten times the tolerance.
+    # Different solutions differ by 1e-3 and more, equal ones by ten times the tolerance.
     several = abs(forces[1] / forces[0] - 1.0) > 1e-6
     assert warns[0] == warns[1]
-    assert warns[0] or not several  # from both sides the same one of several may be found
+    assert warns[0] or not several  # both sides may find one solution of several
     assert half_speed < 20.0 or not warns[0]
 
 

@@ -61,7 +61,7 @@ def test_more_than_friction_can_carry_under_an_approach_is_said():
 
 
 def test_more_than_friction_can_carry_between_unlike_bodies_is_said():
-    """Where pressure depends on tractions, only creepages without end show it."""
+    """If pressure depends on tractions, only unbounded creepages show it."""
     bodies = ("body.B.shear=8.0", "body.B.poisson=0.45")
     contact = steady("spheres", *bodies, "load.approach=0.06", "load.force_x=4.0", elements=15)
     assert contact.status is Status.DIVERGED
@@ -71,7 +71,7 @@ def test_more_than_friction_can_carry_between_unlike_bodies_is_said():
 
 
 def test_what_friction_just_carries_is_found():
-    """The limit is in the direction of the force: here between those of mu1 and mu2."""
+    """The limit is in the direction of the force: here between the limits of mu1 and mu2."""
     settings = ("friction.mu=[0.4, 0.2]", "friction.angle=30", "load.approach=0.06")
     free = steady("spheres", *settings, elements=21)
     share = np.array([np.cos(np.pi / 6) / 0.4, np.sin(np.pi / 6) / 0.2])

@@ -1,4 +1,4 @@
-"""A measured separation added to that of the radii."""
+"""A measured separation added to the separation of the radii."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_a_profile_may_be_reported_for_the_mesh_only():
     plain = steady("spheres", elements=31)
     x = np.linspace(-6.0, 6.0, 33)
     flat = with_gap(x, [-9.0, 9.0], np.full((33, 2), 0.3))
-    np.testing.assert_allclose(flat.pressure, plain.pressure, atol=1e-9)  # that of the solver
+    np.testing.assert_allclose(flat.pressure, plain.pressure, atol=1e-9)  # tolerance of the solver
     waves = 1e-3 * np.sin(9.0 * x)[:, None] * np.ones(2)
     rolling = Scene.builtin("spheres").replace(gap={"x": x, "y": [-9.0, 9.0], "separation": waves})
     with pytest.warns(SceneWarning, match="creepage|roll"):

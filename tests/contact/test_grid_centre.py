@@ -1,4 +1,4 @@
-"""A mesh whose centre is not the origin, grid.centre."""
+"""A mesh with a centre other than the origin, grid.centre."""
 
 import numpy as np
 import pytest

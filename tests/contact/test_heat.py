@@ -17,7 +17,7 @@ def discs():
 
 @pytest.fixture(scope="module")
 def cold(discs):
-    """The same with friction that does not care."""
+    """Return the discs with friction that does not depend on temperature."""
     return discs.replace(**{"friction.temperature": None})
 
 
@@ -64,7 +64,7 @@ def test_symmetric_under_exchange_of_the_bodies(cold):
 
 
 def test_line_contact_against_the_elliptic_strip():
-    """Full slip at a Peclet number of 2,800: the closed form is that of infinity."""
+    """Full slip at a Peclet number of 2,800: the closed form is for infinity."""
     cylinders = ts.Scene.builtin("cylinders").replace(
         **{
             "creepage.longitudinal": -0.08, "creepage.speed": 3e5, "heat": {"bulk": 0.0},
@@ -242,7 +242,7 @@ def test_plotted(discs):
 
 
 def test_wears_by_the_sliding_distance_however_hot(discs, cold):
-    """Archard's depth is p_n |s|: of the same pressure and slip, whatever is left of friction."""
+    """Archard's depth p_n |s| follows from pressure and slip, not from friction."""
     wear = {"intensity": 1e-9, "revolutions": 1}
     hot, plain = (ts.roll(one.replace(wear=wear))["worn_area"] for one in (discs, cold))
     assert hot[0] == pytest.approx(plain[0], rel=5e-3)  # elastic slip; friction is 13 % less

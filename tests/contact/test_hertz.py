@@ -64,7 +64,7 @@ def test_off_the_grid_is_said():
 
 
 def test_scaling_of_load_and_radius():
-    """p0 ~ P^(1/3) R^(-2/3), a ~ (P R)^(1/3): the same numbers on a mesh that scales along."""
+    """p0 ~ P^(1/3) R^(-2/3), a ~ (P R)^(1/3): equal numbers on a mesh that scales along."""
     one = steady("spheres", elements=31)
     k = 2.0
     two = steady(
@@ -79,7 +79,7 @@ def test_scaling_of_load_and_radius():
 
 
 def test_units_do_not_matter():
-    """mm, N, MPa against m, N, Pa: the same answer in the same number of iterations."""
+    """mm, N, MPa against m, N, Pa: equal results after equal numbers of iterations."""
     mm = steady("spheres", "creepage.spin=0.001", elements=31)
     metre = steady(
         "spheres",

@@ -147,7 +147,10 @@ FORCED = {
 }
 LESS = {"static": 0.3, "kinetic": 0.18, "half_speed": 100.0}
 EXPONENTIAL, RATIONAL = ({"law": law, **LESS} for law in ("exponential", "rational"))
-STRONG = {"mu": (0.3, 0.25), "strength": 150.0}  # over the larger one: no derivative where equal
+STRONG = {
+    "mu": (0.3, 0.25),
+    "strength": 150.0,
+}  # over the larger mu: no derivative if equal
 HEAT_FIELDS = {"mu": 0.3, "temperature": [[0.0, 1.0], [400.0, 0.5]]}
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
 ALL = {**RATIONAL, "memory": 2e-3, "layer": 1e-5, "strength": 150.0, "angle": 30.0}
@@ -261,8 +264,8 @@ def test_friction_and_creepages_scale_the_tractions(changes):
 
 
 def test_the_slope_of_carters_curve():
-    """With the mesh: elements at the stick-slip boundary change their state, but the force hardly
-    depends on where that is."""
+    """Elements at the stick-slip boundary change their state, but the force hardly depends on their
+    place."""
     errors = []
     for n in (64, 256):
         scene = ball(LINE, tolerance=1e-9)

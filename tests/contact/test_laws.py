@@ -41,7 +41,7 @@ def test_mirror_in_y(bodies):
 
 
 def test_exchange_of_the_tribological_axes():
-    """(mu1, mu2, beta) and (mu2, mu1, beta + 90) are the same law."""
+    """(mu1, mu2, beta) and (mu2, mu1, beta + 90) are one law."""
     one = general(*GENERAL)
     two = general(*GENERAL, "friction.mu=[0.2, 0.5]", "friction.angle=125")
     close(two.traction, one.traction)
@@ -135,8 +135,8 @@ def test_rolling_resistance_is_the_moment_of_the_pressure(settings):
     """p_n off the middle resists rolling by the integral of p_n dh/dx.
 
     The elastic energy does no net work, integral of p_t . du_t/dx + p_n du_n/dx = 0, and in contact
-    du_n/dx = -dh/dx. At the edge of contact they differ, by what depends on where it falls within
-    the elements.
+    du_n/dx = -dh/dx. At the edge of contact they differ, by an amount that depends on its place
+    within the elements.
     """
 
     def missed(meshes):

@@ -71,13 +71,13 @@ def test_carter_over_the_whole_range_of_creepage(share):
 def test_slip_of_carter():
     contact = rolled(256)
     truth = carter(contact, -0.002).slip(contact.grid.x)
-    # Away from the ends of the slip zone, where it starts like a root.
+    # Away from the ends of the slip zone: the slip starts like a root.
     inner = (contact.grid.x > -0.95 * contact.scene.hertz.a) & (truth < -6e-4)
     np.testing.assert_allclose(contact.slip[0, inner, 0], truth[inner], rtol=0.02)
 
 
 def test_lateral_creepage_is_antiplane_shear():
-    """Its compliance is that of plane strain over 1 - nu: Carter's solution at xi (1 - nu)."""
+    """Its compliance is the one of plane strain over 1 - nu: Carter's solution at xi (1 - nu)."""
     errors = []
     for n in (64, 128):
         contact = rolled(n, "creepage.longitudinal=0", "creepage.lateral=-0.002")
@@ -89,7 +89,7 @@ def test_lateral_creepage_is_antiplane_shear():
 
 @pytest.mark.parametrize("name", ["cylinders", "cylinders-dissimilar"])
 def test_energy_law(name):
-    """Work of forces on creepages is dissipated, and with K != 0 that of the pressure."""
+    """Work of forces on creepages is dissipated, and with K != 0 the work of the pressure."""
     contact = rolled(
         128,
         "creepage.longitudinal=-0.0008",
@@ -168,7 +168,7 @@ def test_the_creepage_of_free_rolling_with_little_friction(n):
         assert abs(contact.Qx) < 1e-5 * mu * contact.P
         limit = bentall_johnson_creepage(contact.scene.material, contact.scene.hertz.a, 25.0)
         missed.append(abs(contact.xi_x / limit - 1.0))
-    # To first order in mu; where slip turns, p_n and with it the slip changes by about 1/n from
+    # To first order in mu; around the reversal of slip, p_n and the slip change by about 1/n from
     # one element to the next.
     assert missed[1] < 0.4 * missed[0]
     assert missed[2] < 0.4 * missed[1] + 0.5 / n
@@ -190,7 +190,7 @@ def test_force_given_between_unlike_cylinders_with_little_friction(share):
 def test_free_rolling_of_unlike_cylinders(mu, known, tolerance):
     """Against CONTACT; more friction, less creepage.
 
-    CONTACT is of first order; where hardly anything slips that leaves it some per cent.
+    CONTACT is of first order; if hardly anything slips, its error is some per cent.
     """
     contact = freely(mu, 256)
     scale = contact.scene.hertz.a / 0.1
@@ -207,7 +207,7 @@ def test_swapping_the_bodies_mirrors_the_solution():
 
 
 def test_long_ellipses_tend_to_the_line():
-    """Middle of a contact 10 and 147 times as wide as long, of the same half width in x."""
+    """Middle of a contact 10 and 147 times as wide as long, with equal half widths in x."""
     line = Scene.builtin("cylinders")
     n, a = 41, line.hertz.a
     truth = equilibrium(Model(across(line, n)))
@@ -238,8 +238,8 @@ def test_units_do_not_matter():
         *(f"body.{b}.young=208e9" for b in "AB"),
         "load.normal=5e5",
     )
-    # On each of two meshes, one application more where rounding decides whether a tolerance is
-    # just met.
+    # On each of two meshes, one application more if rounding decides whether a tolerance is just
+    # met.
     assert metre.cost.applications == pytest.approx(mm.cost.applications, abs=1.5)
     np.testing.assert_allclose(metre.traction, 1e6 * mm.traction, rtol=1e-7, atol=1e-3)
 
@@ -291,14 +291,14 @@ def test_a_gap_that_does_not_end_the_contact_is_said():
     ],
 )
 def test_free_rolling_on_a_single_element(settings):
-    """Of unlike cylinders on elements far wider than their contact: tractions whose square is zero,
-    and a pressure without load that missed next to nothing. What is solved bears its load.
+    """Unlike cylinders on elements far wider than their contact: the squares of their tractions are
+    zero, and a pressure without load had a small residual. A solution bears its load.
     """
     mesh = ("grid.half_length=0.4289878114670304", "grid.elements=33")
     contact = steady("cylinders-dissimilar", *mesh, *settings)
     assert contact.status == "not resolved", contact.message
     assert contact.residual <= contact.scene.solver.tolerance
-    # One element, all of whose pressure is the load, to the tolerance of the solver; the tractions
-    # are rounding beside it.
+    # The pressure of one element is the load, to the tolerance of the solver; the tractions are
+    # rounding compared with it.
     assert pytest.approx(contact.scene.load.normal, rel=1e-8, abs=0.0) == contact.P
     assert abs(contact.Qx) <= 1e-12 * contact.P

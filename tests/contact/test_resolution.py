@@ -28,7 +28,7 @@ def test_two_elements_are_no_contact(elements):
 
 
 def test_three_elements_are_one():
-    """The fewest that have a middle; on finer meshes of the same contact, too."""
+    """The fewest that have a middle; on finer meshes of this contact, too."""
     for count in (5, 7, 31):
         contact = ts.solve(on((count, count)))
         assert min(contact.elements_across) >= 3
@@ -60,7 +60,7 @@ def test_a_roll_and_many_solves_say_so():
 
 
 def test_a_course_may_begin_and_end_with_few_elements(tmp_path):
-    """Where bodies touch and part; not where the contact is so small throughout."""
+    """At touch and separation; not if the contact is so small throughout."""
     friction = {"mu": 0.3}
     lift = {"distance": (0.0, 2.0, 4.0), "load": {"normal": (1e-6, 0.47, 1e-6)}, "step": 0.5}
     scene = on((21, 21), friction=friction, creepage={"longitudinal": -1e-3}, transient=lift)

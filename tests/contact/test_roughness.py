@@ -1,4 +1,4 @@
-"""Maps finer than the mesh: resolved where it matters and can be paid for, else reported."""
+"""Maps finer than the mesh: resolved if it matters and is affordable, else reported."""
 
 import warnings
 
@@ -99,7 +99,7 @@ def test_noise_that_cannot_be_resolved_is_reported_with_its_numbers():
     map_ = Roughness(model.measured, model.scene.material.plane_strain_modulus, 1.0)
     for part in map_.left_out(USUAL):
         assert part.slope == pytest.approx(2.0**0.5 * 1e-4 / step, rel=0.02)  # a tenth is seen
-        # The samples appear as long waves, whose variance comes on top of that of the map.
+        # The samples appear as long waves; their variance adds to the variance of the map.
         assert 1e-4 < part.height < 2.0**0.5 * 1e-4
 
 

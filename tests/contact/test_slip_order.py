@@ -24,10 +24,10 @@ def test_error_on_the_usual_meshes():
 
 
 def test_second_order_in_partial_slip():
-    """Over many meshes, as where the edges fall within the elements is noise.
+    """Over many meshes, as the place of the edges within the elements adds noise.
 
-    Far below 1e-4 a first-order remainder shows, a hundredth of the upwind error: that of oblique
-    edges, whose steps are longer than an element.
+    Far below 1e-4 a first-order remainder shows, a hundredth of the upwind error, from oblique
+    edges: their steps are longer than an element.
     """
     n = np.arange(15, 62, 2)
     errors = [abs(share(k) / LIMIT - 1) for k in n]
@@ -66,7 +66,7 @@ SPIN = ("creepage.longitudinal=-0.0015", "creepage.lateral=0.0007", "creepage.sp
 
 @pytest.mark.parametrize("wide", [1.0, 2.8])
 def test_spin_and_lateral_creepage(wide):
-    """Where slip turns, its direction and the rigid slip must belong to the right points."""
+    """If slip turns, its direction and the rigid slip must belong to the right points."""
     radii = [f"body.{b}.radius_y={337.5 * wide}" for b in "AB"]
     half_length = 4.2 * wide ** (-1 / 6), 4.2 * wide**0.55
     mesh = (*radii, *SPIN, f"grid.half_length={list(half_length)}")
@@ -83,7 +83,7 @@ def test_spin_and_lateral_creepage(wide):
 
 @pytest.mark.parametrize("elements", [(61, 17), (17, 61)])
 def test_oblong_elements(elements):
-    """Sides 1:4 either way: no worse than the longer side."""
+    """Sides 1:4 and 4:1: no worse than the longer side."""
     contact = steady("spheres", f"grid.elements={list(elements)}")
     assert contact.converged
     assert contact.Qx / MU_P == pytest.approx(LIMIT, rel=3e-3)

@@ -217,7 +217,7 @@ def test_upwind_steps_of_several_elements_are_those_of_one():
         now = stepper.at_rest(steady)
         for _ in range(6):
             now = stepper.step(now, StepInput(elements * model.grid.dx, (-0.003, 0.0, 0.0), P))
-        # .2, .1 and .2 % measured; .6, 1.2 and 3.6 % where they stuck all the way.
+        # .2, .1 and .2 % measured; .6, 1.2 and 3.6 % if they stuck all the time.
         assert now.contact.Qx == pytest.approx(steady.Qx, rel=3e-3)
     for elements in (1, 2):
         stepper, now = pressed(model)

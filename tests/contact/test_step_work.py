@@ -26,7 +26,7 @@ def test_places_after_a_step_lie_on_a_straight_line():
 
 
 def rolled(builtin, slip, n=21):
-    """Steps of a contact whose creepages turn round: each with the contact before it."""
+    """Yield steps of a contact with creepages that reverse: each with the contact before it."""
     # Beside the contact there is room for what leaves it in a step.
     model = Model(builtin_on(builtin, n, 1.6, **{"solver.slip": slip}))
     creepage, load = model.scene.creepage, model.scene.normal_load

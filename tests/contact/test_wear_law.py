@@ -89,15 +89,15 @@ def test_worn_section_is_what_the_work_wears(creepage, friction, bodies):
             contact = steady("spheres", *FRICTION[friction], *bodies, *given, elements=elements)
             proportional = tuple(1e-6 * mu for mu in contact.scene.friction.mu)
             balance = section_over_work(contact, proportional)
-            # Elements with negative work do not wear: few, and only where spin turns the slip.
+            # Elements with negative work do not wear: few, and only around the pole of spin.
             assert 1.0 - 1e-12 < balance < 1.0 + 2e-3
 
 
 @pytest.mark.slow
 def test_law_of_another_direction_than_friction_at_small_creepage():
-    """i/mu differs between the axes: the section against that of far finer meshes.
+    """i/mu differs between the axes: the section against far finer meshes.
 
-    At 1 % of full slip, where the slip zone is thinner than an element.
+    At 1 % of full slip the slip zone is thinner than an element.
     """
     settings = ("friction.mu=[0.5, 0.2]", "friction.angle=35", "creepage.lateral=1.6e-5")
     settings = (*settings, f"creepage.longitudinal={-0.01 * FULL_SLIP}")

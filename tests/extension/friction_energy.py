@@ -62,7 +62,7 @@ def _rate(step):
 
 
 def _widened(values, shape):
-    """Return values on a mesh with as many more elements on either side; none there."""
+    """Return values on a mesh with equally many more elements on each side; zero there."""
     return np.pad(values, [((n - m) // 2,) * 2 for n, m in zip(shape, values.shape, strict=True)])
 
 

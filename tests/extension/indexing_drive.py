@@ -38,7 +38,7 @@ class Stroke(ts.Step):
 
 
 class IndexingDrive(ts.Process):
-    """Rolls forth in odd strokes and back in even ones; every stroke wears the same track."""
+    """Rolls forth in odd strokes and back in even ones; every stroke wears one track."""
 
     columns = (
         ts.Quantity("stroke", "1", "strokes", format="d", whole=True, role="coordinate"),

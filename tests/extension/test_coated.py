@@ -80,7 +80,7 @@ class Graded(ts.SpectralHalfSpaces):
 
 @pytest.mark.parametrize("sides", [(0.1, 0.1), (0.2, 0.1)])
 def test_coefficients_of_all_components(sides):
-    """At a length of three elements, where both parts of the transform count.
+    """At a length of three elements both parts of the transform count.
 
     A unit of load on an element displaces a distant point by (c_f - c_s) at the height of the
     length, and by c_s as the homogeneous half-spaces do (Boussinesq and Cerruti).

@@ -91,7 +91,7 @@ def test_a_lubricated_stripe_agrees_with_a_dense_solution(share):
 
 
 def test_a_stripe_moves_with_its_place_on_finer_meshes():
-    """Nested meshes know where their elements are, and the force converges."""
+    """Nested meshes know the places of their elements, and the force converges."""
     law = Stripe(mu=(MU, MU))
     laws = ts.Laws.of(SCENE).replace(friction=law)
     forces = [
@@ -105,7 +105,7 @@ def test_a_stripe_moves_with_its_place_on_finer_meshes():
 
 @pytest.mark.parametrize("body", [SPHERE, {**SPHERE, "shear": 3e4, "poisson": 0.4}])
 def test_a_strength_caps_the_traction(body):
-    """Also between dissimilar bodies, whose pressure and tractions are found together."""
+    """Also between dissimilar bodies: their pressure and tractions are found together."""
     scene = SCENE.replace(**{"body.B": body, "creepage.longitudinal": -5e-3})
     law = Capped(mu=(MU, MU), strength=150.0)
     laws = ts.Laws.of(scene).replace(friction=law)
@@ -116,7 +116,7 @@ def test_a_strength_caps_the_traction(body):
     # On the rim to rounding.
     assert size.max() == pytest.approx(law.strength, rel=1e-12)
     assert contact.Qx < free.Qx
-    # A method that does not use the derivative of the bound finds the same, to its tolerance.
+    # A method without the derivative of the bound finds this solution, to its tolerance.
     plain = ts.solve(scene.replace(**{"solver.method": "uzawa"}), laws=laws)
     np.testing.assert_allclose(plain.traction, contact.traction, atol=1e-5 * law.strength)
     assert contact.cost.applications < 0.2 * plain.cost.applications

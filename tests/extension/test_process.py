@@ -78,10 +78,10 @@ def test_strokes_wear_the_track_and_turn_the_force():
 def test_each_stroke_wears_what_its_work_of_friction_wears():
     """A column of the package that the process records enters the balances of the package."""
     history = ts.roll(SCENE)
-    # The work of friction is from the same slip as the wear: only the solver's residual differs.
+    # Work of friction and wear use one slip: only the solver's residual differs.
     np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-6)
     # A stroke has three passes, and its wear is in the contact of the next one.
-    around = 2.0 * np.pi * SCENE.body.A.radius_x  # the same of both bodies
+    around = 2.0 * np.pi * SCENE.body.A.radius_x  # equal for both bodies
     section = np.diff(history["worn_volume"].sum(axis=1)) / around
     np.testing.assert_allclose(section[1:], 3.0 * history["worn_area"][1:-1], rtol=1e-9)
 

@@ -33,7 +33,7 @@ class RunningIn(ts.WearLaw):
 
 @dataclass(frozen=True)
 class Decaying(RunningIn):
-    """The same over revolutions N in place of the depth."""
+    """Running-in over revolutions N in place of the depth."""
 
     N0: float = 50.0
 
@@ -52,7 +52,7 @@ def test_adaptive_jumps_wear_as_every_revolution_does(law):
     adaptive = rolled(law)
     every = rolled(law, DISCS.with_set(["wear.stepping=every-revolution"]))
     found, expected = (one["wear_profile"][-1] for one in (adaptive, every))
-    # The tolerance of the stepping, 1e-3 of the depth, is that of an estimate: thrice as much.
+    # The tolerance of the stepping, 1e-3 of the depth, bounds an estimate: thrice as much.
     np.testing.assert_allclose(found, expected, atol=3e-3 * expected.max())
     assert adaptive.totals["contact_solves"] < 0.5 * every.totals["contact_solves"]
     least = rolled(replace(law, k0=law.k1))["wear_max"][-1]

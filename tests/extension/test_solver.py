@@ -1,4 +1,4 @@
-"""A user-defined method in place of those of the package, for one contact and for a rolled one."""
+"""A user-defined method in place of the package's, for one contact and for a roll."""
 
 from dataclasses import dataclass, replace
 

@@ -41,7 +41,7 @@ def test_it_is_nowhere_larger_than_its_maximum(body):
     top = ts.stress_maximum(contact, body, laws(scene))
     stress = ts.stress_on_plane(contact, "y=0", body)
     below = stress.depth > contact.grid.dx
-    # Where it has an edge the search ends a little beside it: 1e-4 here.
+    # At an edge of the criterion the search ends a little beside it: 1e-4 here.
     assert stress.by(Tresca())[:, below].max() < 1.001 * top.value
     there = Tresca()(ts.stress_at(contact, [top.interior_at], body).T)
     # Elements that are far are taken together.

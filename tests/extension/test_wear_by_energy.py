@@ -65,13 +65,13 @@ def test_the_balance_of_archard_is_not_reported(partly):
 def test_in_full_slip_it_is_that_of_archard():
     by_energy, archard = ts.roll(SLIDING, laws=laws(SLIDING)), ts.roll(SLIDING)
     state = by_energy.state(300)
-    # But where friction meets the rim, as wide as the tolerance of the solver lets it be.
+    # Except at the rim, as wide as the tolerance of the solver permits.
     assert state.sliding.sum() >= 0.99 * state.touching.sum()
-    # p_t . s = mu p_n |s|, where slip and traction are parallel: to the residual of the contact.
+    # p_t . s = mu p_n |s|, as slip and traction are parallel: to the residual of the contact.
     sliding = PER_ENERGY * MU * state.pressure * np.hypot(*state.slip)
     section = sliding.sum() * state.grid.element_area
     assert by_energy["worn_area"][-1] == pytest.approx(section, rel=1e-4)
-    # The same law by its other formula; jumps that differ in the last digits do not differ in more.
+    # One law by two formulas; jumps that differ in the last digits do not differ in more.
     np.testing.assert_array_equal(by_energy["revolution"], archard["revolution"])
     np.testing.assert_allclose(by_energy["wear_max"], archard["wear_max"], rtol=1e-6)
 

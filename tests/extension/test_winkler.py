@@ -1,10 +1,9 @@
-"""An user-defined elasticity: a Winkler foundation, every point of which deforms by itself.
+"""A user-defined elasticity: a Winkler foundation, in which every point deforms independently.
 
 Kalker's simplified theory. Under an approach d the pressure is (d - h)/L_n, h = x²/2R_x + y²/2R_y.
-Where it sticks, u_x = L_t p_x is what the bodies have crept since the leading edge a(y):
-p_x = -xi (a - x)/L_t grows straight from there, until it meets the bound mu p_n. That is a length
-d = 2 R_x L_n |xi| / (mu L_t) ahead of the trailing edge, the same in every row, and it slips from
-there on: all of it where d > 2 a.
+In stick, u_x = L_t p_x is the creep since the leading edge a(y): p_x = -xi (a - x)/L_t grows
+linearly until it reaches the bound mu p_n. This happens at a length d = 2 R_x L_n |xi| / (mu L_t)
+ahead of the trailing edge, equal in every row, and the rest slips: all of it if d > 2 a.
 """
 
 from dataclasses import dataclass
@@ -52,7 +51,7 @@ def solved(scene, **creepage):
 
 
 def leading(contact):
-    """a(y), mm: half the length of each row; nan where there is none."""
+    """Return a(y), mm: half the length of each row; nan without contact."""
     rise = contact.grid.y**2 / (3 * RADIUS) if contact.grid.elements[1] > 1 else np.zeros(1)
     with np.errstate(invalid="ignore"):
         return np.sqrt(2 * RADIUS * (contact.approach - rise))
@@ -100,7 +99,7 @@ def test_no_slip():
     assert contact.sticking.sum() == contact.touching.sum()
     crept = 1e-3 * (leading(contact) - contact.grid.x[:, None])
     away = np.where(contact.touching, contact.traction[0] * SHEAR - crept, 0.0)
-    # Found to a part of an element where the edge is: upwind it may be all of one.
+    # The edge is found to a part of an element; with upwind slip to a full one.
     assert np.abs(away).max() < 0.05 * 1e-3 * contact.grid.dx
 
 
@@ -138,7 +137,7 @@ def test_it_rolls_and_wears():
     # The solver's tolerance is 1e-8 of the tractions, of which the slip is a small difference.
     np.testing.assert_allclose(history.energy_balance, 1.0, rtol=1e-5)
     np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-5)
-    # Where it was pressed most it wore most, and carries less.
+    # The most loaded part wears most, and carries less then.
     assert history["p_max"][-1] < history["p_max"][0]
 
 

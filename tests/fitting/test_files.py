@@ -1,4 +1,4 @@
-"""The file of a fit: resumed, shown, drawn, and refused where it is another one."""
+"""The file of a fit: resumed, shown, drawn, and refused if it belongs to another fit."""
 
 import json
 from contextlib import ExitStack, nullcontext

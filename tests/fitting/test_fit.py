@@ -112,7 +112,7 @@ def test_exact_derivatives_are_those_of_differences(spheres):
 
 
 def _mesh(scene):
-    """Return the mesh that the fit takes: that of the first contact, by a quarter wider."""
+    """Return the mesh of the fit: the mesh of the first contact, a quarter wider."""
     grid = ts.solve(scene).grid
     more = [int(np.ceil(0.5 * n * 0.25 - 1e-9)) for n in grid.elements]
     elements = tuple(n + 2 * m for n, m in zip(grid.elements, more, strict=True))

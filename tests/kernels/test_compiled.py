@@ -111,7 +111,7 @@ def test_compiling_is_reported_once_and_not_for_cached_kernels(ask, tmp_path):
         return found.stdout
 
     ask("x + 1.0", 2)
-    assert reported().split() == ["1", "0", "8.0", "6.0", "6.0"]  # of a whole number, not of 3.0
+    assert reported().split() == ["1", "0", "8.0", "6.0", "6.0"]  # of an integer, not of 3.0
     assert reported().split() == ["0", "8.0", "6.0", "6.0"]
 
 

@@ -52,7 +52,7 @@ def turned(cycle, rotation):
 
 
 def ball(points):
-    """The smallest one by either kernel, of the same points (m, n)."""
+    """Return the smallest ball around points (m, n) by both kernels."""
     m, n = points.shape
     squares = np.empty(n)
     if m == 2:
@@ -70,7 +70,7 @@ def ball(points):
 def test_a_smallest_ball_is_the_optimum_of_its_dual(m, whole):
     """Weights that are positive and add up to one bound any ball from below."""
     for _ in range(60):
-        # Whole numbers coincide and lie on common spheres.
+        # Integers coincide and lie on common spheres.
         points = RNG.integers(-2, 3, (m, 25)).astype(float) if whole else RNG.normal(size=(m, 25))
         support, weights, radius2 = ball(points)
         assert (weights > -1e-12).all()
@@ -121,7 +121,7 @@ def plane(cycle, normal, sum_k, product_k, within=None):
 
 @pytest.mark.parametrize(("sum_k", "product_k"), [(0.3, 0.0), (0.0, 0.3)])
 def test_steps_towards_a_critical_plane_are_newtons(sum_k, product_k):
-    """By differences of the value, of planes that the same points hold; of two and of three."""
+    """By differences of the value of planes held by equal points, two and three."""
     number, difference = {2: 0, 3: 0}, 1e-4
     for cycle in random_cycles(40).transpose(2, 0, 1):
         normal, within, near = RNG.normal(size=3), room(12), np.empty(3)
@@ -211,7 +211,7 @@ def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
         critical_plane.critical_plane(found, to_paths(cycles), sum_k, product_k)
         searched = [find_critical_value(one, sum_k, product_k) for one in np.moveaxis(cycles, 2, 0)]
         assert (found >= np.array(searched) * (1.0 - critical_plane.ENOUGH)).all()
-        # The search ends .001 from a plane; where a maximum has a bend, values fall in proportion.
+        # The search ends .001 from a plane; at a bend of the maximum values fall in proportion.
         np.testing.assert_allclose(searched, found, rtol=2e-3)
 
 
@@ -227,7 +227,7 @@ def test_cycles_that_do_no_harm_or_are_none_end_at_once():
         for judge in JUDGES:
             found = judge(cycles)
             assert np.isnan(found[1])
-            # The cycle before is where the search begins: what is searched for to 1e-4.
+            # The search, accurate to 1e-4, begins at the cycle before.
             np.testing.assert_allclose(
                 found[::2], judge(cycles[..., ::2]), rtol=critical_plane.ENOUGH
             )
@@ -255,7 +255,7 @@ def test_balls_begun_by_the_one_before_are_the_same():
 
 @pytest.mark.parametrize(("tau", "sigma"), [(180.0, 300.0), (200.0, 330.0)])
 def test_limits_in_torsion_and_bending_are_recovered(tau, sigma):
-    """Both reach the limit of a criterion whose sensitivity is by them."""
+    """Both reach the limit of a criterion with a sensitivity that follows from them."""
     torsion, bending = np.zeros((6, 3)), np.zeros((6, 3))
     torsion[3, :2] = tau, -tau
     bending[0, :2] = sigma, -sigma

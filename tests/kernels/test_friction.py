@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from tractive_sam.kernels import friction, friction_inverse, wear
 
-# Tractions are dimensionless, of order one: numbers whose square underflows are not met.
+# Tractions are dimensionless, of order one: their squares do not underflow.
 sizes = st.just(0.0) | st.floats(1e-100, 10)
 fields = arrays(float, (2, 3, 2), elements=sizes | sizes.map(lambda x: -x))
 bounds = arrays(float, (3, 2), elements=sizes)
@@ -98,7 +98,7 @@ def test_turned_slip_points_where_the_slip_at_the_centre_does():
 
 
 def test_turned_slip_is_continuous_and_never_turns_back():
-    """Also where slip just begins, vanishes or reverses from one face to the next."""
+    """Also if slip just begins, vanishes or reverses from one face to the next."""
     rng = np.random.default_rng(2)
     for _ in range(200):
         slip = rng.normal(size=(2, 4, 1)) * np.exp(rng.normal(size=(4, 1)) * 3)
@@ -139,7 +139,7 @@ def test_rows_are_the_derivative_of_the_law_at_its_solution():
 
 @pytest.mark.parametrize("weights", [(1.0, 1.0), (1.0, 30.0), (400.0, 1.0)])
 def test_rows_are_the_derivative_of_the_law_anywhere(weights):
-    """Also far from its solution, where tractions do not oppose the slip.
+    """Also far from its solution, with tractions that do not oppose the slip.
 
     With (1 + l w) z = p - w s, tangent t of the disc at z and a change of s alone,
     (t.t/w + l) t.dz = -t.ds.

@@ -1,4 +1,4 @@
-"""Scalars of stresses in one pass against those of the definitions."""
+"""Scalars of stresses in one pass against their definitions."""
 
 import numpy as np
 

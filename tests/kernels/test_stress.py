@@ -102,8 +102,9 @@ def test_equals_quadrature_of_point_forces(point):
     assert distance(patch(*point), by_quadrature(*point)) < 1e-11
 
 
-# Sixty-digit corner sums where the closed form cancels: nu = 1/2 beside the patch at z/dx = 1e-8,
-# beside the line of an edge, far and slender, far below, on an edge, on the far axis of symmetry.
+# Sixty-digit corner sums at points with cancellation in the closed form: nu = 1/2 beside the patch
+# at z/dx = 1e-8, beside the line of an edge, far and slender, far below, on an edge, on the far
+# axis of symmetry.
 HARD = [
     (
         (0.0, 3.0, 1e-08, 1.0, 1.0, 0.5),

@@ -63,7 +63,7 @@ def both_sums(around, widest=0.3, blocks=(8, 16), tractions=None):
 def test_far_patches_taken_together(around, blocks):
     near, exact = both_sums(np.array(around, float), blocks=blocks)
     size = np.abs(exact).max()
-    # Where the whole mesh is but a block or four, 30 deep: what the tractions bend in them.
+    # 30 deep the mesh is one block or four: the error is the bend of the tractions in them.
     error = near - exact
     assert np.abs(error).max() < 3e-3 * size
     assert np.abs(error - error[0]).max() < 1e-3 * size

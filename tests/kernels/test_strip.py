@@ -14,7 +14,7 @@ PLACES = [0.0, 0.1, 0.35, 0.36, 1.0, 8.0]
 
 @pytest.mark.parametrize("x", PLACES)
 def test_logarithm(x):
-    """-2 ln(|x|/d) over the strip, with the integrable singularity where it lies."""
+    """-2 ln(|x|/d) over the strip, with the integrable singularity in its place."""
     ends = sorted({-DX / 2, min(max(x, -DX / 2), DX / 2), DX / 2})
     truth = sum(
         quad(lambda s: -2 * np.log(abs(x - s) / DATUM), *part)[0] for part in pairwise(ends)
@@ -42,9 +42,9 @@ def test_far_away_it_is_the_line_load():
 
 
 def test_long_rectangles_tend_to_strips():
-    """Relative to the datum, where what a long load adds everywhere falls out.
+    """Relative to the datum, which removes the constant that a long load adds everywhere.
 
-    What is left falls with distance over length, in some of them with its square.
+    The rest falls with distance over length, in some of them with its square.
     """
     x = np.array(PLACES)
     errors = []

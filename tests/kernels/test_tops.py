@@ -18,7 +18,7 @@ def hill(points):
 
 
 def step(at, function=hill, floor=0.1, least=0.0, barred=False, first=True, of=None, highest=1e3):
-    """Ways after one step: where, their fates, whether barred, and the values there."""
+    """Return paths after one step: places, states, whether barred, and values."""
     at = np.array(at, dtype=float)
     count = len(at)
     of = np.zeros(count, dtype=int) if of is None else np.array(of)
@@ -63,7 +63,7 @@ def test_along_the_floor_where_that_is_an_obstacle():
     assert not barred
     within = TOP[:2] - np.linalg.solve(CURVED[:2, :2], CURVED[:2, 2] * (floor - TOP[2]))
     np.testing.assert_allclose(at[:2], within, atol=1e-9)
-    # Below a higher surface that is tried once, and not where it falls steeply from the start.
+    # Below a higher surface a path is tried once, unless the value falls steeply from the start.
     wide = {"floor": floor, "least": 3.0}
     _, (fate,), _, _ = step([(0.5, 0.0, floor)], **wide)
     assert fate == LOST

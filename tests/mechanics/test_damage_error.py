@@ -1,4 +1,4 @@
-"""Error of damage by that of the utilisation."""
+"""Error of damage by the error of the utilisation."""
 
 import numpy as np
 import pytest

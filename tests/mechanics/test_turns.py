@@ -13,7 +13,7 @@ WORN = np.array([0.0, 1e-6, 3e-6])
 
 
 def rolled(turns, revolutions):
-    """Depths before and behind the last of some passes that all wear the same."""
+    """Return depths before and behind the last of some passes with equal wear."""
     entering = np.zeros(3)
     for _ in range(revolutions - 1):
         entering = turns.next(entering, entering + WORN)

@@ -124,7 +124,7 @@ def test_a_table_goes_through_its_points_and_on():
     ],
 )
 def test_growth_with_the_load_is_its_derivative(law):
-    """But where a regime begins: none of these elements is there."""
+    """Except at the limits of regimes: none of these elements is there."""
     fields = sliding([[1.0, 5.0, 0.0, 15.0, 90.0]])
     h = 1e-4
     more, less = (law.rate(f * fields[0], f * fields[1], fields[2]) for f in (1 + h, 1 - h))
@@ -134,7 +134,7 @@ def test_growth_with_the_load_is_its_derivative(law):
 
 
 def test_energy_is_archard_where_all_slips_alike():
-    """Exactly: with k = i/mu it is the same formula."""
+    """Exactly: with k = i/mu the formulas are equal."""
     random = np.random.default_rng(3)
     p = random.uniform(0.0, 1.0, (7, 5))
     fields = p, 0.3 * p * np.array([[[0.6]], [[0.8]]]), random.normal(size=(2, 7, 5))
@@ -144,7 +144,7 @@ def test_energy_is_archard_where_all_slips_alike():
 
 
 def test_energy_counts_the_work_along_each_axis():
-    """Additive, by the work alone; less than Archard's norm where slip is oblique."""
+    """Additive, by the work alone; less than Archard's norm for oblique slip."""
     random = np.random.default_rng(4)
     k, mu, angle = np.array((3e-6, 8e-6)), np.array((0.3, 0.2)), 0.4
     axes = np.array(((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))))
@@ -181,7 +181,7 @@ def test_each_body_by_its_own():
     np.testing.assert_allclose(
         shares[0, :2], A.rate(*fields).sum(axis=0)[:2] / both.rate(*fields).sum(axis=0)[:2]
     )
-    # A row that does not wear: as the whole contact.
+    # A row that does not wear has the shares of the contact.
     assert shares[0, 2] == pytest.approx(A.rate(*fields).sum() / both.rate(*fields).sum())
     np.testing.assert_array_equal(PerBody(A=A).shares(*fields), [[1.0] * 3, [0.0] * 3])
 

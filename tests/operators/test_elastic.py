@@ -138,7 +138,7 @@ def test_circulant_inverses_precondition(shape, name):
 
 @pytest.mark.parametrize("name", ["normal", "normal_inverse", "slip", "tangential_inverse"])
 def test_single_precision(half_space, name):
-    """The same operator; in the order of 1e-7 but for the few operations of a transform."""
+    """One operator; errors of the order of 1e-7 times the few operations of a transform."""
     operator = getattr(half_space, name)
     fields = np.random.default_rng(0).normal(size=operator.shape)
     wanted, found = operator(fields), operator(fields.astype(np.float32))

@@ -41,7 +41,7 @@ def test_element_at_rest():
 
 @pytest.mark.parametrize("peclet", 10.0 ** np.arange(-3, 10))
 def test_any_speed(peclet):
-    """Finite, positive, falling upstream; its size that of rest or of the strip limit."""
+    """Finite, positive, falling upstream; its size is near the limit of rest or of the strip."""
     n, dx = 41, 0.05
     x = dx * np.arange(1 - n, n)
     known = at(x, dx * np.arange(n), peclet, dx, dx)
@@ -111,8 +111,8 @@ def test_strips():
 def test_heat_goes_with_the_body():
     """Far behind a source the section it warmed holds the heat: integral of T over depth and y.
 
-    Of the surface alone: T across the wake is q A/(lambda sqrt(...)) times a bell, whose integral
-    over y is that of a strip of the same heat.
+    At the surface T across the wake is q A/(lambda sqrt(...)) times a bell; its integral over y
+    equals the one of a strip of equal heat.
     """
     speed, behind = 200.0, -30.0
     y = 0.05 * np.arange(-600, 601)

@@ -45,7 +45,7 @@ def test_uniform_flux_warms_by_the_root_of_time():
 
 
 def test_a_later_time_adds_what_comes_between():
-    """The flux of a time since 0 is that of the last part and that of the time before it."""
+    """The flux since time 0 is the sum of the last part and the time before it."""
     x, y = np.arange(-4.0, 5.0), np.arange(3.0)
     short, long, steady = (
         temperature_coefficients(x, y, 1.0, 1.0, 3.0, KAPPA, LAM, t) for t in (0.3, 5.0, np.inf)
@@ -88,13 +88,13 @@ def test_it_becomes_steady_on_finer_meshes(peclet):
         steady = SurfaceHeat(grid, 2.0 * peclet, KAPPA, LAM)(flux)
         rise = warmed(grid, flux, 2.0 * peclet, 10 * n)[0]
         errors.append(np.abs(rise - steady).max() / steady.max())
-    # Of the largest rise 2e-4, 1e-4 and 4e-4: order 1.3 in the element, where the flux begins as a
-    # root, down to what exponentials and the margin miss.
+    # 2e-4, 1e-4 and 4e-4 of the largest rise: order 1.3 in the element, as the flux begins as a
+    # root, down to the error of exponentials and the margin.
     assert errors[-1] < max(0.3 * errors[0], 8e-4)
 
 
 def test_rectangle_since_its_start():
-    """Many steps against a single one of all the time, whose heat is integrated at once."""
+    """Many steps against a single one of all the time, with its heat integrated at once."""
     grid, speed, steps = Grid((1.2, 1.2), (21, 21)), 20.0, 17
     flux = np.sqrt(np.maximum(1.0 - grid.x[:, None] ** 2 - grid.y**2, 0.0))
     rise = warmed(grid, flux, speed, steps)[0]

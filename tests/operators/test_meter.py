@@ -19,7 +19,7 @@ def test_an_application_of_the_tangential_operator_is_one(operators):
     meter = ConvolutionMeter(operators.lattice.padded)
     for _ in range(3):
         operators.slip(np.ones((2, 21, 25)))
-    assert meter.convolutions == pytest.approx(3.0)  # a sum of whole numbers over one
+    assert meter.convolutions == pytest.approx(3.0)  # a sum of integers over one
 
 
 def test_half_the_fields_count_half(operators):

@@ -1,4 +1,4 @@
-"""Transforms of SciPy in place of FFTW: the same arrays, and the same contact."""
+"""Transforms of SciPy in place of FFTW: equal arrays, and an equal contact."""
 
 import json
 import subprocess

@@ -42,7 +42,7 @@ def test_displacements_against_dense_matrices():
 
 
 def test_coupling_is_piecewise_linear_and_reciprocal():
-    """u_z from p_x is +K/G times the step; p_y stays by itself."""
+    """u_z from p_x is +K/G times the step; p_y is not coupled."""
     matrix = of_strips().coupled.as_matrix()
     lift = PAIR.coupling / (np.pi * PAIR.shear) * step(offsets(), DX)
     atol = ROUNDING * np.abs(matrix).max()
@@ -54,7 +54,7 @@ def test_coupling_is_piecewise_linear_and_reciprocal():
 def test_slip_by_pressure_is_local():
     """-du_x/dx from p_n is 2 K p_n / G (Bentall & Johnson 1967), averaged over two elements.
 
-    The sum of a column is therefore that of its own element, far from the ends.
+    The sum of a column therefore equals its own element, far from the ends.
     """
     matrix = of_strips().coupled.as_matrix()
     sums = matrix[N : 2 * N, :N].sum(axis=0)

@@ -97,7 +97,7 @@ def test_process_forked_while_another_thread_plans_can_plan():
     planning.wait()
     child = os.fork()
     if child == 0:
-        # Where it cannot plan, it ends by itself: nothing else would end it.
+        # A process that cannot plan ends by this alarm: nothing else would end it.
         signal.alarm(60)
         recalled(1)
         os._exit(0)

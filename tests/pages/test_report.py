@@ -72,7 +72,7 @@ def test_every_column_that_changes_is_plotted_once(history):
         )
     titles = [chart["title"] for chart in charts.charts(history)]
     assert len(set(titles)) == len(titles)
-    # A user-defined column comes by itself, and is no markup.
+    # A user-defined column appears automatically, and is not markup.
     assert "Share of the &lt;load&gt;" in titles
 
 

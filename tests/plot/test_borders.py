@@ -40,7 +40,7 @@ def test_no_figure_of_a_history_touches_its_border(kind, tmp_path):
 
 @apply_style
 def axes_up_to(top):
-    """Draw empty axes as those of forces over revolutions, with an upper limit in y."""
+    """Draw empty axes of forces over revolutions, with an upper limit in y."""
     figure = Figure(figsize=(LOOK.width, 0.66 * LOOK.width))
     axes = figure.add_subplot(xlim=(0, 15000), ylim=(0.057, top))
     axes.set(xlabel="revolutions $N$", ylabel="force / normal load")

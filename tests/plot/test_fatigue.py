@@ -118,7 +118,7 @@ def test_a_line_contact_has_them_too(tmp_path):
 
 
 def test_the_limit_is_marked_in_line_contacts():
-    """Where the equivalent stress is the limit follows from the depths alone."""
+    """The places at which the equivalent stress is the limit follow from the depths alone."""
     scene = ts.Scene.builtin("cylinders").with_set(["grid.elements=41"])
     limited = scene.replace(subsurface=None, wear=None, fatigue=ASKED)
     (top,) = ts.roll(limited)["utilisation"][:, 0]

@@ -15,7 +15,7 @@ def axes():
 
 
 def test_edge_of_a_hertz_contact_is_smooth(axes):
-    """Within a sixth of an element, though elements are in contact whole or not at all."""
+    """Within a sixth of an element, though elements are in contact entirely or not."""
     state = ContactView.from_source(strips.contact())
     x, y = draw_contact_edge(axes, state).vertices.T
     distance = np.hypot(x, y * strips.HERTZ.a / strips.HERTZ.b) - 1

@@ -77,7 +77,7 @@ def test_both_wheels_rest_on_the_rails(wheel, rail):
 
 
 def test_patch_is_in_the_tangent_plane_of_a_cone_on_a_cylinder():
-    """A conical wheel on a rail of one radius touches where the angles are equal."""
+    """A conical wheel touches a rail of one radius at equal angles."""
     y = np.linspace(-40.0, 40.0, 801)
     cone = np.stack((y, -y / 20.0), axis=1)
     tangents = np.tile(np.array([1.0, -1.0 / 20.0]) / np.hypot(1.0, 0.05), (801, 1))
@@ -140,7 +140,7 @@ def test_two_point_contact_has_two_patches(wheel, rail):
 
 @pytest.mark.slow
 def test_position_sweep_has_no_jumps(wheel, rail):
-    """Over 0.05 mm the centre of a patch moves little, but where another patch appears."""
+    """Over 0.05 mm the centre of a patch moves little, unless another patch appears."""
     origins, numbers = [], []
     for y in np.arange(0.0, 4.0, 0.05):
         patches = find_patches(replace(wheel, y=y), rail, 1e4, E_STAR)

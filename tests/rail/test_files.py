@@ -34,7 +34,7 @@ def test_written_rails_are_read(tmp_path):
     rail = builtin_profile("60E1")
     write_profile(rail, tmp_path / "new.prr", "rail")
     found = read_profile(tmp_path / "new.prr", "rail")
-    # A spline through points 0.1 mm apart overshoots where the radius changes from 80 to 13 mm.
+    # A spline through points 0.1 mm apart overshoots at the change of the radius from 80 to 13 mm.
     assert np.abs(found.height(Y) - rail.height(Y)).max() < 3e-5
 
 

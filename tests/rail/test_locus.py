@@ -56,7 +56,7 @@ def test_a_cone_has_its_conicity_at_any_amplitude(amplitude):
 
 
 def test_conicities_of_a_cubic_difference():
-    """For 2 c y^3 the harmonic conicity is 3/4 c A^2, that of Klingel's motion 0.7178 c A^2."""
+    """For 2 c y^3 the harmonic conicity is 3/4 c A^2, by Klingel's motion 0.7178 c A^2."""
     y = np.linspace(-5.0, 5.0, 2001)
     cubic = of_difference(y, 2.0 * 0.01 * y**3)
     assert cubic.conicity(4.0) == pytest.approx(0.75 * 0.01 * 16.0, rel=1e-4)

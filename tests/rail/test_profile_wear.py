@@ -42,7 +42,7 @@ def test_wear_follows_the_frictional_work(scene):
     assert set(coefficient.values()) == {"archard"}
     worn = ts.wear_profiles(one.with_set(["wear.revolutions=1"]))
     area = sum(worn.worn_areas[name][-1] for name in ("wheel", "rail"))
-    # k in mm3/(N m): 1e-3 in 1/MPa; full slip, where p s = work / mu.
+    # k in mm3/(N m): 1e-3 in 1/MPa; in full slip p s = work / mu.
     assert contact.stick_fraction == 0.0
     assert area == pytest.approx(2.0e-5 * 1e-3 * contact.dissipation / 0.3, rel=0.03)
 

@@ -214,7 +214,7 @@ def test_positions_of_the_manchester_benchmark(name):
 
 
 def test_forces_change_little_over_small_displacements():
-    """Where no patch appears, 0.05 mm change pressure and approach by a few per cent."""
+    """If no patch appears, 0.05 mm change pressure and approach by a few per cent."""
     found = [ts.solve(scene(y, grid={"elements": [25, 31]})) for y in (2.9, 2.95, 3.0, 3.05)]
     for name in ("p_max", "approach", "P"):
         values = np.array([getattr(one, name) for one in found])

@@ -20,7 +20,7 @@ def test_fastsim_without_slip_is_linear_theory(creepage):
     found = fastsim(**STEEL, load=1e3, mu=0.3, **given, elements=(200, 200))
     expected = linear_creep_forces(2.0, 1.0, 8e4, 0.3, **given)
     size = max(map(abs, expected[:2]))
-    # Of second order in 1/200, but for the edge, where something always slips.
+    # Of second order in 1/200, except at the edge, which always slips.
     assert found.Fx == pytest.approx(expected.Fx, abs=2e-3 * size)
     assert found.Fy == pytest.approx(expected.Fy, abs=2e-3 * size)
 
@@ -67,6 +67,6 @@ def integrated(e, slip, spin, n=1500):
     ],
 )
 def test_full_slip_is_the_integral(e, slip, spin):
-    # Where the pole is inside, the sums cross a jump of the direction.
+    # With the pole inside, the sums cross a jump of the direction.
     expected = integrated(e, slip, spin)
     np.testing.assert_allclose(full_slip_with_spin(e, slip, spin), expected, atol=1e-5)

@@ -45,7 +45,8 @@ def test_contact_widens_and_pressure_falls():
 
 
 def test_creepage_and_intensity_are_one_factor():
-    """To the first order in the creepage: the mean speed is half of it below that of disc A."""
+    """To the first order in the creepage: the mean speed is half of it below the speed of disc
+    A."""
     np.testing.assert_allclose(
         discs(creepage=-0.002, intensity=5e-6).depth[1:], discs().depth[1:], rtol=2e-3
     )

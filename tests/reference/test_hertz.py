@@ -98,7 +98,7 @@ def test_displacement_closes_the_gap(aspect):
             A = (cos / a) ** 2 + (sin / b) ** 2
             B = x * cos / a**2 + y * sin / b**2
             C = 1 - (x / a) ** 2 - (y / b) ** 2
-            # over the whole chord: the two opposite directions together
+            # over the full chord: the two opposite directions together
             return math.pi * (B**2 / A + C) / (2 * math.sqrt(A))
 
         value, _ = quad(along, 0, math.pi, limit=400, epsabs=0, epsrel=1e-11, points=[math.pi / 2])

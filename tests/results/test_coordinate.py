@@ -1,4 +1,4 @@
-"""A history along another coordinate than revolutions is kept, written, read, shown and drawn."""
+"""A history along another coordinate than revolutions: stored, written, read, shown, drawn."""
 
 import json
 from dataclasses import replace

@@ -63,7 +63,7 @@ def test_an_edge_does_not_jump_as_an_element_comes_into_contact():
 def test_shapes_that_are_known():
     assert contact_extent(np.zeros((5, 5))) == covered_elements(np.zeros((5, 5))) == 0.0
     flat = np.zeros((12, 12))
-    flat[3:9, 2:8] = 1.0  # constant to its rim: all edges at the same place of their elements
+    flat[3:9, 2:8] = 1.0  # constant to its rim: all edges at one place of their elements
     side = contact_extent(flat)
     assert side == contact_extent(flat.T)
     # A square without its four corners.
@@ -89,7 +89,7 @@ def test_what_sticks_of_a_ball_that_is_shifted(n):
 
 
 def test_stick_is_counted_where_traction_falls_as_it_begins_to_slide():
-    """Then nothing reports where between two elements that is."""
+    """Its place between two elements is unknown then."""
     scene = ts.Scene.builtin("locomotive")
     half_length = (1.3 * scene.hertz.a, 1.3 * scene.hertz.b)
     found = ts.solve(scene.replace(grid={"half_length": half_length, "elements": (31, 31)}))

@@ -14,5 +14,5 @@ def test_directions_sides_and_size(half_length, elements, text):
     assert grid.directions == len(elements)
     assert grid.line == (len(elements) == 1)
     expected = [2.0 * half / count for half, count in zip(half_length, elements, strict=True)]
-    assert grid.sides == pytest.approx(expected, rel=1e-15)  # the same formula, but for rounding
+    assert grid.sides == pytest.approx(expected, rel=1e-15)  # one formula, except for rounding
     assert grid.describe_size() == text

@@ -63,7 +63,7 @@ class TestHistory:
         element = np.diff(history.x)[0] * np.diff(history.y)[0]
         assert history["p_max"][row] == pressure.max()
         assert history["wear_max"][row] == wear.max()
-        # Sums over the same elements, to rounding.
+        # Sums over equal elements, to rounding.
         assert history["P"][row] == pytest.approx(pressure.sum() * element, rel=1e-12)
         for axis in "xy":
             force = history.field(f"traction_{axis}", revolution).sum() * element
@@ -245,12 +245,12 @@ def test_quantities_can_be_sent_to_another_process(one):
 
 
 def test_a_stress_that_long_elements_miss_is_reported():
-    """Less than two elements deep none is sought: there lies that of a slender contact."""
+    """Maxima less than two elements deep, as in a slender contact, are not sought."""
     flank = {"body.A.radius_x": 9.0, "body.A.radius_y": 2500.0, "body.B.radius_y": np.inf}
     single = dict.fromkeys(("wear", "friction", "creepage", "grid"))
     planes = {"planes": ["y=0"], "elements": 8}
     scene = ts.Scene.builtin("twin-discs").replace(**flank, **single, subsurface=planes)
-    # Nearly that of a line contact; on coarse elements along x to a per cent.
+    # Nearly a line contact's; on coarse elements along x to a per cent.
     largest = 0.55 * scene.hertz.p0
     for elements, missed in (((15, 401), False), ((15, 61), True)):
         history = ts.roll(scene.replace(grid={"elements": elements}))

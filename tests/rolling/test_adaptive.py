@@ -71,7 +71,7 @@ def test_error_falls_with_the_tolerance():
     """Over thousands of revolutions; in few, jumps are short for the sake of the last one."""
     wide = ("grid.half_length=[0.35, 1.1]", "grid.elements=[21, 47]")
     finest, fine, coarse = (rolled(3000, *wide, f"wear.tolerance={t}") for t in (1e-5, 1e-4, 1e-2))
-    # Rows at the rim are as far from those of every revolution at the finest: 1e-4.
+    # At the finest tolerance rows at the rim differ from the roll of every revolution by 1e-4.
     assert deviation(fine, finest) < 0.5 * deviation(coarse, finest)
     assert deviation(fine, finest) < 2e-4
     # Loose tolerances are held as well, in no more contacts than strict ones.
@@ -98,7 +98,7 @@ def test_jumps_grow_far_beyond_the_explicit_limit_without_ripple():
     assert max(b.revolution - a.revolution for a, b in pairwise(adaptive)) > 200
     last = adaptive[-1].contact
     assert last.converged, last.message
-    # Away from the rim, where an element carries a spike, the worn disc wears evenly.
+    # Away from the rim, at which an element carries a spike, the worn disc wears evenly.
     carried = last.pressure.sum(axis=0)
     inside = np.flatnonzero(carried)[4:-4]
     second = np.abs(np.diff(carried[inside], 2)).max()

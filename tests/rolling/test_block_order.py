@@ -9,7 +9,7 @@ import tractive_sam as ts
 from tractive_sam.rolling.block_order import BlockOrder, block_orders
 
 STEEL = {"young": 208e3, "poisson": 0.3, "radius_x": 30.0, "radius_y": 30.0}
-# Wear of a cycle that is a share of the damaged depth is more than that of dry steel.
+# The wear of a cycle, a share of the damaged depth, exceeds the wear of dry steel.
 pytestmark = pytest.mark.filterwarnings("ignore:wear")
 
 DISCS = {
@@ -44,7 +44,7 @@ def discs(blocks, **changes):
 
 def order_of(*blocks, rates):
     """The order of some blocks of the discs; `rates` of each different one."""
-    spectrum = discs(blocks, **{"wear.revolutions": 720}).spectrum  # whole cycles
+    spectrum = discs(blocks, **{"wear.revolutions": 720}).spectrum  # full cycles
     return BlockOrder.from_spectrum(spectrum, np.array(rates))
 
 
@@ -57,7 +57,7 @@ def passes(used, worn):
 @pytest.mark.parametrize("counts", [(1, 1), (2, 4), (5, 1)])
 @pytest.mark.parametrize("rates", [(4e-4, 1e-4), (1e-4, 4e-4), (2e-4, 2e-4)])
 def test_it_is_the_difference_to_the_blocks_in_their_order(counts, rates):
-    """Of blocks with a known course: far below the surface, where no place is worn off."""
+    """For blocks with a known course, far below the surface and all wear."""
     order = order_of(
         *({**b, "revolutions": n} for b, n in zip((HEAVY, BACK), counts, strict=True)),
         rates=np.array(rates)[:, None],
@@ -79,8 +79,8 @@ def test_it_is_the_difference_to_the_blocks_in_their_order(counts, rates):
     difference = np.abs(exact - on_mean)[0, below]
     # To the second order in the wear of a cycle, 1e-2 of the depth over which damage falls.
     assert (estimate[0, below] >= 0.98 * difference).all()
-    # What all do together, and the blocks without signs, which cancel to a nineteenth where the
-    # heavy one wears more.
+    # The sum of all, and the blocks without signs, which cancel to a nineteenth if the heavy one
+    # wears more.
     assert (estimate[0, below] <= 21.0 * difference).all()
 
 
@@ -134,7 +134,7 @@ def test_the_drift_is_the_difference_of_both_profiles(cycles):
     difference = in_order - as_mean
     error = np.abs(drift - difference).max() / np.abs(difference).max()
     # To the first order in the response of a cycle, 1e-2; a single implicit step of the drift
-    # reaches e^-t at t = 1 to a third, and where rates have changed since it is less exact.
+    # reaches e^-t at t = 1 to a third, and is less exact if rates have changed since.
     assert error < 0.5
     (order,) = block_orders(spectrum, ends, responses, 6 * cycles)
     before = BlockOrder.from_spectrum(spectrum, ends[:, 0], 6 * cycles)
@@ -174,7 +174,7 @@ def test_the_error_of_the_damage_includes_the_order_of_blocks(blocks):
     of_paths = np.expm1(6.0 * np.log1p(ts.Laws.of(scene).fatigue.path_error))
     np.testing.assert_allclose(each["damage_error"], of_paths * each["damage"])
     assert (difference < jumps["damage_error"][-1] - each["damage_error"][-1]).all()
-    # 1.5 to 1.7 % of A; B, whose surface wears off faster, meets the damage by chance.
+    # 1.5 to 1.7 % of A; B wears off faster and has an accurate damage by chance.
     assert (jumps["damage_error"][-1] < 0.1 * each["damage"][-1]).all()
 
 

@@ -1,4 +1,4 @@
-"""Steps of error control, and the stops that wrap it, on a curve whose error is known."""
+"""Steps of error control, and the stops that wrap it, on a curve with a known error."""
 
 from itertools import pairwise
 
@@ -33,7 +33,7 @@ def test_steps_are_as_long_as_their_error_allows():
     assert refused == 0
     lengths = [step.length for step in steps]
     assert all(b <= LONGEST_GROWTH * a for a, b in pairwise(lengths))
-    # Whole steps: by rounding down, and by the safety of 0.8, a little shorter than 100.
+    # Integer steps: by rounding down, and by the safety of 0.8, a little shorter than 100.
     assert 70 <= lengths[20] <= 80
 
 

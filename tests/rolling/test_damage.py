@@ -29,7 +29,7 @@ def material(rate, utilisation=None):
 
 
 def rolled(one, jumps, life=LIFE):
-    """The same after jumps of these lengths."""
+    """Return the damage after jumps of these lengths."""
     revolution, before = 0, 0
     for jump in jumps:
         worn = one.fatigue.worn + jump * one.rate
@@ -267,7 +267,7 @@ def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkey
         assert history.status == "off grid"
         assert "shakedown" in history.message
         top, _ = history.fatigue("A").damage_max
-        assert top == pytest.approx(history["damage"][-2, 0], rel=1e-12)  # the same numbers
+        assert top == pytest.approx(history["damage"][-2, 0], rel=1e-12)  # equal numbers
         assert np.isnan(history["damage"][-1]).all()
 
 
@@ -309,7 +309,7 @@ def test_blocks_that_are_alike_do_the_damage_of_one_load():
 
 @pytest.mark.slow
 def test_blocks_add_up_by_miner(tmp_path):
-    """Cycles in jumps, one revolution after another, and killed half way: the same damage."""
+    """Cycles in jumps, in single revolutions, and killed half way have equal damage."""
     settings = ["wear.revolutions=16", "wear.save=[0, 8, 16]"]
     spectrum = discs(*settings).replace(duty=SPECTRUM)
     jumps = ts.roll(spectrum, tmp_path / "a.h5")

@@ -106,7 +106,7 @@ def test_depth_of_a_line_in_full_slip(stepping):
     assert history.finished, history.message
     cycle = sum(k * 1e-8 * P * xi for k, P, xi in zip(n, load, creepage, strict=True))
     depth = history["entering_profile"][-1, 0] + history["wear_per_revolution"][-1, 0]
-    # Slip is the creepage and the strain of the surfaces, whose work vanishes over the contact.
+    # Slip is creepage plus strain of the surfaces; the work of the strain over the contact is zero.
     assert depth == pytest.approx(4 * cycle, rel=1e-6)
     of_blocks = [k * P * xi for k, P, xi in zip(n, load, creepage, strict=True)]
     np.testing.assert_allclose(
@@ -128,7 +128,7 @@ def test_the_order_of_blocks_matters_as_much_as_a_cycle_wears():
         one, other = profiles
         found.append(np.abs(one - other).max() / one.max())
     ratios = np.divide(found[:-1], found[1:])
-    # Linear, to the next order in the wear of a cycle, a tenth of the whole here at most.
+    # Linear, to the next order in the wear of a cycle, a tenth of the total here at most.
     np.testing.assert_allclose(ratios, 2.0, rtol=0.1)
 
 
@@ -147,7 +147,7 @@ def test_jumps_meet_what_is_rolled_block_by_block(blocks):
 
 
 def test_a_record_costs_what_its_own_contacts_cost():
-    """Those of the other blocks were solved for an earlier record, and counted there."""
+    """Contacts of the other blocks were solved for an earlier record, and counted there."""
     history = rolled(HEAVY, SLOW, **LETTER, **{"wear.revolutions": 6})
     rolls = np.array([[1, 1], [1, 0], [0, 1], [0, 1], [1, 0], [0, 1], [0, 1]], bool)
     for name in ("block_operator_applications", "block_convolutions"):
@@ -173,7 +173,7 @@ def test_columns_of_the_blocks_and_of_the_cycle():
     np.testing.assert_allclose(
         history["block_dissipation"], history["block_work_supplied"], rtol=1e-4
     )
-    # Time is that of the cycle alone, and measured.
+    # Time is measured for the cycle only.
     assert "block_seconds" not in history.columns
     assert (history["seconds"] > 0.0).all()
 
@@ -188,7 +188,7 @@ def test_a_block_is_a_history():
         assert block.scene.load.normal == (450.0 if k == 0 else 300.0)
     aside = history.block(2)
     assert "aside" in aside.scene.title
-    # Contact and forces are reported from where the band is.
+    # Contact and forces are reported at the place of the band.
     assert abs(aside["p_max_at"][-1, 1]) < 0.1
     assert aside.grid.shift == 0.1
     for place in ("1", np.int64(1)):
@@ -201,7 +201,7 @@ def test_a_block_is_a_history():
 
 
 def test_a_shifted_block_is_one_that_is_not():
-    """Seen from its place: by whole elements, so that the mesh is the same."""
+    """Relative to its place: shifted by full elements, so that the meshes are equal."""
     dy = 1.8 / 25
     shifted = rolled({"revolutions": 1, "shift_y": 2 * dy}, **{"wear.revolutions": 20})
     centred = rolled({"revolutions": 1}, **{"wear.revolutions": 20})

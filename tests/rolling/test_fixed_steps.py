@@ -1,4 +1,4 @@
-"""Jumps to each saved revolution: as accurate as adaptive jumps to the same, and smooth."""
+"""Jumps to each saved revolution: as accurate as adaptive jumps, and smooth."""
 
 import numpy as np
 import pytest

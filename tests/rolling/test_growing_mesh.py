@@ -43,7 +43,7 @@ def test_grows_sideways_only(grown):
 
 
 def test_growing_changes_nothing(grown):
-    """The same wear as on a mesh that was wide enough from the start, to the tolerance."""
+    """The wear equals the wear on a mesh that was wide enough from the start, to the tolerance."""
     wide = Model(without_grid(WEARING), grid=WIDE)
     there = list(steps(wide, first_passage(wide)))[-1].contact
     here = grown[-1].contact
@@ -120,7 +120,7 @@ def test_a_domain_only_continues(tmp_path):
     after = roll(scene.replace(**wider), tmp_path / "a.h5", resume=True)
     assert after.finished
     assert after.grid.half_length[0] >= 0.4
-    assert after.grid.dx == pytest.approx(before.grid.dx, rel=1e-12)  # the same elements
+    assert after.grid.dx == pytest.approx(before.grid.dx, rel=1e-12)  # equal elements
 
 
 @pytest.mark.parametrize("grid", [None, {"elements": (15, 31)}])

@@ -40,7 +40,7 @@ def test_every_revolution_and_jumps_agree():
 @pytest.mark.slow
 @pytest.mark.parametrize("grid", [{}, {"grid": None}])
 def test_resumed(tmp_path, grid):
-    """A roll that continues from the file of a shorter one is the same."""
+    """A roll that continues from the file of a shorter one equals an uninterrupted roll."""
     path, whole = tmp_path / "line.h5", worn("every-revolution").replace(**grid)
     roll(whole.replace(**{"wear.revolutions": 7}), path)
     resumed, truth = roll(whole, path, resume=True), roll(whole)

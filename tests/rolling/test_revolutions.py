@@ -54,7 +54,7 @@ def test_wear_grows_towards_the_trailing_edge_and_with_every_revolution(roll):
 
 
 def test_worn_volume_follows_the_energy_law(roll):
-    """Where i1/mu1 = i2/mu2: d/dN of the worn cross-section = (i1/mu1) |Q . xi| at any angle."""
+    """With i1/mu1 = i2/mu2, d/dN of the worn cross-section = (i1/mu1) |Q . xi| at any angle."""
     for before, now in pairwise(roll):
         c = now.contact
         work = -(c.Qx * c.xi_x + c.Qy * c.xi_y + c.Mz * c.spin)

@@ -24,11 +24,11 @@ OWN = EACH.with_set(['wear.law={A="usfd", B="archard"}', "wear.coefficient.B=1e-
 
 @pytest.mark.parametrize("scene", [DISCS, SHARED, OWN], ids=["equal", "shared", "own"])
 def test_two_rolls_are_one(scene):
-    """Exactly the same scene: as many revolutions in two parts as in one."""
+    """Equal scenes: as many revolutions in two parts as in one."""
     whole = ts.roll(scene.with_set(["wear.revolutions=8"]))
     first = ts.roll(scene)
     second = ts.roll(scene, start=first)
-    # Where the turns of both bodies are counted, what enters hangs on the digits of two sums.
+    # If the turns of both bodies are counted, the entering depth depends on the digits of two sums.
     close = {"rtol": 1e-7, "atol": 1e-14}
     for name in ("wear_max", "worn_volume", "wear_profile", "wear_profile_A", "wear_profile_B"):
         np.testing.assert_allclose(second[name][1:], whole[name][5:], **close, err_msg=name)

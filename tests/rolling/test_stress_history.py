@@ -22,7 +22,7 @@ SPHERES = ts.Scene.builtin("spheres").replace(
     subsurface=None, creepage=None, grid={"half_length": [4.1, 4.1], "elements": [15, 15]}
 )
 PEAK = 0.6
-"""Largest force over that of gross slip."""
+"""Largest force over the force of gross slip."""
 
 
 def fretting(criterion, signs=(1, -1, 1), **changes):
@@ -41,10 +41,10 @@ def cycled():
 
 
 def mindlin(x, a, p0, forces):
-    """Tangential traction on A for a sequence of forces over that of gross slip, from peak to peak.
+    """Yield tangential tractions on A for forces over the force of gross slip, from peak to peak.
 
-    Cattaneo and Mindlin: each change of the force adds the traction of a full slip less that of a
-    stick zone whose width follows from half the change.
+    Cattaneo and Mindlin: each change of the force adds the traction of full slip less the traction
+    of a stick zone with a width that follows from half the change.
     """
 
     def partial(share):
@@ -78,7 +78,7 @@ def test_fretting_of_a_cylinder_is_that_of_the_closed_form(cycled):
     fatigue, hertz = cycled.fatigue("A"), LINE.hertz
     at = np.linspace(-hertz.a, hertz.a, 1001)
     pressure = hertz.p0 * np.sqrt(1.0 - (at / hertz.a) ** 2)
-    # The body returns by the mirror image, with the same tractions of the other sign.
+    # The body returns by the mirror image, with equal tractions of the other sign.
     tractions = np.array(list(mindlin(at, hertz.a, hertz.p0, np.linspace(PEAK, -PEAK, 11))))
     tractions = np.concatenate([tractions, -tractions])
     criterion = ts.Crossland(sensitivity=0.2)
@@ -101,7 +101,7 @@ def test_a_steady_transient_has_the_utilisation_of_steady_rolling(criterion):
         fatigue["sensitivity"] = 0.3
     scene = LINE.replace(creepage={"longitudinal": -2e-3}, fatigue=fatigue)
     steady = ts.fatigue(ts.solve(scene))
-    distance = [0.0, 14 * 0.6 / 81]  # whole elements: no stress is interpolated in the contact
+    distance = [0.0, 14 * 0.6 / 81]  # full elements: no stress is interpolated in the contact
     history = ts.roll(scene.replace(transient={"distance": distance, "start": "steady"}))
     for body, wanted in steady.items():
         found = history.fatigue(body)
@@ -136,7 +136,7 @@ def test_a_longer_history_has_no_smaller_ball():
     history = ts.roll(fretting(CROSSLAND | SHORT))
     used = history["utilisation"][:, 0]
     used = used[np.isfinite(used)]
-    assert used.size == 4  # those of the knots, which are stored
+    assert used.size == 4  # records at the knots, which are stored
     assert (np.diff(used) >= -1e-12).all()
     life = history["fatigue_life"][-1, 0]
     assert life == pytest.approx(1e7 * used[-1] ** -10.0, rel=1e-9)

@@ -56,7 +56,7 @@ def test_a_constant_force_after_a_shift_takes_the_creepage_of_an_independent_pro
 def test_in_the_end_it_is_steady(drive, slip):
     courses = {k: [v, v] for k, v in drive.items() if k.startswith("creepage")}
     others = {k: v for k, v in drive.items() if not k.startswith("creepage")}
-    end = 110 * 8.16 / 15  # whole elements
+    end = 110 * 8.16 / 15  # full elements
     history = ts.roll(scene({"distance": [0, end], **courses}, 15, slip, **others))
     steady = ts.solve(SPHERES.replace(**drive, **{"grid.elements": (15, 15), "solver.slip": slip}))
     assert history.status == "done"
@@ -190,7 +190,7 @@ def test_a_loop_of_shifts_takes_mindlins_work():
     np.testing.assert_allclose(
         history["friction_work"],
         np.cumsum(history["step_friction"]),
-        rtol=1e-12,  # the same sum
+        rtol=1e-12,  # equal sums
     )
     cycle = history["distance"] > 1.0
     # Of steps of a tenth of a stretch: 1.3 % measured.
@@ -224,7 +224,7 @@ def test_the_first_step_of_a_line_contact_takes_few_applications(n):
         cylinders.replace(transient=table, creepage=None, subsurface=None, **{"grid.elements": n})
     )
     assert history.status == "done"
-    # 17 to 50; several hundred to thousands where slip counted in full.
+    # 17 to 50; several hundred to thousands if slip counted in full.
     assert history["operator_applications"].max() < 100
 
 
@@ -310,7 +310,7 @@ def test_steps_are_those_of_newtons_method_at_less_cost(changes):
     ours, plain = (ts.roll(rolling, solver=solver) for solver in (None, method))
     # Both to the tolerance of the scene, 1e-8, summed over a dozen steps.
     np.testing.assert_allclose(ours["Qx"], plain["Qx"], atol=1e-6 * MU * P)
-    # All transforms, those of preconditioners as well: .75 to .85 measured.
+    # All transforms, with those of preconditioners: .75 to .85 measured.
     assert ours["convolutions"].sum() < 0.95 * plain["convolutions"].sum()
 
 

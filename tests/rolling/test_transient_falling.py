@@ -1,4 +1,4 @@
-"""Steps of a transient whose friction falls with the speed of sliding."""
+"""Steps of a transient with friction that falls with the speed of sliding."""
 
 import warnings
 
@@ -26,7 +26,7 @@ def scene(transient, n=11, slip="auto", friction=FALLS, **changes):
 
 
 def steady(here):
-    """Return the steady contact of a scene whose creepage does not change."""
+    """Return the steady contact of a scene with constant creepage."""
     course = here.transient.creepage.longitudinal
     return ts.solve(here.replace(transient=None, **{DRIVE: course[-1]}))
 
@@ -137,7 +137,7 @@ def test_adaptive_steps_follow_even_ones():
 def dense_step(matrix, rigid, pressure, law, times):
     """Solve a step of a line contact element by element, by bisection of each slip.
 
-    The slip is rigid + matrix q, and q = -mu(times |slip|) p slip/|slip| where it slides.
+    The slip is rigid + matrix q, and q = -mu(times |slip|) p slip/|slip| in elements that slide.
     """
     traction = np.zeros(len(rigid))
     for _ in range(4000):
@@ -193,7 +193,7 @@ def test_tractions_are_bounded_by_the_local_speed_of_the_step(slip):
     mu = MU * (KINETIC + (1.0 - KINETIC) * np.exp(-np.log(2.0) * speed / 30.0))
     share = np.hypot(*now.traction) / np.where(now.touching, mu * now.pressure, 1.0)
     inside = now.sliding & (np.hypot(*before.slip) > 0.0)
-    # The slip that is reported is the mean of two faces, that of the law a parabola through three.
+    # The slip that is reported is the mean of two faces, in the law a parabola through three.
     assert np.abs(share[inside] - 1.0).max() < (1e-6 if slip == "upwind" else 2e-2)
     assert share[now.sticking].max() <= 1.0 + 1e-6
     along = (now.traction * now.slip).sum(axis=0)[inside]
@@ -379,8 +379,8 @@ def test_a_shift_without_speed_is_refused():
 def growth(damping, mass, steps=50):
     """Growth rate, 1/s, of a mass on a spring that a sliding contact drives in y.
 
-    The mean lateral creepage of a step has the velocity of the mass, and its force belongs to that:
-    the midpoint rule, which neither damps nor drives by itself.
+    The mean lateral creepage of a step has the velocity of the mass, and its force belongs to this
+    velocity: the midpoint rule, which neither damps nor drives.
     """
     here = scene(None, 11, "auto", SLIDES)
     model, at = Model(here), SLIDING / SPEED

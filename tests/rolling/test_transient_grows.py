@@ -17,7 +17,7 @@ N = 15
 
 def rising(scene, **changes):
     """A load that takes the contact beyond a mesh that is wide enough at first."""
-    # In whole elements: what leaves the mesh in parts of one is not reported as exactly at its end.
+    # In full elements: depth that leaves the mesh in parts of one is less exact at its end.
     load, length = scene.normal_load, 9 * narrow(scene).dx
     course = {
         "distance": [0.0, length, 2.0 * length],
@@ -57,11 +57,11 @@ def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
     p0, deepest = scene.hertz.p0, max(wanted[-1].deepest, 1e-12)
     for now, then in zip(found, wanted, strict=True):
         contact = now.contact.on(wide)
-        # Each is solved to 1e-8 of all tractions; those of two meshes meet to some 1e-7.
+        # Each is solved to 1e-8 of all tractions; two meshes agree to some 1e-7.
         np.testing.assert_allclose(contact.pressure, then.contact.pressure, atol=1e-6 * p0)
         np.testing.assert_allclose(contact.traction, then.contact.traction, atol=1e-6 * p0)
         assert now.friction == pytest.approx(then.friction, rel=1e-6, abs=1e-12)
-        # How deep it is behind the first mesh was not kept.
+        # The depth behind the first mesh was not stored.
         worn, wanted_there = (one.result.on(wide).worn for one in (now, then))
         first = slice((wide.elements[0] - N) // 2, (wide.elements[0] + N) // 2)
         np.testing.assert_allclose(worn[:, first], wanted_there[:, first], atol=1e-6 * deepest)

@@ -1,4 +1,4 @@
-"""Temperature of transients: it becomes steady, is that of the work of friction, and continues."""
+"""Temperature of transients: it becomes steady, follows from the work of friction, and resumes."""
 
 import numpy as np
 import pytest
@@ -85,7 +85,7 @@ def test_steady_rolling_stays_as_warm():
 
 
 def test_heat_is_the_work_of_friction():
-    """All heat that bodies take up, before any leaves the margin, also where loads jump."""
+    """All heat that bodies take up, before any leaves the margin, also if loads jump."""
     course = {
         "distance": [0.0, 3 * DX, 3 * DX, 5.5 * DX],
         "load.normal": [100.0, 100.0, 60.0, 60.0],

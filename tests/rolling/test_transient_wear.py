@@ -43,7 +43,7 @@ def test_material_that_passes_a_constant_course_wears_as_in_a_revolution():
     history = ts.roll(scene(rolling(21, dx=dx, start="steady"), n))
     steady = revolution(n)
     assert history.status == "done"
-    # Particle by particle the same work: as far as both are solved, 3e-5 of the depth.
+    # Equal work of every particle, to the residual of both, 3e-5 of the depth.
     np.testing.assert_allclose(history["wear_profile"][-1], steady, atol=1e-4 * steady.max())
 
 
@@ -70,8 +70,8 @@ def test_worn_bodies_feed_back_as_in_a_revolution():
         history = ts.roll(scene(rolling(42, dx=dx, start="steady"), n, much))
     with pytest.warns(PlausibilityWarning):
         steady = revolution(n, much)
-    # Within the contact depths are those of half an element later: 1e-3 of them here, on 45
-    # elements less by a third.
+    # Within the contact depths belong to half an element later: 1e-3 of them here, a third less on
+    # 45 elements.
     np.testing.assert_allclose(history["wear_profile"][-1], steady, atol=2e-3 * steady.max())
     apart = history["Qx"] - history["Qx"][-1]
     assert abs(apart[0]) > 2e-3 * history["Qx"][-1]  # .4 % measured
@@ -95,7 +95,7 @@ def test_a_ball_that_slides_to_and_fro_wears_by_pressure_and_sliding_distance():
         inside = np.hypot(x, y) < 0.9 * A  # the edge is a staircase
         missed = np.abs(history.field("wear") - exact)[inside].max() / exact.max()
         lost = history["worn_volume"][-1].sum() / (exact.sum() * history.grid.element_area)
-        # What the mesh leaves (1.9e-3 of either), for any step: friction works with its end.
+        # The error of the mesh (1.9e-3 of each), for any step: friction works with its end.
         assert missed < 0.003
         assert lost == pytest.approx(1.0, abs=0.003)
         assert history["wear_max"][-1] == history.field("wear").max()
@@ -118,7 +118,8 @@ def test_what_is_worn_lies_on_the_track(step, slip):
     # By trapezia between places: of steps of one element a sum, of others 3 % off.
     assert volume == pytest.approx(whole, rel=1e-12 if step is None else 0.03, abs=0.0)
     assert history["step_worn"].sum() == pytest.approx(whole, rel=1e-12, abs=0.0)  # rounding
-    # It is deepest where the contact was when it slid most, and the front of it has passed.
+    # The depth is largest at the place of the contact when it slid most, after its front has
+    # passed.
     deepest = places[depth.max(axis=1).argmax()]
     assert 4 * DX < deepest < 20 * DX
     assert depth.max() == pytest.approx(history["wear_max"][-1], rel=1e-12, abs=0.0)  # the same
@@ -163,7 +164,7 @@ def test_each_body_has_its_share():
     np.testing.assert_allclose(history["wear_profile_A"], 0.75 * behind, rtol=1e-12)
     own = {"law": {"A": "archard", "B": "energy"}, "coefficient": {"A": 1.0, "B": 3.0 / MU}}
     apart = ts.roll(scene(rolling(16), wear=own))
-    # k of the energy law in mm3/J is that of Archard's over mu, and 1e3 i.
+    # k of the energy law in mm3/J is Archard's k over mu, and 1e3 i.
     ratio = apart["worn_volume"][-1] / lost[-1].sum()
     np.testing.assert_allclose(ratio, [1.0, 3.0], rtol=1e-5)  # tractions slip as solved: 9e-7
 
@@ -260,7 +261,7 @@ def test_the_track_does_not_hang_on_what_is_stored():
     places, depth = early.worn_track
     assert places[-1] == pytest.approx(early["distance"][-1] + early.grid.x[0])  # nothing beyond it
     known = np.interp(places, whole.worn_track[0], whole.worn_track[1].max(axis=1))
-    # The same records at the same places, up to the rounding of those.
+    # Equal records at equal places, up to rounding of the places.
     np.testing.assert_allclose(depth.max(axis=1), known, atol=1e-6 * known.max())
 
 

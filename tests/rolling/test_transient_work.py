@@ -45,10 +45,10 @@ def test_what_is_stored_does_not_change_what_is_computed(start, stepping):
     plain = ts.roll(rolling(15, **table))
     saved = ts.roll(rolling(15, save=SAVES, **table))
     assert saved.saved.tolist() == SAVES
-    assert worn(saved) == pytest.approx(worn(plain), rel=1e-12)  # the same steps
+    assert worn(saved) == pytest.approx(worn(plain), rel=1e-12)  # equal steps
     for name in ("step_work", "step_friction", "step_worn"):
         total = np.nansum(plain[name])
-        assert np.nansum(saved[name]) == pytest.approx(total, rel=1e-9)  # the same sum
+        assert np.nansum(saved[name]) == pytest.approx(total, rel=1e-9)  # equal sums
     at = np.searchsorted(saved["distance"], plain["distance"])
     np.testing.assert_array_equal(saved["Qx"][at][:4], plain["Qx"][:4])
     between = ~np.isfinite(saved["next_step"])

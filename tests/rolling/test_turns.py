@@ -52,8 +52,8 @@ def test_depths_of_line_contacts_in_full_slip(stepping, radius_B):
     history = ts.roll(scene)
     assert history.finished, history.message
     a_pass, ratio = 1e-8 * 0.2 * LOAD, 40.0 / radius_B
-    # Slip is the creepage and the strain of the surfaces, whose work vanishes over the contact, to
-    # the second order of 59 elements across.
+    # Slip is creepage plus strain of the surfaces; the work of the strain over the contact is zero,
+    # to the second order of 59 elements across.
     A, B = (history[f"wear_profile_{body}"][-1, 0] for body in "AB")
     assert pytest.approx(0.25 * 30 * a_pass, rel=1e-3) == A
     assert pytest.approx(0.75 * (29 * ratio + 1) * a_pass, rel=1e-3) == B
@@ -104,7 +104,7 @@ def test_swapped_bodies_come_to_the_same_state():
 
 
 def test_resumed(tmp_path):
-    """A roll that continues from the file of a shorter one is the same."""
+    """A roll that continues from the file of a shorter one equals an uninterrupted roll."""
     whole = discs(30.0, 12.0, 40, save=[0, 15, 40])
     roll = ts.roll(whole)
     path = tmp_path / "part.h5"

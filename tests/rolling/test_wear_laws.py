@@ -60,7 +60,7 @@ def test_profiles_of_the_bodies_add_up(name):
 
 
 def test_each_body_wears_by_its_own_law():
-    """Where the contact hardly changes, as each would alone."""
+    """If the contact hardly changes, each wears as it would alone."""
     one = ["wear.revolutions=1"]
     own = rolled(*LAWS["own"], *one)
     A = rolled('wear.law={A="usfd"}', *one)
@@ -98,7 +98,7 @@ def test_unequal_turns_of_bodies_with_laws_of_their_own():
     )
     history = ts.roll(scene)
     assert history.finished, history.message
-    # Slip is the creepage and the strain of the surfaces, whose work vanishes over the contact.
+    # Slip is creepage plus strain of the surfaces; the work of the strain over the contact is zero.
     A, B = (history[f"wear_profile_{body}"][-1, 0] for body in "AB")
     assert pytest.approx(30 * 1e-9 * 0.2 * 300.0, rel=1e-5) == A
     assert pytest.approx((29 * 2.0 + 1.0) * 4e-9 * 0.3 * 0.2 * 300.0, rel=1e-5) == B

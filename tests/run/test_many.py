@@ -1,4 +1,4 @@
-"""Many similar contacts: the same as one by one, labelled, and what is not valid."""
+"""Many similar contacts: equal to single solves, labelled, and invalid arguments."""
 
 import itertools
 

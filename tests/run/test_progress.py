@@ -1,4 +1,4 @@
-"""A bar is shown where somebody sees it, and taken away."""
+"""A progress bar is shown if it is visible, and removed at the end."""
 
 import io
 import math
@@ -93,7 +93,7 @@ def test_in_a_notebook_it_is_one_line_that_is_empty_at_the_end(notebook):
 
 def test_a_notebook_is_silent_where_that_is_requested(notebook, over_at_once):
     ts.roll(SCENE, progress=False)
-    ts.roll(SCENE)  # and by itself of what is over at once
+    ts.roll(SCENE)  # no bar for a short run by default
     assert notebook == []
 
 

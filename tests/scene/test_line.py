@@ -128,5 +128,5 @@ def test_approach_of_hertz():
     t = (np.arange(20000) + 0.5) * math.pi / 20000 - math.pi / 2
     integrand = hertz.p0 * np.cos(t) ** 2 * hertz.a * np.log(np.abs(np.sin(t)) * hertz.a / 25.0)
     truth = -2 / (math.pi * e_star) * integrand.mean() * math.pi
-    # At the singularity the rule misses ln 2 times half a step, 1e-5 of the whole.
+    # At the singularity the rule misses ln 2 times half a step, 1e-5 of the total.
     assert hertz.approach == pytest.approx(truth, rel=1e-4)

@@ -130,7 +130,7 @@ def notes_of(make):
 
 
 def test_a_computed_pressure_that_no_material_withstands():
-    """Of a gap whose heights are in another unit; the pressure by Hertz is plausible."""
+    """A gap with heights in another unit; the pressure by Hertz is plausible."""
     y = np.linspace(-0.9, 0.9, 121)
     gap = {"y": y, "separation": 1e-3 * np.cos(2 * np.pi * y / 0.1)}
     grid = {"half_length": (0.45, 0.8), "elements": (31, 161)}
@@ -143,7 +143,7 @@ def test_a_computed_pressure_that_no_material_withstands():
         history = ts.roll(rough)
     assert len([one for one in caught if "p_max" in str(one.message)]) == 1
     assert "p_max" in caveats(history)
-    # Once only: where the scene has a note about its load, the result needs none.
+    # Once only: if the scene has a note about its load, the result needs none.
     heavy = DISCS.replace(wear=None, **{"load.pressure": 11e3})
     assert not notes_of(lambda: ts.solve(heavy))
 

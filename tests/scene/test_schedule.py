@@ -1,4 +1,4 @@
-"""Along which coordinate a scene is solved, to which end, and where its fields are stored."""
+"""The coordinate along which a scene is solved, its end, and the places of stored fields."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The same load and the same wear, in whichever of the units that people have."""
+"""Equal loads and wear in all units of common use."""
 
 import math
 
@@ -27,7 +27,7 @@ def test_load_of_a_peak_pressure(radii):
     found = hertz(1e5, *radii, pressure=1500.0)
     again = hertz(1e5, *radii, load=found.load)
     assert found.p0 == 1500.0
-    # The same closed forms the other way round, to rounding.
+    # The closed forms reversed, to rounding.
     for name in ("a", "b", "p0", "approach"):
         assert getattr(found, name) == pytest.approx(getattr(again, name), rel=1e-13)
 

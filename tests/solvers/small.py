@@ -34,7 +34,7 @@ def tangential_problem(elements=21, slip="auto") -> Problem:
 
 
 def given_approach(problem: Problem) -> Problem:
-    """The same contact, nearly, under the approach that its load takes without tractions."""
+    """Return nearly this contact under the approach that its load takes without tractions."""
     approach = ConjugateGradients().solve(problem.normal, 1e-12).approach
     return replace(problem, normal=replace(problem.normal, load=None, approach=approach))
 

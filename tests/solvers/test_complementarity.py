@@ -1,6 +1,6 @@
 """Complementarity of dissimilar bodies: pressure only where the gap is closed, zero elsewhere.
 
-Which elements lead, slip, touch and wear follows from it; so mirror images must agree.
+It decides which elements lead, slip, touch and wear; so mirror images must agree.
 """
 
 import copy

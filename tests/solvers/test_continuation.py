@@ -30,7 +30,7 @@ NEWTON = Newton()
 
 @dataclass(frozen=True)
 class Failing:
-    """A method whose outcomes count as failed."""
+    """A method with outcomes that count as failed."""
 
     solver: Solver
 
@@ -121,7 +121,7 @@ def test_the_path_begins_in_full_slip_and_ends_at_the_problem():
 
 
 def test_a_stretch_that_fails_is_halved():
-    """Where only short stretches succeed the way takes more problems, and reports them all."""
+    """If only short stretches succeed, the path takes more problems, and reports them all."""
 
     @dataclass(frozen=True)
     class Timid:
@@ -145,7 +145,7 @@ def test_a_stretch_that_fails_is_halved():
 
 
 def test_a_force_is_bracketed_however_small_it_is():
-    """Of forces whose product is zero in floating point the signs still differ."""
+    """Forces with a product of zero in floating point still have different signs."""
 
     @dataclass(frozen=True)
     class Tiny:

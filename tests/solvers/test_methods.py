@@ -1,4 +1,4 @@
-"""All methods find the same contact, and report its true residual and cost."""
+"""All methods find one contact, and report its true residual and cost."""
 
 import numpy as np
 import pytest

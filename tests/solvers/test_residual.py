@@ -58,7 +58,7 @@ def test_contact_conditions(settings, scheme):
             field.reshape(2, -1) for field in staggered(contact, slip.reshape(2, *p.shape), gap)
         )
 
-    # Coulomb: |p~| <= p_n; no slip where it sticks, p~ = -p_n s~/|s~| where it slips.
+    # Coulomb: |p~| <= p_n; zero slip in stick, p~ = -p_n s~/|s~| in slip.
     frame = Model(scene).frame
     scaled = frame.to_scaled(contact.traction.reshape(2, -1))
     slip_scaled = frame.slip_to_scaled(opposed)
@@ -68,7 +68,7 @@ def test_contact_conditions(settings, scheme):
     assert (np.hypot(*scaled) <= bound * (1 + 1e-12)).all()
     assert np.abs(requested[:, sticking]).max(initial=0) < 1e-6 * unit
     aligned = scaled + bound * slip_scaled / np.maximum(np.hypot(*slip_scaled), 1e-300)
-    # Only where the slip is that of the centre altogether can this be reported without the solver.
+    # Without the solver this is known only for slip taken entirely at the centre.
     known = sliding & np.isfinite(opposed).all(axis=0)
     assert np.count_nonzero(known) > 0.5 * np.count_nonzero(sliding)
     assert np.abs(aligned[:, known]).max() < 1e-5 * bound.max()
@@ -87,7 +87,7 @@ def test_contact_conditions(settings, scheme):
 def staggered(contact, face, gap):
     """Slip reported, slip that must vanish in stick, and slip opposed, of the default scheme.
 
-    The last is nan where it is not that of the centre: where slip begins or ends, and at the edge.
+    The last is nan if it is not taken at the centre: at the ends of slip, and at the edge.
     """
     p = contact.pressure
     behind, ahead = (np.roll(face, k, axis=1) for k in (1, -1))
@@ -109,7 +109,7 @@ def staggered(contact, face, gap):
 
 
 NEARLY_ALIKE = ("body.B.shear=1.000001", "creepage.longitudinal=-1e-7")
-"""Spheres whose tractions are some 1e-5 of the pressure."""
+"""Spheres with tractions of some 1e-5 of the pressure."""
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
@@ -127,7 +127,8 @@ def test_tractions_that_are_tiny_against_the_pressure_are_solved_for(tolerance):
     rough = steady("spheres", *NEARLY_ALIKE, f"solver.tolerance={tolerance}", elements=41)
     close = steady("spheres", *NEARLY_ALIKE, "solver.tolerance=1e-10", elements=41)
     assert np.abs(close.traction).max() < 1e-4 * close.p_max
-    # Smooth parts of the slip are small against those of one element: a few times the residual.
+    # Smooth parts of the slip are small compared with parts of one element: a few times the
+    # residual.
     assert rough.Qx == pytest.approx(close.Qx, rel=10 * tolerance)
 
 

@@ -1,4 +1,4 @@
-"""Every solver on small problems whose dense matrices report the truth."""
+"""Every solver on small problems with known solutions from dense matrices."""
 
 from dataclasses import replace
 
@@ -100,7 +100,7 @@ def test_tangential_problem(alike, solver):
     problem = with_fixed_pressure(alike)
     outcome = solver.solve(problem, TIGHT)
     assert outcome.converged
-    # The same sums in another order: rounding over the tolerance.
+    # Equal sums in another order: rounding over the tolerance.
     assert dense_residual(problem, outcome) <= 1.01 * TIGHT
 
 
@@ -132,7 +132,7 @@ def test_prescribed_forces(alike, dissimilar, solver):
 
 @pytest.mark.parametrize("slip", ["upwind", "auto"])
 def test_fixed_pressure_is_coupled_with_the_unchanged_pressure(slip):
-    """Bodies of equal material: both blocks at once, or one after the other, are the same."""
+    """Bodies of equal material: both blocks at once and one after the other agree."""
     problem = problem_of(*ALIKE, slip=slip)
     one = Sequential(ConjugateGradients(), Newton()).solve(problem, TIGHT)
     both = Newton().solve(problem, TIGHT)

@@ -39,7 +39,7 @@ def make_stress(number, grid):
 
 
 def with_stress(record, grid=None):
-    """The same record of a scene with [subsurface]."""
+    """Return the record for a scene with [subsurface]."""
     number = record.revolution / 10
     added = {}
     for name, one in columns(STRESSED).items():
@@ -64,7 +64,7 @@ def make_values(number, revolution, names, n_y):
 
 
 def make_record(number, with_fields=False, grid=None):
-    """A record whose every value reports its number."""
+    """Return a record in which every value equals its number."""
     grid, names = grid or mesh(), columns(SCENE)
     values = make_values(number, 10 * number, names, len(grid.y))
     fields = {name: np.full(grid.elements, number + 0.1 * k) for k, name in enumerate(FIELDS)}

@@ -110,8 +110,8 @@ def test_is_rolled_on_in_the_new_format(tmp_path, name, kept):
     with h5py.File(path) as file:
         assert file.attrs["format_version"] == FORMAT_VERSION
         assert all(file["fields"][name].fletcher32 for name in FIELDS)
-    # Beside a roll of today from unworn bodies: most revolutions were worn by a former version,
-    # whose wear on so coarse a mesh was some tenths of a per cent otherwise.
+    # Compared with a roll of today from unworn bodies: a former version wore most revolutions, and
+    # its wear on so coarse a mesh differed by some tenths of a per cent.
     wanted = roll(scene)
     np.testing.assert_allclose(history["Qx"][-1], wanted["Qx"][-1], rtol=1e-4)
     np.testing.assert_allclose(history["wear_max"][-1], wanted["wear_max"][-1], rtol=1e-2)

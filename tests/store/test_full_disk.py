@@ -50,7 +50,7 @@ def assert_true(path):
 
 
 def limited(size, act, *arguments):
-    """Act where no file may be larger than `size`; whether it failed, and said so."""
+    """Act with files limited to `size`; return whether it failed with a message."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
     try:

@@ -66,7 +66,7 @@ def write_archive(path):
 
 
 def write_damaged(path, what):
-    """A file whose first bytes `what` are turned over: it opens, but does not hold together."""
+    """Write a file with the first bytes `what` inverted: it opens, but is not consistent."""
     write_hdf5(path, x=X, y=Y, separation=SEPARATION)
     whole = path.read_bytes()
     path.write_bytes(whole.replace(what, bytes(255 - byte for byte in what), 1))

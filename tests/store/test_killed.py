@@ -1,4 +1,4 @@
-"""A results file is whole whenever its writer is killed."""
+"""A results file is complete whenever its writer is killed."""
 
 import os
 import random
@@ -98,7 +98,7 @@ def test_copies_left_behind_are_removed(path, finished):
 
 
 def test_two_replacements_at_once_do_not_mix(path, finished):
-    """Each ends with a whole file, that of the one that ends last."""
+    """Each ends with a complete file, written by the one that ends last."""
     with atomic_rewrite(path) as one:
         one.attrs["run"] = "one"
         with atomic_rewrite(path) as two:

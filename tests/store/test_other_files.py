@@ -64,7 +64,7 @@ def test_gap_reads_no_other_file(tmp_path, kind, name):
 
 
 def datasets_of(path):
-    """The names of all datasets of numbers, and those of groups."""
+    """Return the names of all datasets of numbers, and of groups."""
     found = []
     with h5py.File(path) as file:
         file.visititems(lambda name, item: found.append((name, isinstance(item, h5py.Group))))
@@ -104,7 +104,7 @@ def test_results_read_no_other_file(stored, tmp_path, kind):
         before = (tmp_path / "secret.bin").read_bytes()
         with suppress(ResultsError):  # of what is not read nothing comes
             assert not any((one == SECRET).any() for one in read_all(stored))
-        # To resume it copies it whole, and would write into the other file.
+        # To resume it copies the complete file, and would write into the other file.
         with pytest.raises(ResultsError):
             HistoryWriter.reopen(stored)
         assert (tmp_path / "secret.bin").read_bytes() == before

@@ -185,7 +185,7 @@ class TestUnreadable:
 
     @pytest.mark.slow
     def test_a_lost_page_is_reported_before_rolling_continues(self, tmp_path):
-        # In a separate process, which HDF5 may end where it walks a damaged file by itself.
+        # In a separate process, which HDF5 may abort while it walks a damaged file.
         found = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
         run = subprocess.run(
             [sys.executable, __file__, tmp_path], env=found, check=False, timeout=120

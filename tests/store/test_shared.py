@@ -86,7 +86,7 @@ def test_what_another_process_has_open_for_writing_is_not_damaged(finished):
 def test_damage_is_reported_as_such(finished, tmp_path, opened, at):
     content = bytearray(finished.read_bytes())
     content[at] ^= 1
-    # In a copy, as what is open elsewhere was whole when it was opened.
+    # In a copy, as a file that is open elsewhere was complete when it was opened.
     damaged = shutil.copy(finished, tmp_path / "damaged.h5")
     other = None if opened is None else OPENINGS[opened](damaged)
     with damaged.open("rb+") as file:

@@ -11,7 +11,7 @@ IMAGE = Image(points=(3, 4, 5), origin=(-1.0, -2.0, 0.0), spacing=(1.0, 1.25, 0.
 
 
 def layers(count=5):
-    """Layers whose every value reports its place: component, x, y, z."""
+    """Yield layers in which every value encodes its place: component, x, y, z."""
     for k in range(count):
         value = 100.0 * np.arange(3)[:, None] + 10.0 * np.arange(4) + k
         stress = value + 1000.0 * np.arange(6)[:, None, None]

@@ -1,4 +1,4 @@
-"""Where a file may be written, and under what name; its mode is kept."""
+"""Folders and names under which a file may be written; its mode is retained."""
 
 import os
 import stat

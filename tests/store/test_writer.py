@@ -44,7 +44,7 @@ def test_many_records(path):
 
 
 def test_records_wait_for_a_checkpoint(path, monkeypatch):
-    """At the first record, where too many fields wait, when it is due, and at the end."""
+    """At the first record, if too many fields wait, when it is due, and at the end."""
     size = sum(one.nbytes for one in make_record(0, with_fields=True).fields.values())
     monkeypatch.setattr("tractive_sam.store.writer.PENDING_BYTES", 2 * size)
 

@@ -190,7 +190,7 @@ def test_worker_killed(programs, wanted):
 
 
 def test_scheduler_killed(programs, wanted):
-    """Its workers end with it; the client waits for others, and cases continue where they ended."""
+    """Its workers end with it; the client waits for others, and cases continue from their end."""
     scheduler = programs.scheduler()
     programs.workers(1)
     client = programs.client()
@@ -318,7 +318,7 @@ def test_only_clients_with_the_keys_are_admitted(local_cluster):
         with pytest.raises((OSError, TypeError, ValueError)):
             distributed.Client(at, timeout=2, set_as_default=False)
         # A refused client closes itself when it is collected: that must not happen while the next
-        # one starts, because both wait for the same lock.
+        # one starts, because both wait for one lock.
         gc.collect()
 
 

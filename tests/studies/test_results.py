@@ -166,7 +166,7 @@ def test_figures_over_two_axes(done, tmp_path):
 @pytest.mark.usefixtures("empty_pictures")
 def test_figures_by_default_are_of_what_varies(done, tmp_path):
     names = {path.name.partition("-")[0] for path in save_figures(done, tmp_path)}
-    assert names == {"Qx_over_P", "stick_fraction"}  # the pressure is the same everywhere
+    assert names == {"Qx_over_P", "stick_fraction"}  # the pressure is equal everywhere
 
 
 def test_figures_over_one_axis(done, tmp_path):

@@ -1,4 +1,4 @@
-"""Studies in one process: what is kept, what is run again, and what is reported of failures."""
+"""Studies in one process: stored results, repeated cases, and reports of failures."""
 
 import re
 import socket

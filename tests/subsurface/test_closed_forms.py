@@ -52,14 +52,14 @@ def sliding(grid, depth, mu):
 
 
 def test_sliding_sphere_at_second_order():
-    """The whole field of a layer, edges of the contact included."""
+    """The complete field of a layer, edges of the contact included."""
     errors = []
     for elements in (24, 48):
         grid = Grid((1.15, 1.15), (elements, elements))
         loads = tractions(cell_averages(grid, 1.0, 1.0), mu=0.4)
         layers = StressLayers(Lattice(grid.elements, grid.dx, grid.dy), loads, (NU,), (1.0,))
         errors.append([np.abs(layers.at(z)[0] - sliding(grid, z, 0.4)).max() for z in DEPTHS])
-    # 3.8 to 3.9 where the depth is several elements; 0.1 a is one element of the coarse mesh
+    # 3.8 to 3.9 at depths of several elements; 0.1 a is one element of the coarse mesh
     ratios = np.divide(*errors)
     assert (ratios[1:] > 3.7).all()
     assert ratios[0] > 2.5
@@ -117,10 +117,11 @@ def test_largest_von_mises_stress_of_the_ellipse(ratio, across):
 
 
 def test_what_the_staircase_of_a_solved_contact_does():
-    """A contact of whole elements has a ragged edge: little below, more near the surface.
+    """A contact of full elements has a ragged edge: its error is small below, larger near the
+    surface.
 
-    On the axis its error falls with the square of the element all the same, and is a quarter of
-    that of the averaged pressure; the largest errors, below the edge, fall unevenly.
+    On the axis its error still falls with the square of the element, and is a quarter of the error
+    of the averaged pressure; the largest errors, below the edge, fall unevenly.
     """
     on_axis, near_edge = [], []
     for elements in (31, 61):

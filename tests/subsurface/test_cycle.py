@@ -127,8 +127,8 @@ def test_paths_include_the_maxima_outside_the_contact(name, shallow):
     a, y = contact.half_width_x, contact.grid.y
     depths = np.array([0.0, 0.1, 0.3]) * a if shallow else cycle_depths(contact)
     rows = np.unique([y.size // 2, y.size // 3])
-    # 1e-3: the spacing of the columns. The centre of a ball moves with the spacing itself, where
-    # the radius moves with its square.
+    # 1e-3: the spacing of the columns. The centre of a ball moves with the spacing, the radius with
+    # its square.
     for criterion, rtol in (
         (ts.Crossland(0.4), 1e-3),
         (ts.Findley(0.3), 1e-3),
@@ -147,7 +147,7 @@ def test_paths_include_the_maxima_outside_the_contact(name, shallow):
 
 
 def test_mirrored_contacts_stress_mirrored_material():
-    """Also outside the contact, where blocks of elements act as point forces."""
+    """Also outside the contact: blocks of elements act as point forces there."""
     scene = PATHS["spin"].replace(friction={"mu": 0.3}, **{"load.normal": 150.0})
     crossland = {"criterion": "crossland", "sensitivity": 0.4}
     for rows in (16, 17):
@@ -174,7 +174,7 @@ def test_the_surface_changes_little_as_the_edge_crosses_an_element():
         loaded = scene.replace(grid=grid, load={"normal": larger * scene.load.normal})
         cycled = ts.fatigue(ts.solve(loaded))["A"]
         used.append(cycled.utilisation[14:27, 0] / loaded.hertz.p0)  # up to 0.4 b
-    # Of a sphere all are the same; the edge in its elements makes 1 %.
+    # For a sphere all are equal; the edge in its elements makes 1 %.
     assert np.ptp(np.log(used), axis=0).max() < 0.02
 
 
@@ -249,7 +249,7 @@ def test_the_load_life_exponents_of_lundberg_and_palmgren(name, slope, exponent,
     life = ts.VolumeLife(slope=slope)
     light = volume_life(scene, life, elements)
     heavy = scene.replace(**{"load.normal": 2.0 * scene.load.normal})
-    # The same numbers on a mesh that is as much larger: of the solver's tolerance.
+    # Equal numbers on a mesh that is larger by this factor, to the solver's tolerance.
     assert light / volume_life(heavy, life, elements) == pytest.approx(2.0**exponent, rel=1e-5)
 
 

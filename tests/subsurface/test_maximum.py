@@ -77,7 +77,7 @@ def test_frictionless_is_hertz():
     assert found.value == found.interior
     # (1 - 2 nu) / 2 below the middle of a smooth pressure, von Mises: |-(1 + 2 nu) / 2 + 1|; at
     # the edge the radial tension and the hoop compression make (1 - 2 nu) / sqrt(3).
-    # Where the edge falls within its elements makes 0.01 p0 at most.
+    # The place of the edge within its elements makes 0.01 p0 at most.
     assert found.surface / hertz.p0 == pytest.approx((1 - 2 * 0.28) / np.sqrt(3), rel=0.03)
 
 
@@ -112,8 +112,8 @@ def test_nothing_larger_in_a_fine_search(body):
     assert np.max(layers) == pytest.approx(found.interior, rel=1e-3)  # half an element off
     step = max(grid.dx, depths[k] - depths[k - 1])
     np.testing.assert_allclose(found.interior_at, (grid.x[i], grid.y[j], depths[k]), atol=step)
-    # A true maximum, found to a hundredth of its depth: no such step aside gains more than
-    # the 3e-5 to which the value is right.
+    # A true maximum, found to a hundredth of its depth: no step aside gains more than 3e-5, the
+    # accuracy of the value.
     aside = found.interior_at + 0.01 * found.interior_at[2] * np.concatenate(
         (np.eye(3), -np.eye(3))
     )
@@ -130,7 +130,8 @@ def test_strong_friction_leaves_no_maximum_inside(name, elements):
 
 
 def worn_discs(depth, half_width, *settings):
-    """Twin discs hollowed around y = 0: the pressure has a spike at either edge of the hollow."""
+    """Return twin discs hollowed around y = 0: the pressure has a spike at each edge of the
+    hollow."""
     model = Model(Scene.builtin("twin-discs-isotropic").with_set(settings))
     profile = np.maximum(0.0, depth * (1 - (model.grid.y / half_width) ** 2))
     return equilibrium(model, np.broadcast_to(profile, model.grid.elements).copy())

@@ -60,7 +60,7 @@ def test_strips_are_those_of_plane_strain():
     truth += line_shear_stress(middle, 0.0 * middle, 1.0, SHEAR, NU)
     plane = [0, 1, 2, 4]
     np.testing.assert_allclose(stress[plane][:, inside], truth[plane][:, inside], atol=1e-3)
-    # Antiplane: the same Hilbert transform without its factor 2 (1 - nu) / (1 - nu).
+    # Antiplane: this Hilbert transform without its factor 2 (1 - nu) / (1 - nu).
     np.testing.assert_allclose(stress[3, inside], -0.1 * middle[inside], atol=1e-3)
 
 

@@ -144,7 +144,7 @@ def test_nodes_are_known_by_the_contacts_of_others(requested):
 
 
 def test_full_slip_is_that_of_friction():
-    """Solved under huge creepages where there is no closed form: orthotropic, of one direction."""
+    """Solved under huge creepages without a closed form: orthotropic, of one direction."""
     requested = scene(friction={"mu": [0.3, 0.15], "angle": 30.0})
     design = ts.TableDesign(scene=requested, elements=15, tolerance=0.2)
     w = np.array([math.cos(0.4), math.sin(0.4), 0.0])
@@ -222,7 +222,7 @@ at = [0, 1000]
 @pytest.mark.slow  # some hundred contacts of each table are solved
 @pytest.mark.parametrize(("text", "name"), [(ANGLE, "angle"), (WORN, "worn")])
 def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
-    """On few nodes: the errors reported are those of points anywhere, of all values of the axis."""
+    """On few nodes: the errors reported refer to points anywhere, at all values of the axis."""
     monkeypatch.setattr(grid, "HEADINGS", 3)
     monkeypatch.setattr(grid, "TILTS", 2)
     few = Refinement(samples=2, anywhere=40, checks=40, first_u=(0.0, 0.4, 0.7, 1.0))

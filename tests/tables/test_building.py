@@ -1,4 +1,4 @@
-"""Where nodes are added, and when that ends, on laws of forces with a closed form."""
+"""Places at which nodes are added, and the end of a build, on laws with a closed form."""
 
 from functools import partial
 
@@ -20,7 +20,7 @@ RATIO = {"key": "friction.mu", "name": "mu2_over_mu1",
 
 
 def force(weights, place, w):
-    """Bends sharply where friction is used up: at other sizes of other creepages, by weights."""
+    """Return a force that bends sharply at full slip, which depends on creepages by weights."""
     w = np.asarray(w) * weights(place)
     size = np.linalg.norm(w)
     return -w / size * (1.0 - max(1.0 - 1.2 * size, 0.0) ** 2) if size > 0.0 else np.zeros(3)
@@ -67,7 +67,8 @@ def test_nodes_are_added_until_points_anywhere_are_within_the_tolerance(seed):
 
 @pytest.mark.slow
 def test_a_table_ends_when_points_that_it_has_not_seen_find_nothing():
-    """Nodes are where the points requested them: these alone would say too little of the others."""
+    """Nodes lie at points that requested them: these alone would say too little about other
+    points."""
     one = builder(orthotropic, 5e-3, 0)
     table = one.build()
     assert len(one.check_points) >= 2 * REFINEMENT.anywhere  # the first led to nodes
@@ -90,7 +91,7 @@ def test_held_out_points_leave_no_gap():
 
 
 def test_nodes_are_added_along_the_axis_that_is_to_blame():
-    """The same at all headings and tilts but for cosines: only u requires nodes."""
+    """Equal at all headings and tilts except for cosines: only u requires nodes."""
     table, off = built(lambda _: np.array([1.0, 1.0, 0.5]), 3e-3, 0)
     first = builder(None, 3e-3, 0).axes
     grown = [len(axis) > len(few) for axis, few in zip(table.law.axes, first, strict=True)]
@@ -107,7 +108,7 @@ def test_intervals_that_stay_are_judged_by_the_same_points():
 
 
 def test_tables_are_updated_without_solving_their_nodes_again():
-    """Slopes at rest and checks of gradients are solved; the other nodes are those of the file."""
+    """Slopes at rest and checks of gradients are solved; the other nodes come from the file."""
     table = builder(orthotropic, 0.05, 0).build()
     requested = []
 

@@ -142,7 +142,7 @@ def test_attributes(steel, name, value):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_names_of_axes(steel, name):
-    """Such a name would be code in C and XML: it is refused when read, designed and written."""
+    """These names would be code in C and XML: they are refused when read, designed and written."""
     with h5py.File(steel, "r+") as file:
         if name and name not in file:
             file[name] = file["poisson"][()]

@@ -53,10 +53,10 @@ def test_slopes_at_rest_are_those_of_fine_meshes(table, ratio):
 
 
 def test_slopes_at_rest_are_reciprocal_and_near_kalkers(table):
-    """C23 of the lateral force is that of the moment; Kalker's numbers have three digits."""
+    """C23 of the lateral force equals C23 of the moment; Kalker's numbers have three digits."""
     for ratio in np.geomspace(*table.ellipticity, 25):
         K = -slopes(table, ratio * (1.0 - 1e-12) if ratio > 1.0 else ratio)
-        # A tenth of a percent: two sums over the same tractions, extrapolated each by itself.
+        # A tenth of a percent: two sums over equal tractions, extrapolated separately.
         assert K[2, 1] == pytest.approx(-K[1, 2], rel=1e-3)
         k = creep_coefficients(ratio, 0.3)
         found = [K[0, 0], K[1, 1], K[1, 2], K[2, 2]]
@@ -76,12 +76,12 @@ def test_fits_find_the_limit_and_how_far_they_are_off():
         off.append(abs(limit - 4.0) / bar)
         # Without the moments the fit is several times less sure.
         assert extrapolate_slopes(meshes, values, moments[:, :0])[1] > 1.5 * bar
-    # 95 of 100 are to be within; of 200 such trials 181 to 199 are, in 998 of 1000 cases.
+    # 95 of 100 are to be within; of 200 trials 181 to 199 are, in 998 of 1000 cases.
     assert 181 <= np.sum(np.array(off) <= 1.0) <= 199
 
 
 def test_equal_moments_are_one_unknown():
-    """A circle in square elements has the same excess along x and y."""
+    """A circle in square elements has equal excesses along x and y."""
     meshes = np.arange(15, 41, 2)
     moment = np.sin(meshes) / meshes
     limit, bar = extrapolate_slopes(meshes, 2.0 + moment, np.stack([moment, moment], axis=1))
@@ -99,7 +99,8 @@ def test_finer_tables_take_finer_meshes_at_rest():
 
 
 def test_slopes_at_rest_vary_along_other_axes_as_they_do_at_the_nodes():
-    """Between a/b the slope by u at rest is that of the slopes by u alone, not of values beside."""
+    """Between a/b the slope by u at rest follows from the slopes by u alone, not from values
+    beside."""
     x, heading, tilt = np.linspace(-1.0, 1.0, 6), np.linspace(-1.5, 1.5, 5), np.linspace(0, 1.5, 4)
     u, random = np.array([0.0, 0.2, 0.5, 1.0]), np.random.default_rng(0)
     shape = (6, 5, 4, 4, 3)
@@ -113,7 +114,7 @@ def test_slopes_at_rest_vary_along_other_axes_as_they_do_at_the_nodes():
 
 
 def test_error_bars_of_gradients_contain_new_errors():
-    """Errors whose size differs by the interval and has a heavy tail."""
+    """Errors with sizes that differ by the interval and have a heavy tail."""
     random, nodes = np.random.default_rng(2), np.array([0.0, 0.1, 0.3, 0.6, 1.0])
     size = np.array([0.02, 0.1, 0.05, 0.01])
 
@@ -165,7 +166,7 @@ def test_error_bars_of_gradients_scale_and_vanish_with_them(table):
     unit = table(*w, **scaled_contact(1.5)).gradient_error
     assert found.shape == (3, 3, 2, 5)
     factor = bound * np.array([1.0, 1.0, c])[:, None] * scale
-    # Products of the same numbers, rounded in another order.
+    # Products of equal numbers, rounded in another order.
     np.testing.assert_allclose(found, unit * factor[:, :, None, None], rtol=1e-9)
     assert (table(math.inf, 0.0, 0.0, **contact).gradient_error == 0.0).all()
     mirrored = table(w[0], -w[1], -w[2], **scaled_contact(1.5)).gradient_error
@@ -173,7 +174,7 @@ def test_error_bars_of_gradients_scale_and_vanish_with_them(table):
 
 
 def test_files_from_before_gradients_were_measured(tmp_path, table):
-    """They open, give the same forces, and report that the error of gradients is unknown."""
+    """They open, give equal forces, and report that the error of gradients is unknown."""
     path = tmp_path / "old.nc"
     shutil.copy(builtin_tables()["steel"], path)
     path.chmod(0o644)

@@ -1,4 +1,4 @@
-"""Tables of creep forces: their laws, the errors that they report, and the same numbers in C."""
+"""Tables of creep forces: their laws, the errors that they report, and equal numbers in C."""
 
 import json
 import math
@@ -51,7 +51,7 @@ def test_symmetries(table):
     f, g, _ = scaled(table, w)
     mirrored, g_mirrored, _ = scaled(table, mirror * w)
     reversed_, g_reversed, _ = scaled(table, -w)
-    # Signs alone: the same numbers are looked up.
+    # Only signs differ: equal numbers are looked up.
     np.testing.assert_array_equal(mirrored, mirror * f)
     np.testing.assert_array_equal(reversed_, -f)
     np.testing.assert_allclose(g_mirrored, mirror[:, None] * g * mirror[:, 0, None], atol=1e-15)
@@ -293,7 +293,7 @@ def test_c_sources_give_the_same_numbers(table, tmp_path):
     assert found[:, 0].tolist() == [0] * number + [1, 2, 3, 4]
     found = found[:number, 1:]
     forces = np.stack([f.Qx, f.Qy, f.Mz], axis=1)
-    # The same products, rounded in another order.
+    # Equal products, rounded in another order.
     size = np.abs(forces).max(axis=0)
     np.testing.assert_allclose(found[:, :3] / size, forces / size, atol=1e-12)
     gradient = np.moveaxis(f.gradient, -1, 0).reshape(number, 9)

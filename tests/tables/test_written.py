@@ -54,7 +54,7 @@ CASES = {"any": (of_any, CONTACT | {"poisson": 0.3, "angle": 2.2}),
 
 @pytest.mark.parametrize("kind", CASES)
 def test_values_follow_slopes_anywhere(kind):
-    """Signs and headings of a whole table: the gradient is that of the values."""
+    """Signs and headings of a full table: the gradient follows from the values."""
     make, given = CASES[kind]
     table, h = make(), 1e-7
     xi = np.random.default_rng(1).normal(size=(3, 30)) * 2e-3
@@ -144,14 +144,14 @@ def points(given, number=50):
 
 
 def assert_equal(found, expected):
-    # The same products, rounded in another order.
+    # Equal products, rounded in another order.
     size = np.abs(expected).max(axis=0)
     np.testing.assert_allclose(found / size, expected / size, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", CASES)
 def test_a_single_point_is_that_of_an_array(kind):
-    """Evaluated without arrays, forces, gradient and error bars agree with those of arrays."""
+    """Without arrays, forces, gradient and error bars agree with results for arrays."""
     make, given = CASES[kind]
     table, (xi, _) = make(), points(given)
     many = table(*xi, **given)
