@@ -76,7 +76,7 @@ def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
 def wear(
     scene: Annotated[
         str,
-        typer.Argument(metavar="SCENE", help="A scene, as for run, or a results file (.h5)."),
+        typer.Argument(metavar="SCENE", help="A scene (see run), or a results file (.h5)."),
     ],
     output: Annotated[
         Path,
@@ -85,9 +85,9 @@ def wear(
     settings: Settings = None,
     resume: Resume = False,
 ) -> None:
-    """Wear the profiles of a wheel and a rail over the positions of a duty.
+    """Wear the profiles of a wheel and a rail at the positions of a duty cycle.
 
-    The results are written to wear.h5 in the folder, and the profiles beside them as files.
+    The results file wear.h5 and the files of the worn profiles are written to the output folder.
     """
     from tractive_sam import plot
     from tractive_sam.results import WornProfiles

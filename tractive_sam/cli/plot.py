@@ -71,8 +71,9 @@ Measured = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.csv",
-        help="Draw measured points, with the rms of their differences: a CSV file with the column "
-        "revolution (or distance) and further columns, for example Qx_over_P or 'worn_mass B'.",
+        help="Draw measured points and the rms of their differences from the results. The CSV "
+        "file has the column revolution (or distance) and further columns, for example "
+        "Qx_over_P or 'worn_mass B'.",
     ),
 ]
 Animated = Annotated[

@@ -66,7 +66,7 @@ def study(
     encrypted: Encrypted = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compute every case of a study that is not complete, long ones first."""
+    """Compute all incomplete cases of a study, long cases first."""
     from tractive_sam import studies
     from tractive_sam.cli.study_show import print_failures, report_versions
 

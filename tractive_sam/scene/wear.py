@@ -141,8 +141,8 @@ class Wear(LawTable):
         le=0.1,
     )
     step_depth: Positive | None = entry(
-        "largest depth of wear in an adaptive step of the profiles of wheel and rail, mm; default "
-        "0.01",
+        "largest depth that an adaptive step removes from the profiles of wheel and rail, mm; "
+        "the default is 0.01",
         default=None,
     )
     law_names: ClassVar[tuple[str, ...]] = get_args(LawName)

@@ -14,7 +14,6 @@ from pydantic import AfterValidator, BeforeValidator, Field
 from tractive_sam.rail import (
     BUILTIN,
     SUFFIXES,
-    UNITS,
     Profile,
     builtin_profile,
     place_rail,
@@ -52,7 +51,7 @@ class _ProfileTable(Table):
     """Keys for the source of a profile."""
 
     unit: _Unit | None = entry(
-        f"unit of a profile file, one of {', '.join(UNITS)}; default: unit in the file, or mm",
+        "unit of the profile file; by default, the unit in the file, or mm",
         default=None,
     )
     smoothing: Positive | None = entry(
@@ -86,7 +85,7 @@ class WheelTable(_ProfileTable):
     460.0
     """
 
-    profile: _Profile = entry("wheel profile: S1002, or a file", f"S1002, or {SUFFIXES[0]} ...")
+    profile: _Profile = entry("wheel profile: S1002, or a file", "S1002, or the path of a file")
     radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
 
     @property
@@ -108,14 +107,19 @@ class RailTable(_ProfileTable):
     40.0
     """
 
-    profile: _Profile = entry("rail profile: 60E1, UIC60-manchester, or a file", "60E1 ...")
-    inclination: Annotated[float, Field(ge=5.0)] = entry(
-        "inclination towards the track centre: 40 for 1:40, inf for none", "5 to inf", 40.0
+    profile: _Profile = entry(
+        "rail profile: 60E1, UIC60-manchester, or a file",
+        "60E1, UIC60-manchester, or the path of a file",
     )
-    gauge: Positive = entry("distance of the gauge faces, mm", default=1435.0)
+    inclination: Annotated[float, Field(ge=5.0)] = entry(
+        "inclination towards the track centre; 40 means 1:40, and inf means none",
+        "a number of at least 5, or inf",
+        40.0,
+    )
+    gauge: Positive = entry("distance between the gauge faces, mm", default=1435.0)
     passes: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] | None = entry(
-        "wheels that pass over a cross section of the rail per revolution of the wheel, for "
-        "[wear]; default 1",
+        "number of wheels that pass a cross-section of the rail per revolution of the wheel, "
+        "for [wear]; the default is 1",
         "a number of at least 0",
         default=None,
     )
@@ -153,24 +157,24 @@ class WheelsetTable(Table):
     'free'
     """
 
-    inner: Positive = entry("distance of the backs of the wheels, mm", default=1360.0)
+    inner: Positive = entry("distance between the backs of the wheels, mm", default=1360.0)
     y: Real = entry("lateral position, mm, positive to the right", default=0.0)
     yaw: Real = entry("yaw angle, mrad, clockwise from above", default=0.0, ge=-100, le=100)
     roll: _FreeOrReal = entry(
-        'roll angle, mrad, positive if the right wheel is lower; "free": both wheels rest on the '
-        "rails",
+        'roll angle, mrad, positive if the right wheel is lower; with "free", both wheels rest '
+        "on the rails",
         '"free" or a number',
         "free",
     )
-    side: Literal["right", "left"] = entry("wheel to compute", default="right")
+    side: Literal["right", "left"] = entry("wheel that is computed", default="right")
     pitch: _FreeOrReal = entry(
-        'angular velocity of the wheelset over V / radius, minus 1; "free": it rolls on the mean '
-        "rolling radius of both wheels",
+        'ratio of the angular velocity of the wheelset to V / radius, minus 1; with "free", the '
+        "wheelset rolls on the mean rolling radius of both wheels",
         '"free" or a number',
         "free",
     )
     load: Positive | None = entry("vertical force on this wheel, N", default=None)
-    normal_load: Positive | None = entry("sum of the normal forces of its patches, N", default=None)
+    normal_load: Positive | None = entry("sum of the normal forces of the patches, N", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("load", "normal_load"),)
     most_patches: ClassVar[int] = 8
     """Largest number of patches whose fields are stored."""
