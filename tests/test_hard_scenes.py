@@ -140,7 +140,7 @@ def test_contact_conditions(scene):
     assert contact.status in ("converged", "off grid"), contact.message
     assert contact.residual <= TOLERANCE
     # That reported includes forces missed. Beside it, the rounding of transforms, and of creepages
-    # that are up to 1e4 times the slip in units of which the residual counts.
+    # that are up to 1e4 times the slip, the unit of the residual.
     assert residual(contact) <= 1.001 * contact.residual + 0.02 * TOLERANCE
     p, touching = contact.pressure, contact.touching
     assert (p >= 0.0).all()

@@ -209,7 +209,7 @@ def test_friction_user_defined():
 
 @pytest.mark.slow
 def test_linear_theory_at_zero_creepage():
-    """Kalker's coefficients to 0.4 %, of which his three digits are up to 0.35 %."""
+    """Kalker's coefficients to 0.4 %, up to 0.35 % due to his three digits."""
     poisson = {"body.A.poisson": 0.25, "body.B.poisson": 0.25}
     scene = ball({"creepage.longitudinal": 0.0, **poisson}, 141, 1e-8)
     contact = ts.solve(scene, jacobian=True)

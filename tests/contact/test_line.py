@@ -159,7 +159,7 @@ def test_free_rolling_of_unlike_cylinders_with_little_friction():
 def test_the_creepage_of_free_rolling_with_little_friction(n):
     """It tends to Bentall & Johnson's as mu falls, until a jump of one element's traction counts.
 
-    There the force falls with the creepage in stairs, of which the root is a steep one.
+    There the force falls with the creepage in stairs, and its root is on a steep one.
     """
     missed = []
     for mu in (1e-2, 3e-3, 1e-3, 1e-4):

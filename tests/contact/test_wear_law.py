@@ -104,7 +104,7 @@ def test_law_of_another_direction_than_friction_at_small_creepage():
     coarse, fine = (
         section_over_work(steady("spheres", *settings, elements=n), (1e-6, 3e-6)) for n in (31, 201)
     )
-    # Of first order: what lies within an element has no direction of its own.
+    # Of first order: within an element the direction is not resolved.
     assert coarse == pytest.approx(fine, rel=0.05)
 
 

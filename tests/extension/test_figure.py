@@ -1,4 +1,5 @@
-"""A figure of another package: of its own column, saved, on the page, and of the command line."""
+"""A figure of another package: of a user-defined column, saved, on the page, and of the command
+line."""
 
 import os
 import subprocess

@@ -134,7 +134,7 @@ def test_it_rolls_and_wears():
     scene = scene.replace(subsurface=None)
     history = ts.roll(scene, laws=ts.Laws.of(scene).replace(elasticity=Winkler()))
     assert history.finished
-    # The solver's tolerance is 1e-8 of the tractions, of which the slip is a small difference.
+    # The solver's tolerance is 1e-8 of the tractions; the slip is a small difference of them.
     np.testing.assert_allclose(history.energy_balance, 1.0, rtol=1e-5)
     np.testing.assert_allclose(history.wear_balance[1:], 1.0, rtol=1e-5)
     # The most loaded part wears most, and carries less then.

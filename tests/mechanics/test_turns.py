@@ -57,7 +57,7 @@ def test_the_turns_of_the_round_body_are_counted():
 
 
 def test_swapped_bodies_gain_as_much_during_the_run():
-    """Per distance rolled, of which a revolution of A takes 2 pi R_A."""
+    """Per distance rolled; a revolution of A rolls 2 pi R_A."""
     turns = Turns.from_radii(SHARE, 30.0, 10.0)
     swapped = Turns.from_radii({"A": 0.7, "B": 0.3}, 10.0, 30.0)
     assert turns.gain / 30.0 == pytest.approx(swapped.gain / 10.0, rel=1e-14)  # rounding

@@ -274,7 +274,7 @@ def test_a_utilisation_near_the_surface_is_noted_unless_it_has_an_error_bar():
 
 
 def test_a_contact_that_grows_to_the_edges_of_a_disc_is_reported():
-    """A is wide enough for the worn contact, B for the unworn one, which has no note of its own."""
+    """A is wide enough for the worn contact, B for the unworn one, which has no note."""
     scene = ts.Scene.builtin("twin-discs").replace(
         **{"wear.revolutions": 500, "wear.save": [0, 500], "subsurface": None}
     )

@@ -315,7 +315,7 @@ def test_blocks_add_up_by_miner(tmp_path):
     jumps = ts.roll(spectrum, tmp_path / "a.h5")
     life = np.array([ts.roll(one.replace(wear=None))["fatigue_life"][0] for one in spectrum.blocks])
     miner = 1.0 / np.average(1.0 / life, axis=0, weights=[1, 3])
-    # At the worst place of all; each alone has a worst place of its own.
+    # At the worst place of all; each alone has another worst place.
     assert (jumps["fatigue_life"][0] >= miner * (1.0 - 1e-9)).all()
     assert (jumps["fatigue_life"][0] < 4.0 * life[0] * (1.0 + 1e-9)).all()
     assert (jumps["utilisation"][0] == jumps["block_utilisation"][0].max(axis=0)).all()

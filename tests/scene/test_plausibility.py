@@ -168,7 +168,7 @@ def test_a_gap_finer_than_the_mesh():
     fine = WAVE * np.cos(2 * np.pi * Y / 0.03)
     (text,) = reported(0 * X, fine)
     assert "gap" in text
-    # 201 samples over 1.8 mm, of which the mesh has 1.6; along x nothing varies.
+    # 201 samples over 1.8 mm, and a mesh of 1.6 mm; along x nothing varies.
     assert "[31, 179]" in text
     assert not reported(0 * X, WAVE * np.cos(2 * np.pi * Y / 0.8))  # resolved by the mesh
     assert not reported(0 * X, Y**2 / 100)  # a form, sampled finely

@@ -114,5 +114,5 @@ def test_a_pressure_left_on_an_open_gap_makes_no_leading_element():
     assert clean.is_admissible
     assert not unclean.is_admissible
     assert (unclean.seen.stiffness > 0.0).sum() == (clean.seen.stiffness > 0.0).sum()
-    assert unclean.residual == pytest.approx(clean.residual, abs=TOLERANCE)  # none of its own
+    assert unclean.residual == pytest.approx(clean.residual, abs=TOLERANCE)  # no separate residual
     assert unclean.within_bound(problem).is_admissible

@@ -11,7 +11,7 @@ def path(tmp_path):
 
 @pytest.fixture
 def finished(path):
-    """A finished results file of seven records, of which three have fields."""
+    """Return a finished results file of seven records, three with fields."""
     with HistoryWriter(path, SCENE, mesh()) as writer:
         for record in records(7):
             writer.append(record)

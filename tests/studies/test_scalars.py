@@ -120,9 +120,9 @@ def test_what_was_reported_done_outlives_the_process(tmp_path, computed):
     (tmp_path / "study.toml").write_text(scalars().to_toml())
     program = (
         "import os, signal, tractive_sam as ts\n"
-        "def tell(now):\n"
+        "def stop(now):\n"
         "    if now.ended == 3: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "ts.study('study.toml', 'results', workers=0, progress=tell)\n"
+        "ts.study('study.toml', 'results', workers=0, progress=stop)\n"
     )
     ended = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=False)
     assert ended.returncode == -signal.SIGKILL

@@ -1,4 +1,4 @@
-"""Tables with axes of their own and without symmetries: read, and written as C and as FMUs."""
+"""Tables with further axes and without symmetries: read, and written as C and as FMUs."""
 
 import math
 import shutil
