@@ -78,7 +78,9 @@ def read_measured(data: Data, key: str) -> Measured:
         columns = _columns_of(data)
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text in UTF-8"
-        raise FitError([Fault(f"{key}.file", shorten(data.file), f"a file: {reason}")]) from None
+        raise FitError(
+            [Fault(f"{key}.file", shorten(data.file), f"a readable file ({reason})")]
+        ) from None
     except ValueError as error:
         raise FitError(
             [Fault(f"{key}.{_source(data)}", str(error), "rows of one length")]

@@ -96,7 +96,7 @@ def _check_mesh(entries: ValidEntries) -> Iterator[Fault]:
     """Yield a fault if the scene has [accuracy], since fits need a constant mesh."""
     if entries["scene"].accuracy is not None:
         cure = "a [grid] or none: the mesh of a fit is fixed while parameters vary"
-        yield Fault("scene.accuracy", "given", cure)
+        yield Fault("scene.accuracy", "a table", cure)
 
 
 class Fit(Table):

@@ -138,7 +138,7 @@ def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
 
     low, high = -8.0, 8.0
     if excess(high) < 0.0:
-        raise ValueError(f"smoothing {smoothing:g} mm leaves a straight line; allowed: less")
+        raise ValueError(f"smoothing {smoothing:g} mm leaves a straight line; use less")
     exponent = low if excess(low) > 0.0 else scipy.optimize.brentq(excess, low, high, xtol=1e-3)
     curve = fit(exponent)
     return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)

@@ -106,9 +106,10 @@ def _check_parameters_of_law(entries: ValidEntries) -> Iterator[Fault]:
         allowed = f"{' and '.join(_FALLING)}, or {' and '.join(_POLACH)}"
         yield Fault(", ".join(polach), falling, allowed)
         return
-    for key in _POLACH if polach else _FALLING:
+    needed = _POLACH if polach else _FALLING
+    for key in needed:
         if key not in given:
-            allowed = f"{key}, which this law needs: it says to what friction falls, and how fast"
+            allowed = f"{' and '.join(needed)}: the limit at high speed, and how fast it falls"
             yield Fault(key, f'nothing, and law = "{law}"', allowed)
 
 

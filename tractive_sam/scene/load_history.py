@@ -318,7 +318,9 @@ def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[st
     given = measured if isinstance(measured, Mapping) else _read(Path(measured))
     unknown = [name for name in given if name not in _COLUMNS]
     if unknown:
-        raise SceneError([Fault(n, "a column", suggest_name(n, _COLUMNS)) for n in unknown])
+        raise SceneError(
+            [Fault(n, "an unknown column", suggest_name(n, _COLUMNS)) for n in unknown]
+        )
     try:
         columns = {name: np.asarray(values, float).ravel() for name, values in given.items()}
     except (ValueError, TypeError):

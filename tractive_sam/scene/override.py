@@ -30,7 +30,7 @@ def parse_settings(settings: Iterable[str]) -> dict[str, Any]:
     """
     pairs = [(text, *text.partition("=")) for text in settings]
     faults = [
-        Fault(shorten(text), "no key or no value", "table.key=value")
+        Fault(shorten(text), "a setting without key or value", "table.key=value")
         for text, key, equals, _ in pairs
         if not (equals and key.strip())
     ]

@@ -120,12 +120,12 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
         return
     for key in ("process", "transient", "duty"):
         if getattr(scene, key):
-            yield Fault(f"scene.{key}", "given", "none: the contact of a table is steady")
+            yield Fault(f"scene.{key}", "a table", "none: the contact of a table is steady")
     if scene.friction is None:
         yield Fault("scene.friction", "nothing", "friction, or there are no creep forces")
     for key in ("force_x", "force_y"):
         if getattr(scene.load, key) is not None:
-            yield Fault(f"scene.load.{key}", "given", "none: creepages are the axes of a table")
+            yield Fault(f"scene.load.{key}", "a value", "none: creepages are the axes of a table")
     if scene.normal_load is None:
         yield Fault("scene.load", "no normal load", "load.normal or load.pressure")
     if scene.hertz is None or scene.body.infinitely_long:
