@@ -33,7 +33,7 @@ class InProcess:
         self.seconds: list[float] = []
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
-        """See `Compute`."""
+        """Yield the answers of cases, with their numbers, as they are computed (`Compute`)."""
         for k, case in enumerate(cases):
             interrupt.raise_if_interrupted()
             began = process_time()
@@ -78,7 +78,7 @@ class InWorkers:
     _cluster: tuple[str, Any] | None = None
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
-        """See `Compute`."""
+        """Yield the answers of cases, with their numbers, as they are computed (`Compute`)."""
         known = self.here.seconds
         if not known or median(known) * len(cases) < self.worthwhile:
             yield from self.here(cases)

@@ -44,7 +44,7 @@ class StressCriterion(Law, ABC):
 
     @abstractmethod
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """Return the criterion of stresses.
+        """Return the equivalent stress of stresses (6, ...), MPa.
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ class CycleCriterion(Law, ABC):
 
     @abstractmethod
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """Return the criterion of cycles.
+        """Return the value of the criterion for stress paths, MPa.
 
         Parameters
         ----------
@@ -123,7 +123,10 @@ class VonMises(StressCriterion):
     long_name = "equivalent stress of von Mises"
 
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """See `StressCriterion`; `invariants.compute_von_mises` in one pass."""
+        """Return the equivalent stress of stresses (6, ...), MPa.
+
+        `invariants.compute_von_mises` computes it in one pass.
+        """
         # Reading and drawing results needs no compiler, which takes long to load.
         from tractive_sam.kernels import invariants  # noqa: PLC0415
 
@@ -141,7 +144,7 @@ class MaxShear(StressCriterion):
     long_name = "largest shear stress"
 
     def __call__(self, stress: np.ndarray) -> np.ndarray:
-        """See `StressCriterion`."""
+        """Return the equivalent stress of stresses (6, ...), MPa (`StressCriterion.__call__`)."""
         return max_shear(stress)
 
 

@@ -188,7 +188,10 @@ class HalfSpaces(Elasticity):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """See `Elasticity.coefficients`; integrals over an element."""
+        """Return the displacement u_A - u_B of an element per unit traction on another element.
+
+        The coefficients are integrals over an element.
+        """
         r1, xx, yy, xy, x2, y2 = _integrals_of(dx, dy).at(*offsets)
         nu, K = self.material.poisson, self.material.coupling
         match component:
@@ -284,7 +287,7 @@ class Strips(HalfSpaces):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """See `Elasticity.coefficients`; the only offset in y is 0.
+        """Return the displacement of a strip per unit traction on another; one offset in y, 0.
 
         The other columns are zero: then the transform in y treats every row separately, also in
         circulant inverses.

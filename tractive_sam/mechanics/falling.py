@@ -89,7 +89,7 @@ class Exponential(SlidingShare):
 
     @property
     def least(self) -> float:
-        """See `SlidingShare.least`."""
+        """Limit of the share at high speed (`SlidingShare.least`)."""
         return self.kinetic
 
 
@@ -101,14 +101,14 @@ class Rational(SlidingShare):
     half_speed: float
 
     def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """See `SlidingShare.at`."""
+        """Return the ratio mu(speed)/mu(0) and its derivative by the speed, s/mm."""
         denominator = 1.0 + speed / self.half_speed
         fall = (1.0 - self.kinetic) / denominator
         return self.kinetic + fall, -fall / (denominator * self.half_speed)
 
     @property
     def least(self) -> float:
-        """See `SlidingShare.least`."""
+        """Limit of the share at high speed (`SlidingShare.least`)."""
         return self.kinetic
 
 
@@ -222,23 +222,29 @@ class FallingCoulomb(Coulomb):
 
     @property
     def falls(self) -> bool:
-        """See `FrictionLaw.falls`."""
+        """Whether the bound depends on the slip; then `bound` is the largest one, at rest."""
         return self.sliding is not None and 0.0 < self.speed < np.inf
 
     def on_rows(self, y: np.ndarray) -> "FallingCoulomb":
-        """See `FrictionLaw.on_rows`."""
+        """Return the law for a mesh with rows at y, mm."""
         return self if self.lateral is None else replace(self, lateral=self.lateral.on(y))
 
     def at_speed_ratio(self, ratio: float) -> "FallingCoulomb":
-        """See `FrictionLaw.at_speed_ratio`; at infinite speed the law is constant."""
+        """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law.
+
+        At infinite speed the law is constant.
+        """
         return replace(self, speed=ratio * self.speed)
 
     def weakened(self, factor: float) -> "FallingCoulomb":
-        """See `FrictionLaw.weakened`; the factor does not apply to the strength."""
+        """Return the law with friction times a factor.
+
+        The factor does not apply to the strength.
+        """
         return self if factor == 1.0 else FallingCoulombInStep(**vars(self), factor=factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulomb":
-        """See `FrictionLaw.with_previous`.
+        """Return the law for a step after other steps.
 
         Raises
         ------
@@ -252,7 +258,7 @@ class FallingCoulomb(Coulomb):
         return FallingCoulombInStep(**vars(self), past=past) if self.memory > 0.0 else self
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """See `FrictionLaw.bound`."""
+        """Return the radius of the disc that contains the scaled traction (`FrictionLaw.bound`)."""
         share = 1.0
         if self.sliding is not None and np.isinf(self.speed):
             share = self.sliding.least
@@ -261,7 +267,7 @@ class FallingCoulomb(Coulomb):
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """See `FrictionLaw.bound_sliding`."""
+        """Return the bound under a slip, with its `Slope`, for a law that `falls`."""
         assert self.sliding is not None  # as the law falls
         size = np.hypot(*slip)
         share, by_speed = self.sliding.at(self.speed * size)
@@ -385,15 +391,18 @@ class FallingCoulombInStep(FallingCoulomb):
     past: PreviousShare | None = None
 
     def weakened(self, factor: float) -> "FallingCoulombInStep":
-        """See `FallingCoulomb.weakened`."""
+        """Return the law with friction times a factor (`FallingCoulomb.weakened`)."""
         return replace(self, factor=factor * self.factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulombInStep":
-        """See `FallingCoulomb.with_previous`."""
+        """Return the law for a step after other steps (`FallingCoulomb.with_previous`)."""
         return replace(self, past=past)
 
     def friction_factor(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
-        """See `FallingCoulomb.friction_factor`; the distance of the step replaces the length."""
+        """Return the coefficients under a slip over those at rest, shape (n_x, n_y).
+
+        The distance of the step replaces the length.
+        """
         return super().friction_factor(
             pressure, slip, length if self.past is None else self.past.distance
         )
@@ -408,7 +417,10 @@ class FallingCoulombInStep(FallingCoulomb):
         y: np.ndarray,
         second: bool,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """See `FallingCoulomb`; each particle continues from its share before the step."""
+        """Return the share with memory, its derivative by the speed, and by the share ahead.
+
+        Each particle continues from its share before the step.
+        """
         past = self.past
         if past is None:
             return super()._with_memory(pressure, size, target, by_speed, x, y, second)
@@ -423,5 +435,5 @@ class FallingCoulombInStep(FallingCoulomb):
     def _capped(
         self, pressure: np.ndarray, share: np.ndarray, factor: np.ndarray | float
     ) -> tuple[Bound, np.ndarray]:
-        """See `FallingCoulomb._capped`."""
+        """Return the bound of a share and a factor, and its derivative by the share."""
         return super()._capped(pressure, share, self.factor * factor)

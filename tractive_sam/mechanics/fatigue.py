@@ -69,7 +69,7 @@ class DangVan(CycleCriterion):
     path_error = 4e-3  # the centre of the ball changes with the first power of the spacing
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """See `CycleCriterion`."""
+        """Return the value of the criterion for stress paths, MPa (`CycleCriterion.__call__`)."""
         return self.and_radius(cycle)[0]
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +106,7 @@ class Crossland(CycleCriterion):
     long_name = "equivalent shear stress of Crossland"
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """See `CycleCriterion`."""
+        """Return the value of the criterion for stress paths, MPa (`CycleCriterion.__call__`)."""
         return self.and_radius(cycle)[0]
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -148,7 +148,7 @@ class Findley(CycleCriterion):
     long_name = "equivalent shear stress of Findley"
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """See `CycleCriterion`."""
+        """Return the value of the criterion for stress paths, MPa (`CycleCriterion.__call__`)."""
         return _apply_kernel(critical_plane.critical_plane, cycle, self.sensitivity, 0.0)[0]
 
 
@@ -179,7 +179,7 @@ class FatemiSocie(CycleCriterion):
     long_name = "equivalent shear stress of Fatemi and Socie"
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """See `CycleCriterion`."""
+        """Return the value of the criterion for stress paths, MPa (`CycleCriterion.__call__`)."""
         each = self.sensitivity / self.yield_strength
         return _apply_kernel(critical_plane.critical_plane, cycle, 0.0, each)[0]
 
@@ -204,7 +204,7 @@ class OrthogonalShear(CycleCriterion):
     long_name = "amplitude of the orthogonal shear stress"
 
     def __call__(self, cycle: np.ndarray) -> np.ndarray:
-        """See `CycleCriterion`."""
+        """Return the value of the criterion for stress paths, MPa (`CycleCriterion.__call__`)."""
         return 0.5 * np.ptp(check_cycles(cycle)[4], axis=0)
 
 

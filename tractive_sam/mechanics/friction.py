@@ -301,25 +301,25 @@ class ScaledFriction(FrictionLaw):
 
     @property
     def falls(self) -> bool:
-        """See `FrictionLaw.falls`."""
+        """Whether the bound depends on the slip; then `bound` is the largest one, at rest."""
         return self.law.falls
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """See `FrictionLaw.bound`."""
+        """Return the radius of the disc that contains the scaled traction (`FrictionLaw.bound`)."""
         return self._scaled(self.law.bound(pressure, x, y))
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """See `FrictionLaw.bound_sliding`."""
+        """Return the bound under a slip, with its `Slope`, for a law that `falls`."""
         return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
 
     def on_rows(self, y: np.ndarray) -> "ScaledFriction":
-        """See `FrictionLaw.on_rows`."""
+        """Return the law for a mesh with rows at y, mm."""
         return replace(self, law=self.law.on_rows(y))
 
     def at_speed_ratio(self, ratio: float) -> "ScaledFriction":
-        """See `FrictionLaw.at_speed_ratio`."""
+        """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law."""
         return replace(self, law=self.law.at_speed_ratio(ratio))
 
     def _scaled(self, bound: Bound) -> Bound:

@@ -37,18 +37,24 @@ class InterfacialLayer(Elasticity):
 
     @property
     def coupled(self) -> bool:
-        """See `Elasticity.coupled`; as for the bodies."""
+        """Whether pressure causes tangential displacement, and traction normal displacement.
+
+        The layer does not change it.
+        """
         return self.bodies.coupled
 
     @property
     def layer(self) -> float:
-        """See `Elasticity.layer`."""
+        """Shear compliance of an interfacial layer between the surfaces, mm/MPa; default 0."""
         return self.compliance
 
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """See `Elasticity.coefficients`; a traction shears only the layer at its own element."""
+        """Return the displacement u_A - u_B of an element per unit traction on another element.
+
+        A traction shears only the layer at its own element.
+        """
         table = self.bodies.coefficients(component, offsets, dx, dy)
         if component in ("xx", "yy"):
             table = table.copy()
@@ -56,21 +62,24 @@ class InterfacialLayer(Elasticity):
         return table
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """See `Elasticity.gap_per_pressure`."""
+        """Return the unit of gaps over the unit of pressures, with which both have like size."""
         return self.bodies.gap_per_pressure(length, dx, dy)
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """See `Elasticity.slip_per_traction`."""
+        """Return the unit of slips over the unit of tractions, 1/MPa."""
         return self.bodies.slip_per_traction(dx, dy) + self.compliance / dx
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """See `Elasticity.opening`; there is no layer outside the contact."""
+        """Return the displacement by traction over that by pressure, just ahead of a contact edge.
+
+        There is no layer outside the contact.
+        """
         return self.bodies.opening(normal, dx, dy)
 
     def spanning(self, length: float) -> "InterfacialLayer":
-        """See `Elasticity.spanning`."""
+        """Return the law for a mesh of a length in x, mm."""
         return InterfacialLayer(self.bodies.spanning(length), self.compliance)
 
     def single_body(self, body: str) -> Elasticity:
-        """See `Elasticity.single_body`."""
+        """Return one body, "A" or "B", against a rigid body, for the stress in it."""
         return self.bodies.single_body(body)

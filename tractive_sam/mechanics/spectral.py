@@ -75,7 +75,7 @@ class SpectralHalfSpaces(HalfSpaces):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """See `Elasticity.coefficients`."""
+        """Return the displacement u_A - u_B of an element per unit traction on another element."""
         below = HalfSpaces(self.A, self.B)
         if self.spectrum(component, np.ones((1, 1)), np.ones((1, 1))) is None:
             return below.coefficients(component, offsets, dx, dy)

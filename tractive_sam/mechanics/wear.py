@@ -167,7 +167,10 @@ class Archard(WearLaw):
     angle: float
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`; independent of the traction."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+
+        It does not depend on the traction.
+        """
         return pressure * Frame(self.intensity, self.angle).dual_norm(slip)
 
 
@@ -187,17 +190,17 @@ class TemperatureScaledWear(WearLaw):
     factor: np.ndarray
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
         return self.factor * self.law.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa."""
         return self.factor * self.law.per_load(pressure, traction, slip)
 
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """See `WearLaw.shares`."""
+        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None."""
         return self.law.shares(pressure, traction, slip)
 
 
@@ -306,7 +309,7 @@ class ArchardByWork(WearLaw):
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
     def with_friction(self, friction: FrictionLaw) -> "ArchardByWork":
-        """See `WearLaw.with_friction`."""
+        """Return the law with another friction law."""
         if self.friction is None or not isinstance(friction, FallingCoulomb):
             return self
         return replace(self, friction=friction)

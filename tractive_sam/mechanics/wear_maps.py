@@ -44,7 +44,7 @@ class TGammaPerArea(WearLaw):
     recorded_name = "ByWork"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
         work = frictional_work(traction, slip)
         per_mass = PER_MASS / self.density
         if not self.total:
@@ -53,7 +53,10 @@ class TGammaPerArea(WearLaw):
         return per_mass * self.regimes.at(mean) / mean * work if mean else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`; at constant load T-gamma of the contact hardly changes."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+
+        At constant load T-gamma of the contact hardly changes.
+        """
         touching = pressure > 0.0
         each = np.where(touching, pressure, 1.0)
         if self.total:
@@ -63,7 +66,7 @@ class TGammaPerArea(WearLaw):
         return np.where(touching, slope * work / each, 0.0)
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """See `WearLaw.beyond_tests`."""
+        """Describe conditions beyond the tests of the coefficients; empty if within."""
         work = frictional_work(traction, slip)
         largest = _mean(work, pressure) if self.total else float(work.max())
         if largest <= self.regimes.tested:
@@ -92,17 +95,20 @@ class TGammaTotal(WearLaw):
     recorded_name = "ByTotal"
 
     def on(self, element_area: float) -> "TGammaTotal":
-        """See `WearLaw.on`."""
+        """Return the law for elements of an area, mm² (`WearLaw.on`)."""
         return replace(self, element_area=element_area)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
         work = frictional_work(traction, slip)
         total = float(work.sum()) * self.element_area
         return PER_SECTION * self.regimes.at(total) / total * work if total else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`; at constant load T-gamma of the contact hardly changes."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+
+        At constant load T-gamma of the contact hardly changes.
+        """
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
 
@@ -134,7 +140,7 @@ class WearMap(WearLaw):
     recorded_name = "ByChart"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
         unit = ArchardByWork((1.0 / self.hardness,) * 2, self.mu, self.angle)
         sliding = self.speed * np.hypot(*slip)
         k = wear.chart(
@@ -143,12 +149,15 @@ class WearMap(WearLaw):
         return k * unit.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`, within the regime of each element."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+
+        The regime of each element is assumed not to change.
+        """
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
 
     def weakened(self, factor: float) -> "WearMap":
-        """See `WearLaw.weakened`."""
+        """Return the law with friction times a factor (`WearLaw.weakened`)."""
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
 
@@ -186,15 +195,18 @@ class PerBody(WearLaw):
         )
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.rate`."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
         return self._of_bodies("rate", pressure, traction, slip).sum(axis=0)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.per_load`."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa."""
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """See `WearLaw.shares`; rows without wear have the shares of the contact."""
+        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
+
+        Rows without wear have the shares of the contact.
+        """
         each = self._of_bodies("rate", pressure, traction, slip).sum(axis=1)
         total = each.sum(axis=1)
         share = total / total.sum() if total.sum() > 0.0 else np.full(2, 0.5)
@@ -209,19 +221,22 @@ class PerBody(WearLaw):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """See `WearLaw.rates`; each body has its law, and `share` is not used."""
+        """Return the rate of each body, shape (2, n_x, n_y).
+
+        Each body has its law; `share` is not used.
+        """
         return self._of_bodies("rate", pressure, traction, slip)
 
     def on(self, element_area: float) -> "PerBody":
-        """See `WearLaw.on`."""
+        """Return the law for elements of an area, mm² (`WearLaw.on`)."""
         return self.map_laws(lambda law: law.on(element_area))
 
     def weakened(self, factor: float) -> "PerBody":
-        """See `WearLaw.weakened`."""
+        """Return the law with friction times a factor (`WearLaw.weakened`)."""
         return self.map_laws(lambda law: law.weakened(factor))
 
     def with_friction(self, friction: FrictionLaw) -> "PerBody":
-        """See `WearLaw.with_friction`."""
+        """Return the law with another friction law."""
         return self.map_laws(lambda law: law.with_friction(friction))
 
     def under(self, conditions: WearConditions) -> "PerBody":
@@ -229,7 +244,7 @@ class PerBody(WearLaw):
         return self.map_laws(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """See `WearLaw.beyond_tests`."""
+        """Describe conditions beyond the tests of the coefficients; empty if within."""
         texts = {
             name: law.beyond_tests(pressure, traction, slip)
             for name, law in (("A", self.A), ("B", self.B))

@@ -120,21 +120,21 @@ class SteadyRolling(Kinematics):
     joint = False
 
     def tangential(self, operators: Operators) -> Convolution:
-        """See `Kinematics.tangential`."""
+        """Return the map from tractions to slip (`Kinematics.tangential`)."""
         return operators.slip
 
     def coupled(self, operators: Operators) -> Convolution:
-        """See `Kinematics.coupled`."""
+        """Return the map from pressure and tractions to gap and slip (`Kinematics.coupled`)."""
         return operators.coupled
 
     def self_influence(self, operators: Operators) -> Entries:
-        """See `Kinematics.self_influence`."""
+        """Return the slip of an element due to its traction (`Kinematics.self_influence`)."""
         return operators.self_influence
 
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """See `Kinematics.friction_slip`."""
+        """Return the slip that the friction law sees under a pressure and a gap, (n_x, n_y)."""
         lattice, stencil = operators.lattice, self.stencil
         leading = stencil.leading(pressure, gap)
         seen = stencil.staggered, pressure, gap, leading, (leading[0] + 1, leading[1])
@@ -144,7 +144,10 @@ class SteadyRolling(Kinematics):
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
-        """See `Kinematics.approximate_inverse`: the upwind sweep."""
+        """Return the map from rows of a friction law to tractions that nearly have these rows.
+
+        The map is the upwind sweep.
+        """
         return partial(
             law.approximate_inverse,
             inverse=operators.tangential_inverse,
@@ -175,21 +178,24 @@ class RollingStep(Kinematics):
     joint = True
 
     def tangential(self, operators: Operators) -> Convolution:
-        """See `Kinematics.tangential`."""
+        """Return the map from tractions to slip (`Kinematics.tangential`)."""
         return operators.tangential
 
     def coupled(self, operators: Operators) -> Convolution:
-        """See `Kinematics.coupled`."""
+        """Return the map from pressure and tractions to gap and slip (`Kinematics.coupled`)."""
         return operators.coupled_displacement
 
     def self_influence(self, operators: Operators) -> Entries:
-        """See `Kinematics.self_influence`."""
+        """Return the slip of an element due to its traction (`Kinematics.self_influence`)."""
         return operators.self_displacement
 
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """See `Kinematics.friction_slip`: the gap that has closed is `entering`."""
+        """Return the slip that the friction law sees under a pressure and a gap, (n_x, n_y).
+
+        The gap that has closed is `entering`.
+        """
         lattice = operators.lattice
         i, j = np.nonzero((pressure > 0.0) & (self.entering > 0.0))
         back = min(self.length, 1.0) if self.stencil.staggered else 0.0
@@ -199,7 +205,10 @@ class RollingStep(Kinematics):
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
-        """See `Kinematics.approximate_inverse`: the circulant inverse beside the local terms."""
+        """Return the map from rows of a friction law to tractions that nearly have these rows.
+
+        The map combines the circulant inverse with the local terms.
+        """
         found = law.inverse_of_step(operators.self_displacement, stiffness)
         return partial(found, inverse=operators.tangential_inverse)
 
@@ -214,14 +223,17 @@ class RollingStep(Kinematics):
         return self.far / (max(along, self.far) * max(first, second))
 
     def slip_scale(self, block: int) -> float:
-        """See `Kinematics.slip_scale`: the unit of slip includes the length of an element."""
+        """Return slip on elements that are `block` times as long over that on these.
+
+        The unit of slip includes the length of an element.
+        """
         return 1.0 / block
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """See `Kinematics.coarsened`."""
+        """Return the kinematics on elements that are made of a block each."""
         entering = block_mean(self.entering, block, "edge")
         return replace(self, entering=entering, length=self.length / block[0])
 
     def within(self, box: Box) -> Self:
-        """See `Kinematics.within`."""
+        """Return the kinematics on a rectangle of the mesh (`Kinematics.within`)."""
         return replace(self, entering=self.entering[box])

@@ -83,7 +83,7 @@ class WholeConvolution:
     def __call__(
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
-        """See `Convolver`."""
+        """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
         spectrum = self._transform.forward(fields)
         product(kernels[0], spectrum.reshape(len(spectrum), -1))
         return self._transform.backward().copy()
@@ -203,7 +203,7 @@ class TiledConvolution:
     def __call__(
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
-        """See `Convolver`."""
+        """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
         for _ in ("forward", "backward"):
             count_transform(self._fields, self._padded)
         out = np.empty(fields.shape, fields.dtype)

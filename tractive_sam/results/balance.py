@@ -94,7 +94,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def energy(self) -> np.ndarray:
-        """See `SteadyBalance.energy`."""
+        """Dissipated over supplied work for each record, shape (n,) (`SteadyBalance.energy`)."""
         history = self.history
         stored, supplied = history["elastic_energy"], history["step_work"]
         gained = np.diff(stored, prepend=np.nan)
@@ -103,7 +103,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def wear(self) -> np.ndarray:
-        """See `SteadyBalance.wear`."""
+        """Wear over the wear that the work of friction causes, for each record, shape (n,)."""
         history = self.history
         if "step_worn" not in history.columns:
             return np.full(len(history), np.nan)
@@ -125,12 +125,12 @@ class StepBalance(SteadyBalance):
 
     @property
     def energy_cure(self) -> str:
-        """See `SteadyBalance.energy_cure`."""
+        """Possible reason of an error of the energy balance, as text."""
         return "; material leaves the mesh under load: use a longer grid.half_length"
 
     @property
     def wear_cure(self) -> str:
-        """See `SteadyBalance.wear_cure`."""
+        """Remedy for an error of the wear balance, as text (`SteadyBalance.wear_cure`)."""
         scene = self.history.scene
         if scene.schedule.shifts:
             return "a shorter transient.step brings"

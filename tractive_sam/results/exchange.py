@@ -54,7 +54,7 @@ def numbers(history: Recorded) -> dict[str, np.ndarray]:
 
 
 def to_dataset(history: Recorded) -> "xarray.Dataset":
-    """See `History.to_xarray`."""
+    """Return the columns of a history as an xarray Dataset (`History.to_xarray`)."""
 
     def about(quantity: Quantity) -> dict[str, str]:
         return {"units": quantity.unit, "long_name": quantity.long_name}

@@ -99,11 +99,14 @@ class Stops:
         return error <= 1.0
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """See `ErrorControl.shorter`."""
+        """Return the trial after one that was refused for its error (given over the tolerance)."""
         return self.control.shorter(step, error)
 
     def next(self, step: Trial, error: float) -> float:
-        """See `ErrorControl.next`; after a step cut short by a stop, its wish counts again."""
+        """Return the length of the next step, after one was accepted; no longer after a refusal.
+
+        After a step cut short by a stop, its wish counts again.
+        """
         after = self.control.next(step, error)
         return max(after, step.wish) if step.length < step.wish else after
 

@@ -58,7 +58,7 @@ class Damage(Observer):
     bodies: Mapping[str, BodyDamage] = field(default_factory=dict)
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """See `Observer.describe`."""
+        """Return the rows that `explain` prints for it (`Observer.describe`)."""
         laws, table = model.laws, model.scene.fatigue
         yield Row("records", "all; fields over (y, depth) with the stored fields")
         if table.limit is None:
@@ -76,7 +76,10 @@ class Damage(Observer):
             yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
 
     def begin(self, passage: Passage, model: Model) -> "Damage":
-        """See `Observer.begin`: undamaged bodies in their first pass."""
+        """Return the observer after the first step; `step.observed` has the observers before it.
+
+        The bodies are undamaged and make their first pass.
+        """
         longest = max(passage.contacts, key=lambda contact: semi_axes(contact)[0])
         turns, bodies = passage.turns[0], {}
         for body, (cycle, used) in _cycle_fatigue(passage, model, cycle_depths(longest)).items():
@@ -88,7 +91,10 @@ class Damage(Observer):
         return Damage(passage.revolution, passage.revolution, bodies)
 
     def after(self, passage: Passage, model: Model) -> "Damage":
-        """See `Observer.after`: after the passes up to a later one."""
+        """Return the observer after a later step, which may be on a wider mesh.
+
+        It adds the passes up to that step.
+        """
         before = {body: widen_body(damage, passage.grid.y) for body, damage in self.bodies.items()}
         depths = next(iter(before.values())).fatigue.depth  # common to both bodies
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
@@ -101,12 +107,18 @@ class Damage(Observer):
         return Damage(passage.revolution, self.revolution, bodies)
 
     def missed(self, model: Model) -> float:
-        """See `Observer.missed`: the error of the largest damage by the last jump."""
+        """Return the error of the last step over the error that the scene tolerates.
+
+        This is the error of the largest damage by the last jump.
+        """
         largest = max(damage.missed for damage in self.bodies.values())
         return largest / (self.share_of_jump * model.scene.fatigue.tolerance)
 
     def remark(self, model: Model) -> str:
-        """See `Observer.remark`: stress above shakedown, and lives that depend on the mesh."""
+        """Return an addition to the message of a history; it begins with a semicolon.
+
+        It warns of stress above shakedown, and of lives that depend on the mesh.
+        """
         law = model.laws.volume
         tops = {} if law is None else surface_density_ratios(self.bodies, model, law)
         shallow = [body for body, top in tops.items() if top > AT_TOP]
@@ -120,12 +132,12 @@ class Damage(Observer):
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """See `Observer.cycles`."""
+        """Fatigue of the bodies, to be stored with the fields (`Observer.cycles`)."""
         return tuple(damage.fatigue for damage in self.bodies.values())
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """See `Observer.state`."""
+        """Arrays to resume from, by name; each has at least one dimension (`Observer.state`)."""
         return {
             f"{name}_{body}": values
             for body, damage in self.bodies.items()
@@ -140,7 +152,10 @@ class Damage(Observer):
         }
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """See `Observer.record`; error bars of jumps and of the mesh are added."""
+        """Return the values of its columns, given the values recorded from the contact.
+
+        Error bars of jumps and of the mesh are added.
+        """
         columns = fatigue_columns(self.bodies, model)
         of_mesh = ("damage", "utilisation", "stressed_volume")  # they give those of other columns
         bars = {name: recorded.get(f"{name}_error") for name in of_mesh}
@@ -159,14 +174,14 @@ class Damage(Observer):
         return columns
 
     def record_block(self, block: int) -> dict[str, Any]:
-        """See `Observer.record_block`."""
+        """Return the values of the columns that exist for each block of a duty cycle."""
         each = self.bodies.items()
         return utilisation_columns(
             {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
         )
 
     def restore(self, passage: Passage, stored: StoredStep) -> "Damage":
-        """See `Observer.restore`."""
+        """Return the observer after a stored step (`Observer.restore`)."""
         history, row, state = stored.history, stored.row, stored.state_of(self)
         unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
         by_body = history.values.get("initiation", unknown)[row]

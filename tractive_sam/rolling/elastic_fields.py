@@ -44,24 +44,24 @@ class ElasticFields(Observer):
     )
 
     def begin(self, step: Any, model: Model) -> Self:
-        """See `Observer.begin`."""
+        """Return the observer after the first step; `step.observed` has the observers before it."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> Self:
-        """See `Observer.after`."""
+        """Return the observer after a later step, which may be on a wider mesh."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def restore(self, step: Any, stored: Any) -> Self:
-        """See `Observer.restore`."""
+        """Return the observer after a stored step (`Observer.restore`)."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """See `Observer.record`."""
+        """Return the values of its columns, given the values recorded from the contact."""
         each = zip(self.weights, self.contacts, strict=True)
         return {"stored_energy": sum(w * elastic_energy(contact) for w, contact in each if w)}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
-        """See `Observer.record_fields`."""
+        """Return the values of `fields` in the contact of a block, each of shape (n_x, n_y)."""
         return {
             f"displacement_{axis}_{body}": values
             for body in BODIES

@@ -55,11 +55,14 @@ class TransientHeat(Observer):
     past: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def bytes_needed(self, model: Model) -> float:
-        """See `Observer.bytes_needed`: fields of both bodies before, after and during a step."""
+        """Return the memory that it takes in addition to its stored records, bytes.
+
+        It counts fields of both bodies before, after and during a step.
+        """
         return 8.0 * 3 * sum(math.prod(memory.shape) for memory in heat_memories(model).values())
 
     def begin(self, step: Any, model: Model) -> "TransientHeat":
-        """See `Observer.begin`.
+        """Return the observer after the first step; `step.observed` has the observers before it.
 
         A contact that rolled steadily has its steady temperature. Other bodies have their bulk
         temperature, and in contact the temperature of two half-spaces put together.
@@ -69,7 +72,7 @@ class TransientHeat(Observer):
         return first._after_shift(step.result, model) if step.result.shifted else first
 
     def after(self, step: Any, model: Model) -> "TransientHeat":
-        """See `Observer.after`."""
+        """Return the observer after a later step, which may be on a wider mesh."""
         memories = heat_memories(model)
         adopted = replace(self, past=_per_body(memories, HeatMemory.adopt, self.past))
         if step.result.shifted:
@@ -100,7 +103,7 @@ class TransientHeat(Observer):
         return replace(self, heat=heat, past=past)
 
     def restore(self, step: Any, stored: Any) -> "TransientHeat":
-        """See `Observer.restore`."""
+        """Return the observer after a stored step (`Observer.restore`)."""
         state, contact = stored.state_of(self), step.result.contact
         past = {body: state[body] for body in BODIES}
         temperature = state["temperature"]
@@ -112,12 +115,18 @@ class TransientHeat(Observer):
         return TransientHeat(FlashTemperature(contact.grid, contact.touching, warmth, none), past)
 
     def complete(self, contact: State, block: int) -> State:
-        """See `Observer.complete`: its columns and fields of temperature read this heat."""
+        """Return the contact of a block to record, completed by results of the observer.
+
+        Its columns and fields of temperature read this heat.
+        """
         return replace(contact, heat=self.heat)
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """See `Observer.state`; fields of the past have a margin around the mesh."""
+        """Arrays to resume from, by name; each has at least one dimension.
+
+        Fields of the past have a margin around the mesh.
+        """
         heat = self.heat
         if heat is None:
             return {}

@@ -116,7 +116,7 @@ class Moment(Step):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """See `Step.own_state`."""
+        """Arrays to continue from in addition to the fields of the contacts, by name."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
         state = {
@@ -129,7 +129,7 @@ class Moment(Step):
         return state
 
     def record(self, block: int | None = None) -> StepRecord:
-        """See `Step.record`."""
+        """Return the part of the record that the step, or one of its blocks, provides."""
         course, contact = Courses(self.contact.scene), self.contact
         step = self.result.since(self.earlier)
         distance = step.distance

@@ -113,7 +113,7 @@ class Passage(Step):
         return self.revolution
 
     def record(self, block: int | None = None) -> StepRecord:
-        """See `Step.record`."""
+        """Return the part of the record that the step, or one of its blocks, provides."""
         contact = self.contact if block is None else self.contacts[block]
         contact = replace(contact, revolution=self.revolution)
         # The adaptive stepping has corrected the profile with which the material enters.

@@ -80,36 +80,39 @@ class WornStep(Step):
 
     @property
     def place(self) -> int:
-        """See `Step.place`."""
+        """Value of the coordinate (`Step.place`)."""
         return self.revolution
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """See `Step.weights`."""
+        """Share of each contact in the step (`Step.weights`)."""
         return tuple(position.share for position in self.positions)
 
     @property
     def contact(self) -> State:
-        """See `Step.contact`."""
+        """The contact that determines how the step ended (`Step.contact`)."""
         return next((one for one in self.contacts if not one.converged), self.contacts[0])
 
     @property
     def grid(self) -> Grid:
-        """See `Step.grid`."""
+        """The mesh of all blocks (`Step.grid`)."""
         return self.mesh
 
     @property
     def off_grid(self) -> bool:
-        """See `Step.off_grid`: the mesh of each contact has grown with it."""
+        """Whether the contact has reached the edge of the mesh.
+
+        The mesh of each contact has grown with it.
+        """
         return False
 
     def on(self, grid: Grid) -> WornStep:
-        """See `Step.on`."""
+        """Return the step on a wider mesh of equal elements (`Step.on`)."""
         raise ValueError("the contacts of worn profiles have separate meshes")
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """See `Step.own_state`."""
+        """Arrays to continue from in addition to the fields of the contacts, by name."""
         return {
             f"position{k}_{name}": array
             for k, position in enumerate(self.positions)
@@ -117,7 +120,7 @@ class WornStep(Step):
         }
 
     def record(self, block: int | None = None) -> StepRecord:
-        """See `Step.record`."""
+        """Return the part of the record that the step, or one of its blocks, provides."""
         position = self.positions[block or 0]
         return StepRecord(position.contact, dict(position.values), may_store=False)
 
@@ -130,12 +133,12 @@ class ProfileWear(Process[WornStep]):
     """Relative error of the load that the patches of a wheel carry together."""
 
     def begin(self) -> WornStep:
-        """See `Process.begin`."""
+        """Return the first step (`Process.begin`)."""
         wheel, rail = self._nodes
         return self._step(0, (np.zeros(wheel.size), np.zeros(rail.size)), {})
 
     def advance(self, last: WornStep) -> Iterator[WornStep]:
-        """See `Process.advance`."""
+        """Yield the steps after one, to the end or to a contact that is not solved."""
         while last.jump:
             depths = last.depths[0] + last.change[0], last.depths[1] + last.change[1]
             starts = {k: position.start for k, position in enumerate(last.positions)}
@@ -143,11 +146,17 @@ class ProfileWear(Process[WornStep]):
             yield last
 
     def state(self, step: WornStep) -> dict[str, np.ndarray]:
-        """See `Process.state`: without fields, which belong to separate meshes."""
+        """Return all arrays to continue from after a step, by name.
+
+        Fields are left out: they belong to separate meshes.
+        """
         return self._state_besides_fields(step)
 
     def record(self, step: WornStep, recorder: Recorder) -> Record:
-        """See `Process.record`: without fields; with [[duty]] combined from the positions."""
+        """Return the record of a step.
+
+        It has no fields; with [[duty]] it is combined from the positions.
+        """
         scene, spectrum = self.model.scene, self.model.scene.spectrum
         observers = self._recording(step)
         own = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
@@ -185,7 +194,7 @@ class ProfileWear(Process[WornStep]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> WornStep:
-        """See `Process.restore`."""
+        """Return the step of a stored record; `adopt` completes it with its model."""
         history, row = stored.history, stored.row
         depths = history["wheel_wear"][row], history["rail_wear"][row]
         stored.require(("wheel_wear", "rail_wear"))
@@ -210,7 +219,10 @@ class ProfileWear(Process[WornStep]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """See `Process.expected_records`: about, if all of the load slides and nothing moves."""
+        """Return the number of records for an element size dx, mm; about, for adaptive steps.
+
+        The number is an estimate for a contact that slides entirely and does not move.
+        """
         schedule = scene.schedule
         if not schedule.adaptive:
             return 1 + int(len(schedule.stops) if schedule.fixed else schedule.end)

@@ -36,16 +36,19 @@ class Revolutions(Process[Passage]):
     observers = (Damage,)
 
     def begin(self) -> Passage:
-        """See `Process.begin`: revolution zero, the bodies before rolling."""
+        """Return the first step.
+
+        It is revolution zero, the bodies before rolling.
+        """
         return first_passage(self.model)
 
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
-        """See `Process.begin_fitted`."""
+        """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
         model, contacts = solve_blocks_on_fitted_mesh(self.model)
         return self._with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
-        """See `Process.advance`."""
+        """Yield the steps after one, to the end or to a contact that is not solved."""
         schedule, blocks = self.model.scene.schedule, self.model.blocks
         last = replace(last, contacts=tuple(map(with_heat, blocks, last.contacts)))
         if schedule.adaptive or schedule.fixed:
@@ -57,7 +60,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """See `Process.expected_records`."""
+        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
         end = int(scene.schedule.end)
         if scene.schedule.fixed:
             return 1 + len(scene.schedule.stops)
@@ -71,7 +74,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> Passage:
-        """See `Process.restore`."""
+        """Return the step of a stored record; `adopt` completes it with its model."""
         history, row = stored.history, stored.row
         stored.require(_FINITE)
         stored.require(("entering_profile", "wear_per_revolution"), before=1)
@@ -104,7 +107,7 @@ class Revolutions(Process[Passage]):
         return {"parts": parts, "weights": (1.0,) * blocks}
 
     def adopt(self, step: Passage, stored: StoredStep) -> Passage:
-        """See `Process.adopt`."""
+        """Return a restored step completed by the model and the observers (`Process.adopt`)."""
         return super().adopt(complete_passage(self.model, step), stored)
 
 
@@ -120,13 +123,19 @@ class DutyCycle(Revolutions):
         return self.model.scene.spectrum
 
     def state(self, step: Passage) -> dict[str, np.ndarray]:
-        """See `Process.state`: arrays of each block in order."""
+        """Return all arrays to continue from after a step, by name.
+
+        There are arrays of each block, in order.
+        """
         each = [restart_fields(step.contacts[k]) for k in self.spectrum.places]
         stacked = {name: np.stack([fields[name] for fields in each]) for name in each[0]}
         return stacked | self._state_besides_fields(step)
 
     def record(self, step: Passage, recorder: Recorder) -> Record:
-        """See `Process.record`: combined from the records of the blocks (`results.cycle`)."""
+        """Return the record of a step.
+
+        It is combined from the records of the blocks (`results.cycle`).
+        """
         spectrum = self.spectrum
         records = [
             self._record_contact(step, step.record(k), recorder, k)
@@ -162,7 +171,10 @@ class DutyCycle(Revolutions):
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """See `Revolutions._restore_blocks`; equal blocks are combined."""
+        """Return the wear by each block, and its weight.
+
+        Equal blocks are combined.
+        """
         parts, spectrum = stored.history[PARTS.name][stored.row], scene.spectrum
         combined = np.zeros((blocks, *parts.shape[1:]))
         np.add.at(combined, list(spectrum.places), parts)

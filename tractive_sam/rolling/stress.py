@@ -36,21 +36,27 @@ class LargestStress(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "LargestStress":
-        """See `Observer.after`."""
+        """Return the observer after a later step, which may be on a wider mesh."""
         return LargestStress(step.contacts, model)
 
     def restore(self, step: Any, stored: Any) -> "LargestStress":
-        """See `Observer.restore`: it does not depend on earlier steps."""
+        """Return the observer after a stored step.
+
+        It does not depend on earlier steps.
+        """
         return self
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """See `Observer.describe`."""
+        """Return the rows that `explain` prints for it (`Observer.describe`)."""
         name = model.laws.criterion.long_name
         yield Row(f"largest {name}", "inside and at the surface, with every record")
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """See `Observer.columns`: the columns of the criterion of the laws."""
+        """Columns that it records in addition to the package's.
+
+        They are the columns of the fatigue criterion of the laws.
+        """
         return () if self.model is None else stress_columns(self.model.blocks[0].laws.criterion)
 
     @cached_property
@@ -62,7 +68,7 @@ class LargestStress(Observer):
         return tuple(stress_maxima(contact, block.laws) for contact, block in blocks)
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
-        """See `Observer.record_block`."""
+        """Return the values of the columns that exist for each block of a duty cycle."""
         names = ("value", "interior", "surface", "at")
         maxima = self.maxima[block].items()
         return {
@@ -71,7 +77,10 @@ class LargestStress(Observer):
         }
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """See `Observer.record_stress`: stress on the planes of the scene."""
+        """Return stress on planes in the contact of a block, to be stored with the fields.
+
+        The planes are listed in the scene.
+        """
         if self.model is None:
             return ()
         laws = self.model.blocks[block].laws

@@ -50,7 +50,7 @@ class StressHistory(Observer):
     model: Model | None = None
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """See `Observer.describe`."""
+        """Return the rows that `explain` prints for it (`Observer.describe`)."""
         scene, criterion = model.scene, model.laws.fatigue
         if criterion is not None:
             yield Row("criterion", criterion.long_name)
@@ -62,18 +62,24 @@ class StressHistory(Observer):
         yield Row("memory of the history", room)
 
     def bytes_needed(self, model: Model) -> float:
-        """See `Observer.bytes_needed`: tractions, their stored copies, and layers."""
+        """Return the memory that it takes in addition to its stored records, bytes.
+
+        It counts tractions, their stored copies, and layers of stress.
+        """
         scene, elements = model.scene, math.prod(model.grid.elements)
         steps = expected_steps(scene, model.grid.dx)
         layers = 2 * 6 * 2 * len(scene.fatigue.bodies)  # twice as long as the mesh
         return 8.0 * steps * elements * (2 * 4 + layers)
 
     def begin(self, step: Any, model: Model) -> "StressHistory":
-        """See `Observer.begin`."""
+        """Return the observer after the first step; `step.observed` has the observers before it."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "StressHistory":
-        """See `Observer.after`; before the cycle begins only the last step is stored."""
+        """Return the observer after a later step, which may be on a wider mesh.
+
+        Before the cycle begins only the last step is stored.
+        """
         contact, place = step.contact, step.place
         load = (contact.pressure, *contact.traction, 1.0 * contact.sliding)
         places, loads = (*self.places, place), (*self.loads, load)
@@ -83,13 +89,13 @@ class StressHistory(Observer):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """See `Observer.state`."""
+        """Arrays to resume from, by name; each has at least one dimension (`Observer.state`)."""
         grid = self._contact.grid
         loads = [[widen_field(field, grid.elements) for field in load] for load in self.loads]
         return {"places": np.array(self.places), "loads": np.array(loads)}
 
     def restore(self, step: Any, stored: Any) -> "StressHistory":
-        """See `Observer.restore`."""
+        """Return the observer after a stored step (`Observer.restore`)."""
         state = stored.state_of(self)
         loads = tuple(tuple(load) for load in state["loads"])
         places = tuple(state["places"].tolist())
@@ -97,11 +103,14 @@ class StressHistory(Observer):
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """See `Observer.cycles`."""
+        """Fatigue of the bodies, to be stored with the fields (`Observer.cycles`)."""
         return tuple(cycle for cycle, _ in self._fatigue.values())
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """See `Observer.record`: for records with stored fields, and for the last one."""
+        """Return the values of its columns, given the values recorded from the contact.
+
+        Only records with stored fields, and the last one, have values.
+        """
         schedule = model.scene.schedule
         if self.places[-1] not in (*schedule.save, schedule.end):
             return {}
@@ -127,7 +136,10 @@ class StressHistory(Observer):
         return columns
 
     def remark(self, model: Model) -> str:
-        """See `Observer.remark`: stress above shakedown."""
+        """Return an addition to the message of a history; it begins with a semicolon.
+
+        It warns of stress above shakedown.
+        """
         return shakedown_remark({cycle.body: cycle for cycle in self.cycles})
 
     @property

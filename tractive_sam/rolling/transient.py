@@ -45,20 +45,20 @@ class Transient(Process[Moment]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """See `Process.expected_records`."""
+        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
         return expected_steps(scene, dx)
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> Moment:
-        """See `Process.restore`."""
+        """Return the step of a stored record; `adopt` completes it with its model."""
         return Moment.from_stored(scene, stored)
 
     def adopt(self, step: Moment, stored: StoredStep) -> Moment:
-        """See `Process.adopt`."""
+        """Return a restored step completed by the model and the observers (`Process.adopt`)."""
         return super().adopt(replace(step, began=self.model.began), stored)
 
     def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
-        """See `Process.end`.
+        """Return status and message of a history that ends with a step (`Process.end`).
 
         A contact may have few elements for some time, but not during all of the course.
         """
@@ -95,7 +95,10 @@ class Transient(Process[Moment]):
         return self.model.profile_offset(distance if self.courses.rolls else 0.0)
 
     def begin(self) -> Moment:
-        """See `Process.begin`: the contact at the first knot."""
+        """Return the first step.
+
+        It is the contact at the first knot.
+        """
         model, first, at = self.model, self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
             friction = model.friction_law.weakened(self.courses.friction_factor(first))
@@ -126,7 +129,7 @@ class Transient(Process[Moment]):
         return Moment(at, -1, result, volumes=volumes, deepest=deepest, began=model.began)
 
     def advance(self, last: Moment) -> Iterator[Moment]:
-        """See `Process.advance`."""
+        """Yield the steps after one, to the end or to a contact that is not solved."""
         courses, separation = self.courses, self._separation(last.distance)
         last = replace(last, result=self.stepper.with_gap_outside(last.result, separation))
         while last.contact.converged:

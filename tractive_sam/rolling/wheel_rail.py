@@ -63,15 +63,15 @@ class PatchStep(Step):
 
     @property
     def place(self) -> float:
-        """See `Step.place`."""
+        """Value of the coordinate (`Step.place`)."""
         return self.number
 
     def on(self, grid: Grid) -> Self:
-        """See `Step.on`."""
+        """Return the step on a wider mesh of equal elements (`Step.on`)."""
         return replace(self, contacts=tuple(contact.on(grid) for contact in self.contacts))
 
     def record(self, block: int | None = None) -> StepRecord:
-        """See `Step.record`."""
+        """Return the part of the record that the step, or one of its blocks, provides."""
         assert self.patch is not None
         values = {"patch": self.number, "jump": 1, "solves": 1}
         values |= describe_patch(self.patch, self.contact, self.patches)
@@ -90,11 +90,11 @@ class WheelRailPatches(Process[PatchStep]):
     first_applications = 240.0  # each trial of the load of a patch is a contact
 
     def begin(self) -> PatchStep:
-        """See `Process.begin`."""
+        """Return the first step (`Process.begin`)."""
         return self.begin_fitted()[1]
 
     def begin_fitted(self) -> tuple[Self, PatchStep]:
-        """See `Process.begin_fitted`."""
+        """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
         model, steps = solve_patches(self.model)
         process = self._with(model)
         process.solved = steps
@@ -103,19 +103,19 @@ class WheelRailPatches(Process[PatchStep]):
     solved: tuple[PatchStep, ...] = ()
 
     def advance(self, last: PatchStep) -> Iterator[PatchStep]:
-        """See `Process.advance`."""
+        """Yield the steps after one, to the end or to a contact that is not solved."""
         steps = self.solved or solve_patches(self.model)[1]
         yield from (step for step in steps if step.number > last.number and last.converged)
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> PatchStep:
-        """See `Process.restore`."""
+        """Return the step of a stored record; `adopt` completes it with its model."""
         number = int(stored.history["patch"][stored.row])
         return PatchStep((stored.contact(scene),), number=number)
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """See `Process.expected_records`."""
+        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
         return len(scene.wheel_rail.patches)
 
 

@@ -101,7 +101,7 @@ class Bodies(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         for name, body in (("A", self.A), ("B", self.B)):
             material = body.material
             radii = f"R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"

@@ -187,7 +187,7 @@ class Fatigue(LawTable):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         k, hertz = self.shear_yield_stress, scene.hertz
         shakedown = "left out: neither shear_yield nor yield_strength is given"
         if k is not None:

@@ -223,7 +223,10 @@ class Friction(LawTable):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: the law and its dependences."""
+        """Return the rows that describe the table.
+
+        They describe the law and its dependences.
+        """
         mu1, mu2 = self.mu
         text = f"isotropic, mu = {mu1:g}"
         if mu1 != mu2:

@@ -203,7 +203,7 @@ class Gap(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         source = self.file.name if self.file else "an array"
         yield Row("separation", f"of the radii plus the one of [gap], {source}")
 

@@ -70,7 +70,7 @@ class Heat(Table):
     effect: ClassVar[str] = "heat"
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         bodies, bulk = scene.thermal, self.bulks
         for name, thermal in bodies.items():
             given = "" if getattr(scene.body, name).thermal else " (steel, by default)"

@@ -113,7 +113,10 @@ class LoadHistory(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_results_of_binning,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: the blocks made from the file, and their errors."""
+        """Return the rows that describe the table.
+
+        They describe the blocks made from the file, and their errors.
+        """
         binned = (self.error or {}).items()
         errors = ", ".join(f"{name} {error:.2%}" for name, error in binned if error)
         text = (

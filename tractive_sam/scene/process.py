@@ -59,7 +59,7 @@ class ProcessTable(LawTable):
         return NamedSchedule(self.end, self.save)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         yield Row("name", str(self.name))
         yield Row(
             "end",

@@ -120,7 +120,7 @@ class Scene(Document):
     )
 
     def check_complete(self) -> None:
-        """See `Table.check_complete`."""
+        """Check the finished table, and issue its warnings."""
         if self.duty:
             self._check_blocks()
         for note in scene_notes(self):

@@ -81,7 +81,7 @@ class Distance(Schedule):
     message_start = "after {:g} mm: "
 
     def under_largest_load(self, scene: Any) -> Any:
-        """See `Schedule.under_largest_load`."""
+        """Return the scene under its largest load, which gives the contact size."""
         loads = {
             key: max(self.courses.get(key, (0.0,))) for key in ("load.normal", "load.approach")
         }

@@ -70,7 +70,10 @@ class Load(Table):
     renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: the load and the peak pressure."""
+        """Return the rows that describe the table.
+
+        They describe the load and the peak pressure.
+        """
         hertz, unit = scene.hertz, scene.force_unit
         key, value = self.given_key, getattr(self, self.given_key)
         name, unit_of_key = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
@@ -113,7 +116,10 @@ class Creepage(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: creepages other than zero, and forces prescribed in their place."""
+        """Return the rows that describe the table.
+
+        They list creepages other than zero, and forces prescribed in their place.
+        """
         load, courses, unit = scene.load, scene.schedule.courses, scene.force_unit
         drives = {
             "load.force_x": ("Q_x", load.force_x, f" {unit} (creepage found)"),
@@ -256,7 +262,7 @@ class Accuracy(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         yield Row(
             "requested",
             f"{self.tolerance:g}, relative: the mesh is refined until the error bars are within "
@@ -287,7 +293,7 @@ class Subsurface(Table):
     effect: ClassVar[str] = "stress"
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         hertz = scene.hertz
         deepest = f"{self.depth:g} a" if hertz is None else f"{self.depth * hertz.a:.4g} mm"
         yield Row("bodies", ", ".join(self.bodies))
@@ -316,7 +322,7 @@ class ElasticBodies(LawTable):
     law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         if self.named_law:
             yield Row("elasticity", f"{self.named_law}, in place of half-spaces", brief=True)
 

@@ -146,7 +146,7 @@ class Transient(Table):
         return tables
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         start = {
             "rest": "bodies pressed together, without traction",
             "steady": "steady rolling with the values of the first knot",

@@ -162,7 +162,10 @@ class Wear(LawTable):
         return Revolutions(self.revolutions, self.save, adaptive, fixed)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`: coefficients, law, revolutions, and the share of each body."""
+        """Return the rows that describe the table.
+
+        They list coefficients, law, revolutions, and the share of each body.
+        """
         rates = f"{self._describe_rates()}{describe_factors(self.temperature)}"
         counted = f"; {self.revolutions} revolutions" if self.revolutions else ""
         yield Row("wear", rates + counted, brief=True)

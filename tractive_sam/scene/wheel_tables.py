@@ -94,7 +94,7 @@ class WheelTable(_ProfileTable):
         return self._read(self.profile, "wheel")
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         yield Row("wheel", f"{Path(self.profile).name}, radius {self.radius:g} mm", brief=True)
 
 
@@ -140,7 +140,7 @@ class RailTable(_ProfileTable):
         return self._read(self.profile, "rail")
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         text = f"{Path(self.profile).name}, 1:{self.inclination:g}, gauge {self.gauge:g} mm"
         yield Row("rail", text, brief=True)
 
@@ -185,7 +185,7 @@ class WheelsetTable(Table):
         return Patches(self.most_patches, tuple(range(1, self.most_patches + 1)))
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """See `Table.describe`."""
+        """Return the rows that describe the table (`Table.describe`)."""
         contact = scene.wheel_rail
         load = f"{self.load:g} N vertical" if self.load else f"{self.normal_load:g} N normal"
         place = f"y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"

@@ -93,7 +93,7 @@ class PatchStress:
         self._poisson = tuple(body.A.poisson for body in bodies)
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
-        """See `StressSource`."""
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
         grid = self._grid
         lattice = Lattice(grid.elements, grid.dx, grid.dy)
         own = self._tractions, self._poisson, self._signs
@@ -102,7 +102,7 @@ class PatchStress:
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """See `StressSource`."""
+        """Return stresses on the plane axis = position, at the element centres along it."""
         if axis == "z":
             return next(self.layers([position]))
         own = self._tractions, self._poisson, self._signs
@@ -110,19 +110,22 @@ class PatchStress:
         return np.stack([plane.at(depth) for depth in depths], axis=-1)
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """See `StressSource`."""
+        """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
         grid, sides = self._grid, (self._grid.dx, self._grid.dy)
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
         patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
         return np.stack([patch.stress(points).T for patch in patches])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """See `StressSource`; see `DistantLoads` for the error."""
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths.
+
+        See `DistantLoads` for the error.
+        """
         loads = DistantLoads(self._grid, self._tractions, self._signs, self._poisson)
         return loads.stress(x, depths)
 
     def levels(self, criterion: StressCriterion) -> MultiLevel:
-        """See `StressSource`."""
+        """Return the resolutions in which the largest equivalent stress is searched."""
         return MultiLevel(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 
@@ -136,14 +139,14 @@ class StripStress:
         self._poisson = tuple(body.A.poisson for body in bodies)
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
-        """See `StressSource`."""
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
         lattice = Lattice(self._grid.elements, self._grid.dx, self._grid.dy)
         return map(StripLayers(lattice, self._tractions, self._poisson, self._signs).at, depths)
 
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """See `StressSource`."""
+        """Return stresses on the plane axis = position, at the element centres along it."""
         if axis == "z":
             return next(self.layers([position]))
         if axis == "y":
@@ -152,19 +155,22 @@ class StripStress:
         return self.at(points)[:, :, None]
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """See `StressSource`."""
+        """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
         strips = [StripLoads.on_grid(self._grid, own, nu) for own, nu in each]
         return np.stack([strip.stress(points).T for strip in strips])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """See `StressSource`; exact."""
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths.
+
+        The sum over the elements is exact.
+        """
         places = np.broadcast_arrays(x[:, None], 0.0, depths)
         stress = self.at(np.stack(places, axis=-1).reshape(-1, 3))
         return stress.reshape(len(stress), 6, x.size, 1, depths.size)
 
     def levels(self, criterion: StressCriterion) -> StripLevels:
-        """See `StressSource`."""
+        """Return the resolutions in which the largest equivalent stress is searched."""
         return StripLevels(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 

@@ -97,14 +97,20 @@ class StripLevels:
     def around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
-        """See `MultiLevel`; exact."""
+        """Return the equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
+
+        The sum over the elements is exact.
+        """
         values = np.empty(points.shape[:2])
         for k, body in enumerate(bodies):
             values[k] = self._criterion(self._strips[body].stress(points[k]).T)
         return values
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
-        """See `MultiLevel`; at the edges of strips."""
+        """Return the largest stress of each body at the surface, MPa, and its position, mm.
+
+        The stress is evaluated at the edges of strips.
+        """
         own = self._bodies, self._signs, self._tractions
         largest = largest_at_surface(self._lattice, *own, sliding, self._criterion)
         return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in largest]

@@ -195,7 +195,10 @@ class Description3(Description2):
 
     @property
     def files(self) -> dict[str, str]:
-        """See `Description2.files`; a second file lists the sources."""
+        """Text of each XML file, by its path in the unit.
+
+        A second file lists the sources.
+        """
         return {
             "modelDescription.xml": self.model,
             "sources/buildDescription.xml": self.build,
@@ -203,7 +206,7 @@ class Description3(Description2):
 
     @property
     def model(self) -> str:
-        """See `Description2.model`."""
+        """Description of the model (`Description2.model`)."""
         variables = "".join(
             f"<Float64 name={quoteattr(one.name)} valueReference={quoteattr(str(place))} "
             f"description={quoteattr(one.meaning)} {one.kind} {one.numbers}/>\n"

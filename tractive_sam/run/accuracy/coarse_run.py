@@ -92,19 +92,22 @@ class ErrorBars(Observer):
     name, key, unsolved = "error_bars", "accuracy", True
 
     def begin(self, step: Any, model: Model) -> "ErrorBars":
-        """See `Observer.begin`."""
+        """Return the observer after the first step; `step.observed` has the observers before it."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "ErrorBars":
-        """See `Observer.after`."""
+        """Return the observer after a later step, which may be on a wider mesh."""
         return replace(self, earlier=self.fine, earlier_shortfall=self.shortfall, step=step)
 
     def restore(self, step: Any, stored: Any) -> "ErrorBars":
-        """See `Observer.restore`: nothing is stored, as the coarser meshes are rolled again."""
+        """Return the observer after a stored step.
+
+        Nothing is stored, as the coarser meshes are rolled again.
+        """
         return self
 
     def complete(self, contact: State, block: int) -> State:
-        """See `Observer.complete`."""
+        """Return the contact of a block to record, completed by results of the observer."""
         if not self.middle:
             return contact
         found = self._assessments[block]
@@ -112,7 +115,10 @@ class ErrorBars(Observer):
 
     @property
     def shortfall(self) -> str:
-        """See `Observer.shortfall`: the last error bar that was too wide at a saved revolution."""
+        """Why the steps are not as accurate as the scene requires; empty if they are.
+
+        It names the last error bar that was too wide at a saved revolution.
+        """
         if self.step is None or self.step.place not in self.step.contact.scene.schedule:
             return self.earlier_shortfall
         missed = [one.missed for one in self._assessments if one is not None and one.missed]
