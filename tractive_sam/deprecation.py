@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 
 def _warn(old: str, name: str) -> None:
-    """Warn that a name is a former one."""
+    """Warn that a former name was used, and state the present one."""
     text = f"{old} is called {name} now; the former name will be removed"
     warnings.warn(text, DeprecationWarning, stacklevel=4)
 

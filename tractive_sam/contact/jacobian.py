@@ -84,7 +84,7 @@ class LinearSolver:
 
 
 def check_jacobian(model: Model) -> None:
-    """Refuse, before anything is solved, what has no Jacobian.
+    """Raise an error, before anything is solved, for a scene without a Jacobian.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def jacobian_of(
     only: Container[str] | None = None,
     solver: LinearSolver = LinearSolver(),
 ) -> "xarray.DataArray":
-    """Derivatives at a solved contact, on its mesh; see `State.jacobian`.
+    """Return the derivatives at a solved contact, on its mesh; see `State.jacobian`.
 
     Parameters
     ----------
@@ -155,12 +155,12 @@ class _Systems:
 
     @cached_property
     def all_fields(self) -> "_Linearised":
-        """Pressure and tractions."""
+        """Linearised problem with pressure and tractions unknown."""
         return _Linearised(self.model, self._problem, self.contact, self.solver)
 
     @cached_property
     def tangential(self) -> "_Linearised":
-        """Tractions, under the pressure of the contact if they do not change it."""
+        """Linearised problem with the tractions unknown, if they do not change the pressure."""
         if self.model.elasticity.coupled:
             return self.all_fields
         pressure = needed(dimensionless_start(self.model, self.contact).pressure, "start.pressure")
@@ -181,7 +181,7 @@ class _Systems:
         return sum(one.applications for one in used)
 
     def rows_and_derivatives(self) -> tuple[list[str], dict[str, Callable[[], np.ndarray]]]:
-        """Return the names of the rows, and what computes each column."""
+        """Return the names of the rows, and a function that computes each column."""
         rows = ["Qx", "Qy", "Mz"]
         derivatives: dict[str, Callable[[], np.ndarray]] = {}
         for k, creepage in enumerate(self.model.scene.contact_type.creepages):

@@ -190,7 +190,7 @@ def _named_elasticity(scene: Scene) -> Elasticity | None:
 
 
 def _named_friction(scene: Scene) -> FrictionLaw | None:
-    """Return the law of another package.
+    """Return the friction law of another package that a scene names; else None.
 
     Raises
     ------
@@ -271,7 +271,7 @@ def _wear(scene: Scene) -> WearLaw | None:
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
-    """Return a wear law that has intensities."""
+    """Return the wear law of a name with these wear intensities."""
     friction, frame = _friction(scene), required(scene.friction, "friction").frame
     mu, angle = frame.mu, frame.angle
     if law == "energy":

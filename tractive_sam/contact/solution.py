@@ -134,7 +134,7 @@ def state_of(
 def _friction_state(
     model: Model, problem: Problem, outcome: Outcome
 ) -> tuple[np.ndarray, np.ndarray | None, float]:
-    """Return where a solution slides, the bound of its tractions in MPa, and the steepness.
+    """Return the elements that slide, the bound of the tractions in MPa, and the steepness.
 
     The bound is None if it is the pressure, the steepness 0 unless friction falls with sliding.
     """

@@ -77,7 +77,7 @@ class Stepper:
         earlier: StepResult | None = None,
         ratio: float = 0.0,
     ) -> StepResult:
-        """Take a step.
+        """Solve the step after another one, and return it with its work and wear.
 
         Parameters
         ----------

@@ -25,7 +25,7 @@ Y = "y"
 
 @dataclass(frozen=True, eq=False)
 class FitCase:
-    """One computation.
+    """One computation of a fit: a scene, and what the fit reads from it.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class Reply:
 
 
 def merged(cases: Iterable[FitCase]) -> dict[str, FitCase]:
-    """Return one case for each scene, by its fingerprint, with all that is wanted of it."""
+    """Return one case for each scene, by its fingerprint, with all requested columns and places."""
     found: dict[str, FitCase] = {}
     for case in cases:
         name = case.scene.fingerprint()
@@ -126,13 +126,13 @@ def merged(cases: Iterable[FitCase]) -> dict[str, FitCase]:
 
 
 def is_one_contact(scene: Scene) -> bool:
-    """Whether a scene has nothing that is rolled."""
+    """Return whether a scene is a single contact: nothing is rolled."""
     return not scene.schedule.end and not scene.duty
 
 
 @one_blas_thread()
 def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | None]:
-    """Compute a case.
+    """Solve or roll the scene of a case, and return the numbers that the fit needs.
 
     Parameters
     ----------

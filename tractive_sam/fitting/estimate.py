@@ -166,7 +166,7 @@ class Directions:
 
     @property
     def rooted(self) -> np.ndarray:
-        """Matrix S with the covariance S S^T of what is determined."""
+        """Matrix S such that S S^T is the covariance of the determined directions."""
         return self.determined / self.sizes
 
     @property

@@ -180,7 +180,7 @@ class Evaluations:
             self.write()
 
     def write(self) -> None:
-        """Write what is known."""
+        """Write all known answers to the file."""
         if self.save is not None:
             self.save()
         self._saved = monotonic()

@@ -117,7 +117,7 @@ def _between(result: FitResult, number: int, name: str) -> np.ndarray | None:
 
 
 def _meaning(key: str) -> str:
-    """Return what varies, in words."""
+    """Return the meaning of the key or coordinate that varies."""
     if key in index_by_name(COLUMNS):
         return key.replace("_", " ")
     try:

@@ -19,7 +19,7 @@ FIT_FORMAT = "fit 1"
 
 
 def is_fit(path: str | PathLike[str]) -> bool:
-    """Whether a file is the result of a fit.
+    """Return whether a file is the result of a fit.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def write_fit(path: str | PathLike[str], result: FitResult) -> None:
 def make_dataset(
     variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
 ) -> xarray.Dataset:
-    """Return a dataset.
+    """Return an xarray Dataset of variables and attributes.
 
     Parameters
     ----------

@@ -68,7 +68,7 @@ class FitProblem:
 
     @cached_property
     def noise(self) -> np.ndarray:
-        """Their standard deviations."""
+        """Standard deviations of all measured values, shape (points,)."""
         return np.concatenate([one.measured.noise.ravel() for one in self.series])
 
     @property
@@ -85,7 +85,7 @@ class FitProblem:
         return int(np.isfinite(self.parameters.prior[:, 0]).sum())
 
     def residuals(self, u: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-        """Return predicted less measured values over the noise, and those of the priors."""
+        """Return predicted less measured values over the noise, and the residuals of the priors."""
         left = (predicted - self.observed) / self.noise
         return np.concatenate([left, self.prior_residuals(u)])
 

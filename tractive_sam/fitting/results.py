@@ -105,7 +105,7 @@ class FitResult:
 
     @cached_property
     def design(self) -> FitDesign:
-        """What was fitted."""
+        """The [fit] table that was fitted."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return FitDesign.from_toml_text(str(self.dataset["design"].values))
@@ -163,12 +163,12 @@ class FitResult:
 
     @property
     def undetermined(self) -> list[str]:
-        """What the data do not determine, in words."""
+        """A sentence on each combination of parameters that the data do not determine."""
         return self._texts("undetermined")
 
     @property
     def notes(self) -> list[str]:
-        """What is doubtful about the fit."""
+        """Caveats of the fit, as sentences."""
         return self._texts("notes")
 
     def _texts(self, name: str) -> list[str]:
@@ -276,12 +276,12 @@ class FitResult:
         return tables
 
     def _remarks(self) -> dict[str, str]:
-        """Return what is not determined, and what is doubtful, as rows of a description."""
+        """Return undetermined parameters and caveats as rows of a description."""
         rows = {"not determined": "; ".join(self.undetermined), "notes": "; ".join(self.notes)}
         return {name: text for name, text in rows.items() if text}
 
     def summary(self) -> dict[str, str]:
-        """Return what the fit found, in words."""
+        """Return the result of the fit in words."""
         rows = {"title": self.title, "status": f"{self.status}; {self.dataset.attrs['message']}"}
         if not self.finished:
             return rows

@@ -148,13 +148,13 @@ class _Residuals:
     last: tuple[np.ndarray, np.ndarray] | None = None
 
     def at(self, part: np.ndarray) -> np.ndarray:
-        """Return all coordinates."""
+        """Return all coordinates, given the ones that vary."""
         found = self.u.copy()
         found[self.varies] = part
         return found
 
     def residuals(self, part: np.ndarray) -> np.ndarray:
-        """Return predicted less measured values over the noise, and those of the priors."""
+        """Return predicted less measured values over the noise, and the residuals of the priors."""
         u = self.at(part)
         return self.problem.residuals(u, self.problem.predict(u))
 
@@ -165,7 +165,7 @@ class _Residuals:
         return self.problem.residual_slopes(*self.last)[:, self.varies]
 
     def jacobian(self, u: np.ndarray, near: float) -> np.ndarray:
-        """Return the derivatives of the predictions, those of coordinates nearby if known."""
+        """Return the derivatives of the predictions; nearby ones are reused."""
         if self.last is not None and np.abs(self.last[0] - u).max() < near:
             return self.last[1]
         return self.problem.jacobian(u)

@@ -32,7 +32,7 @@ DEPTH = "depth"
 
 
 def _listed(value: object) -> object:
-    """One text or number stands for a list of it."""
+    """Return a list; one text or number becomes a list of one."""
     is_single = isinstance(value, str | int | float) and not isinstance(value, bool)
     return (value,) if is_single else value
 
@@ -45,7 +45,7 @@ def _check_distinct(values: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _flat(entries: object, before: str = "") -> object:
-    """Entries by dotted key; nested tables are flattened."""
+    """Return entries by dotted key; nested tables are flattened."""
     if not isinstance(entries, Mapping):
         return entries
     found: dict[str, Any] = {}
@@ -56,7 +56,7 @@ def _flat(entries: object, before: str = "") -> object:
 
 
 def _as_lists(columns: object) -> object:
-    """Columns of arrays as lists, for the text of the file."""
+    """Return columns of arrays as lists, for the text of the file."""
     if not isinstance(columns, Mapping):
         return columns
     return {
@@ -103,7 +103,7 @@ def _check_observations(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
-    """Faults of a column that is to be observed, see `column_of`."""
+    """Yield the faults of a column that is to be observed, see `column_of`."""
     table = index_by_name(COLUMNS)
     if name not in table:
         names = dict.fromkeys(one.name for one in COLUMNS if one.dims in OBSERVABLE)
@@ -135,7 +135,7 @@ def _check_profile(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def is_profile(name: str) -> bool:
-    """Whether an observation is a profile over y."""
+    """Return whether an observation is a profile over y."""
     table = index_by_name(COLUMNS)
     return name in table and table[name].dims == ("y",)
 

@@ -65,7 +65,7 @@ def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
 
 
 def list_notes(found: Estimate, table: Fit) -> list[str]:
-    """Return what is doubtful about a fit."""
+    """Return the caveats of a fit, as sentences."""
     parameters = found.problem.parameters
     notes = []
     if found.iterations >= table.iterations:

@@ -204,7 +204,7 @@ class CreepTable:
 
     @property
     def description(self) -> Description:
-        """What the table contains, its errors, and how it is called."""
+        """Description of the table: content, errors, and an example of a call."""
         axes = dict(zip((*self.names, *NAMES), self.law.axes, strict=True))
         return describe_table(axes, self.about, self.apart, self.whole, self.contact)
 

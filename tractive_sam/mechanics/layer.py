@@ -45,7 +45,7 @@ class InterfacialLayer(Elasticity):
 
     @property
     def layer(self) -> float:
-        """Shear compliance of an interfacial layer between the surfaces, mm/MPa; default 0."""
+        """Shear compliance of the interfacial layer, mm/MPa."""
         return self.compliance
 
     def coefficients(

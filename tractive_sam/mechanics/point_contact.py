@@ -156,7 +156,7 @@ def hertz(
 
 
 def _axis_ratio(radius_x: float, radius_y: float) -> float:
-    """a/b of the contact ellipse, by the root of a monotonic odd function of its logarithm."""
+    """Return a/b of the contact ellipse: the root of a monotonic odd function of its logarithm."""
     target = math.log(radius_x / radius_y)
 
     def excess(log_ratio: float) -> float:
@@ -177,7 +177,7 @@ def _axis_ratio(radius_x: float, radius_y: float) -> float:
 
 
 def _integrals(y: float, z: float) -> tuple[float, float]:
-    """Carlson's R_F(0, y, z) and R_D(0, y, z).
+    """Return Carlson's integrals R_F(0, y, z) and R_D(0, y, z).
 
     R_F(0, y, z) = pi/(2 M), M the arithmetic-geometric mean of the roots of y and z (DLMF 19.22.1),
     and R_D = -6 dR_F/dz (DLMF 19.18.1): M is differentiated along with its iteration.

@@ -13,7 +13,7 @@ from tractive_sam.schema import required
 
 
 def block_parts(history: Recorded, k: int) -> dict[str, Any]:
-    """Return what the history of one block has in place of the parts of the history of all."""
+    """Return the parts of the history of one block that differ from the history of all blocks."""
     scene = history.scene
     columns = {name: c for name, c in history.columns.items() if "block" not in c.dims}
     values = {}

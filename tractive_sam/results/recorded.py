@@ -70,7 +70,7 @@ class Recorded(Protocol):
 
     @property
     def law_records(self) -> Mapping[str, LawRecord]:
-        """Laws that replaced those of the scene."""
+        """Laws that replaced laws of the scene."""
 
     @property
     def frame(self) -> Frame | None:

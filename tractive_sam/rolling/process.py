@@ -462,7 +462,7 @@ class Process(ABC, Generic[AnyStep]):
         return "done" if contact.converged else str(contact.status), message
 
     def _describe_place(self, step: AnyStep) -> str:
-        """Describe where a step is, with the block whose contact was not solved.
+        """Describe the place of a step, with the block for which the contact was not solved.
 
         The text is the beginning of a message.
         """

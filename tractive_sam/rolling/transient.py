@@ -176,13 +176,13 @@ class Transient(Process[Moment]):
             last = now
 
     def _met(self, now: Moment, saves: tuple[float, ...], unit: float) -> Moment:
-        """Return a moment at a distance to save, if it differs from it only by rounding."""
+        """Return the moment, moved to a distance to save if only rounding differs."""
         near = [s for s in saves if abs(s - now.distance) <= CLOSE * unit]
         at_knot = now.distance in self.courses.knots
         return replace(now, distance=near[0]) if near and not at_knot else now
 
     def _between(self, last: Moment, now: Moment, saves: tuple[float, ...]) -> list[Moment]:
-        """Return the moments to save between two steps, up to one that is not solved."""
+        """Return the moments to save between two steps, up to the first that is not solved."""
         moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < now.distance):
             moment, _ = self._tried(last, place, None, now)

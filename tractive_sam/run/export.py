@@ -157,7 +157,7 @@ def _surface_fields(state: State) -> dict[str, np.ndarray]:
 
 
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
-    """Equally spaced depths from 0, mm."""
+    """Return equally spaced depths from 0, mm."""
     settings = source.scene.subsurface or DEFAULT
     depth = settings.depth if depth is None else depth
     elements = settings.elements if elements is None else elements

@@ -16,7 +16,7 @@ from tractive_sam.schema import warn
 
 
 def warn_of_gap(model: Model) -> None:
-    """Warn of what the mesh of a model does not resolve of its maps, and of what does not roll."""
+    """Warn of maps that the mesh of a model does not resolve, and of maps that do not roll."""
     for note in gap_notes(model):
         warn(note)
 
@@ -44,7 +44,7 @@ def gap_notes(model: Model) -> Iterator[str]:
 
 
 def unresolved_note(model: Model, map_: Roughness) -> str:
-    """Describe what the mesh does not resolve of a map, and the cost to resolve it."""
+    """Describe the part of a map that the mesh does not resolve, and the cost to resolve it."""
     grid, parts, finer = model.grid, map_.left_out(model.grid), map_.resolving(model.grid)
     axes = [k for k, n in enumerate(grid.elements) if n > 1]
     sides, shortest = (grid.dx, grid.dy), (finer.dx, finer.dy)

@@ -114,7 +114,7 @@ class LawTable(Table):
 
 
 def allow_laws(names: tuple[str, ...]) -> str:
-    """Return what a key that names a law allows: laws of this package and of other packages."""
+    """Describe the values of a key that names a law: laws of this and of other packages."""
     another = '"module:name" of an installed package'
     return f"{list_names(names)}, or {another}" if names else another
 

@@ -40,7 +40,7 @@ def set_key(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
 
 
 def _allowed_within(inner: Any, name: str | int, outer: str) -> str:
-    """Return what is allowed in place of a name that an entry cannot have; empty if it can."""
+    """Describe the names allowed in place of one that an entry cannot have; empty if it can."""
     if isinstance(inner, list):
         within = isinstance(name, int) and name < len(inner)
         return "" if within else f"a place in the list: {outer}[0] to {outer}[{len(inner) - 1}]"

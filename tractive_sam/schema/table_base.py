@@ -95,7 +95,7 @@ class TableBase(BaseModel):
 
 
 def suggest_key(table: type[TableBase], name: str) -> str:
-    """Return what may be meant by a key that a table does not have, also in its inner tables."""
+    """Return a suggestion for a key that a table does not have, also from its inner tables."""
     inner = [
         f"{outer}.{name}"
         for outer, info in table.model_fields.items()

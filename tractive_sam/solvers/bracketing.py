@@ -120,7 +120,7 @@ class _Search:
         self.taken += 1
 
     def force_missed(self, creepage: float) -> float:
-        """Return the force above its target under a creepage; zero where it is close.
+        """Return the force above its target under a creepage; zero if it is close.
 
         Raises
         ------

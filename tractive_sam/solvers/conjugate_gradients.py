@@ -96,7 +96,7 @@ class _Iteration:
         self.gap = gap - self.approach
 
     def advance(self) -> bool:
-        """Move to the least energy along a new direction; return whether there is such a point."""
+        """Move to the least energy along a new direction; return whether this point exists."""
         active = (self.pressure > 0.0) | (self.gap < 0.0)
         unchanged = np.array_equal(active, self._active)
         self._active = active

@@ -123,7 +123,7 @@ def _extend(dataset: h5py.h5d.DatasetID, first: int, count: int, values: np.ndar
 
 
 def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> None:
-    """Replace the stored state by that after the record of a row."""
+    """Replace the stored state by the state after the record of a row."""
     group = file["state"]
     group.attrs["record"] = row
     # Some processes need no fields to continue, and the bound may follow from the pressure.

@@ -258,7 +258,7 @@ def _field_bytes(record: Record) -> int:
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
-    """Check that a mesh is that before or wider, and that the record has this mesh."""
+    """Check that a mesh equals the previous one or is wider, and that the record has this mesh."""
     widen_field(np.empty(before), mesh)
     for name, quantity in record.columns.items():
         if quantity.dims == ("y",):
@@ -300,7 +300,7 @@ def _check_kind(path: Path) -> None:
 
 
 def _describe_stop(error: BaseException) -> str:
-    """Return the message of what stopped a computation."""
+    """Return the message of the error that stopped a computation."""
     if isinstance(error, KeyboardInterrupt):
         return f"interrupted by {error}" if str(error) else "interrupted"
     return f"{type(error).__name__}: {error}".removesuffix(": ")

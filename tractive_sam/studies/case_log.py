@@ -23,7 +23,7 @@ _CHECKED = re.compile(rb"([0-9a-f]{8}) (.*)", re.DOTALL)
 
 @dataclass(frozen=True)
 class LoggedCases:
-    """What the log of complete cases holds.
+    """Content of the log of complete cases.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class LoggedCases:
 
     @property
     def damage_note(self) -> str:
-        """What to report of damaged lines; empty if there are none."""
+        """Note on damaged lines of the log; empty if there are none."""
         if not self.damaged:
             return ""
         lines = "1 line is" if self.damaged == 1 else f"{self.damaged} lines are"
@@ -105,7 +105,7 @@ class CaseLog:
 
 
 def _entry(text: bytes) -> dict[str, Any] | None:
-    """Return the entry that a text is; None if it is another text, or half of one."""
+    """Return the entry that a line contains; None if the line is damaged or cut."""
     try:
         entry = json.loads(text)
     except ValueError:

@@ -171,7 +171,7 @@ class Study(Document):
             raise StudyError(faults)
 
     def entries(self) -> dict[str, Any]:
-        """Return what was given, with its scene in it and settings made.
+        """Return the given entries, with the scene written out and settings applied.
 
         Relative files in it, which are sought from the working folder, become absolute.
         """
@@ -203,7 +203,7 @@ class Study(Document):
 
 
 def is_study(path: str | PathLike[str]) -> bool:
-    """Return whether a file is TOML with what only a study has: axes or a Latin hypercube.
+    """Return whether a file is TOML with keys of a study: axes or a Latin hypercube.
 
     Examples
     --------

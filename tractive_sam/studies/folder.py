@@ -125,12 +125,12 @@ class Folder:
         self._failure_file(task.case).unlink(missing_ok=True)
 
     def log_failure(self, case: Case, outcome: CaseOutcome) -> None:
-        """Write why a case failed."""
+        """Write the reason why a case failed."""
         by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
         write_file(self._failure_file(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
 
     def failures(self) -> dict[str, str]:
-        """Return why cases failed, by the hash of their scenes."""
+        """Return the reasons why cases failed, by the hash of their scenes."""
         return {
             file.stem: file.read_text(encoding="utf-8", errors="replace").partition("\n\n")[0]
             for file in self.path.glob("*.txt")

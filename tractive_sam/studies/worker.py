@@ -74,7 +74,7 @@ def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> CaseOutcome:
 
 
 def _worker_name() -> str:
-    """Return the machine and the process."""
+    """Return the name of this machine and the number of this process."""
     return f"{socket.gethostname()}:{os.getpid()}"
 
 

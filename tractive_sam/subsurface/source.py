@@ -176,11 +176,11 @@ class StripStress:
 
 @stress_source.register
 def _patch_stress(body: HalfSpaces, *of_bodies) -> PatchStress:
-    """Return the method for half-spaces."""
+    """Return the method for half-spaces: patches of traction."""
     return PatchStress(*of_bodies)
 
 
 @stress_source.register
 def _strip_stress(body: Strips, *of_bodies) -> StripStress:
-    """Return the method for a line contact."""
+    """Return the method for a line contact: strips of traction."""
     return StripStress(*of_bodies)

@@ -194,7 +194,7 @@ class TableBuilder:
         )
 
     def _end_slopes(self, values: np.ndarray, slopes: np.ndarray) -> None:
-        """Slopes by u in full slip: of the parabola through the last two nodes and its slope."""
+        """Set the slopes by u in full slip, by parabolas through the last two nodes and a slope."""
         u = self.axes[-1]
         rise = (values[..., -1, :] - values[..., -2, :]) / (u[-1] - u[-2])
         slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]

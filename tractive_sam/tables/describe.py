@@ -40,7 +40,7 @@ def is_design(path: str | PathLike[str]) -> bool:
 
 
 def explain_table(table: CreepTable) -> Description:
-    """Describe what a table contains, its errors, and how it is called.
+    """Describe the content of a table, its errors, and an example of a call.
 
     Examples
     --------

@@ -150,7 +150,7 @@ class Description2:
 
     @property
     def varying(self) -> list[int]:
-        """Places of the inputs that are no parameters."""
+        """Places of the inputs that vary, that is, are not parameters."""
         return [k for k, one in enumerate(self.inputs) if not one.is_fixed]
 
     @property

@@ -31,7 +31,7 @@ SHARING = (*FORCES, "p_max")
 
 @dataclass(frozen=True)
 class BodyStress:
-    """Which of the largest stresses of a body a value is.
+    """Name of a largest stress: its column, the body, and whether it is at the surface.
 
     Attributes
     ----------
@@ -252,7 +252,7 @@ def _at_surface(name: Name) -> bool:
 
 
 def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
-    """Return how far the finest value may be from its limit, by the differences between meshes."""
+    """Return the error bar of the finest value, from the differences between meshes."""
     if isinstance(name, BodyStress) and not name.surface and 0.0 in (coarse, middle):
         return 0.0  # there was no maximum; once it appears, it is well resolved
     early, late = middle - coarse, fine - middle
