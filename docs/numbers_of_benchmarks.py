@@ -148,7 +148,7 @@ def twin_discs_mesh() -> str:
     """Return the convergence of the worn discs with the mesh."""
     columns = {
         "mesh": ("mesh", str),
-        "contact solves": ("solves", str),
+        "contact solutions": ("solves", str),
         "wear depth, mm": ("wear_max", number(".5f")),
         "Q_x/P": ("Qx/P", number(".4f")),
         "half-width in y, mm": ("b", number(".3f")),
@@ -175,7 +175,7 @@ def wear() -> str:
     """Return cost and error of 15,000 revolutions for each tolerance."""
     columns = {
         "tolerance": ("tolerance", str),
-        "contact solves": ("solves", str),
+        "contact solutions": ("solves", str),
         "seconds": ("seconds", number(".1f")),
         "time of the paper's scheme / this package": ("paper/this", number(",.0f")),
         "error of the profile, % of its depth": ("profile error at 15000", PER_CENT),
@@ -189,7 +189,7 @@ def stepping() -> str:
     columns = {
         "stepping": ("stepping", str),
         "tolerance": ("tolerance", number("g")),
-        "contact solves": ("solves", number(",.0f")),
+        "contact solutions": ("solves", number(",.0f")),
         "error of the profile, % of its depth": ("profile error", PER_CENT),
         "error of p_max, %": ("p_max error", number(".2f", 100.0)),
         "ripple of the pressure": ("ripple", number(".1e")),
