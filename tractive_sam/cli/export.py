@@ -71,7 +71,7 @@ Depth = Annotated[
 Elements = Annotated[
     int | None,
     typer.Option(
-        help="Number of points over the depth; by default, the number in the scene, or 64."
+        help="Number of points along the depth; by default, the number in the scene, or 64."
     ),
 ]
 

@@ -121,11 +121,11 @@ CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "ort
 
 
 class Fatigue(LawTable):
-    """Shakedown limits, fatigue criterion, and damage of the material while it wears.
+    """Shakedown limits, fatigue criterion, and damage during wear.
 
     The shakedown limits follow from a yield stress. The utilisation follows from the fatigue limit
-    of the criterion, and the damage from the utilisation and a Woehler curve. All stress is
-    elastic.
+    of the criterion, and the damage from the utilisation and a Woehler curve. The stress is
+    computed for elastic material.
 
     The parameters of a criterion of another package are further keys. If the criterion has a
     parameter `yield_stress` (in tension), it receives the value from the scene.
@@ -155,7 +155,7 @@ class Fatigue(LawTable):
         "by this limit",
         default=None,
     )
-    cycles: Positive = entry("life at a utilisation of 1, cycles", default=1e7)
+    cycles: Positive = entry("number of cycles to failure at a utilisation of 1", default=1e7)
     exponent: Positive = entry(
         "exponent of the Woehler curve, life = cycles * utilisation ** -exponent",
         default=10.0,
@@ -163,7 +163,7 @@ class Fatigue(LawTable):
     )
     knee: bool = entry("whether life is infinite below a utilisation of 1", default=False)
     depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
-    elements: int = entry("number of points over the depth", default=24, ge=8, le=10**4)
+    elements: int = entry("number of points along the depth", default=24, ge=8, le=10**4)
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
         "bodies for which fatigue is computed", default=("A", "B"), min_length=1
     )

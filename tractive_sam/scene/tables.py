@@ -286,7 +286,7 @@ class Subsurface(Table):
         "planes on which the stress is computed", 'a list of planes like "y=0.75a"', min_length=1
     )
     depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)
-    elements: int = entry("number of points over the depth", default=64, ge=2, le=10**6)
+    elements: int = entry("number of points along the depth", default=64, ge=2, le=10**6)
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
         "bodies for which the stress is computed", default=("A", "B"), min_length=1
     )
