@@ -97,18 +97,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cases", type=int, default=18)
     parser.add_argument("--seeds", type=int, nargs="+", default=[1, 2, 3])
-    given = parser.parse_args()
+    options = parser.parse_args()
     warnings.simplefilter("ignore")
     rows, summary = [], []
-    for seed in given.seeds:
+    for seed in options.seeds:
         chance, ratios = random.Random(seed), []
-        for number in range(given.cases):
-            found = compare(case(chance))
-            ratios += [row["bar / difference"] for row in found]
-            rows += [{"seed": seed, "case": number} | row for row in found]
+        for number in range(options.cases):
+            block_rows = compare(case(chance))
+            ratios += [row["bar / difference"] for row in block_rows]
+            rows += [{"seed": seed, "case": number} | row for row in block_rows]
         within = sum(ratio >= 1.0 for ratio in ratios)
-        one = {"seed": seed, "bodies": len(ratios), "within": within, "least": min(ratios)}
-        summary.append(one | {"median": float(np.median(ratios))})
+        summary_row = {"seed": seed, "bodies": len(ratios), "within": within, "least": min(ratios)}
+        summary.append(summary_row | {"median": float(np.median(ratios))})
     write("block_order", rows)
     write("block_order_ratios", summary)
     show("Error of damage by the order of blocks", rows)

@@ -65,9 +65,9 @@ def forces(contact: ts.State) -> set[float]:
             traction = contact.traction.copy()
             traction[:, k] *= factor
             model = Model(contact.scene, grid=contact.grid)
-            other = equilibrium(model, start=replace(contact, traction=traction))
-            if other.converged:
-                values.add(round(other.Qx / other.P, 6))
+            perturbed = equilibrium(model, start=replace(contact, traction=traction))
+            if perturbed.converged:
+                values.add(round(perturbed.Qx / perturbed.P, 6))
     return values
 
 
@@ -90,17 +90,19 @@ def step_row(seed: int, slip: str, load: float = 178.9) -> dict | None:
     )
     both, steep = [], []
     for start in ("rest", "sliding"):
-        now, other = before, Stepper(Model(scene.replace(**{"friction.start": start})))
+        result, last_stepper = before, Stepper(Model(scene.replace(**{"friction.start": start})))
         for k, (xi, length) in enumerate(zip(courses, lengths, strict=True), 1):
-            stepper = other if k == len(courses) else Stepper(model)
+            stepper = last_stepper if k == len(courses) else Stepper(model)
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always", ts.SceneWarning)
-                now = stepper.step(now, StepInput(float(length), (float(xi), 0.0, 0.0), load))
-            if not now.contact.converged:
+                result = stepper.step(result, StepInput(float(length), (float(xi), 0.0, 0.0), load))
+            if not result.contact.converged:
                 return None
-        texts = (str(one.message) for one in caught)
-        steep += [float(one[1]) for text in texts if (one := re.search(r"falls (\S+) times", text))]
-        both.append(now.contact.traction)
+        texts = (str(warning.message) for warning in caught)
+        steep += [
+            float(match[1]) for text in texts if (match := re.search(r"falls (\S+) times", text))
+        ]
+        both.append(result.contact.traction)
     apart = float(np.abs(both[1] - both[0]).max() / np.abs(both[0]).max())
     row = {"slip": slip, "seed": seed, **speeds, "steepness": max(steep, default=0.0)}
     return row | {"warns": bool(steep), "apart": apart, "several": apart > 1e-5}
@@ -135,7 +137,7 @@ def main() -> None:
             if not all(contact.converged for contact in both):
                 continue
             for start, contact in zip(("rest", "sliding"), both, strict=True):
-                values = forces(contact) | {round(one.Qx / one.P, 6) for one in both}
+                values = forces(contact) | {round(contact.Qx / contact.P, 6) for contact in both}
                 steep = steepness_of(contact)
                 row = {"slip": slip, "seed": seed, "start": start, "steepness": steep}
                 rows.append(row | {"solutions": len(values), "spread": max(values) - min(values)})

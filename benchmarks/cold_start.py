@@ -93,17 +93,17 @@ def measure_all(byte_code: str) -> None:
                     write_contact(folder)
                     took, compiled = measured(arguments, cache, folder, byte_code)
                 seconds.append(took)
-                for kernel, own in compiled:
-                    kernels.setdefault(name, {}).setdefault(kernel, []).append(own)
+                for kernel, times in compiled:
+                    kernels.setdefault(name, {}).setdefault(kernel, []).append(times)
         count = sum(map(len, kernels.get(name, {}).values()))
         rows.append({"command": name, "cold": seconds[0], "warm": seconds[1], "compiled": count})
     show("CPU seconds of commands, without and with compiled kernels", rows)
     print(f"written: {write('cold_start', rows)}")
-    for name, found in kernels.items():
-        by_cost = sorted(found.items(), key=lambda item: -sum(item[1]))
+    for name, by_kernel in kernels.items():
+        by_cost = sorted(by_kernel.items(), key=lambda item: -sum(item[1]))
         each = [
-            {"kernel": kernel, "specialisations": len(own), "seconds": sum(own)}
-            for kernel, own in by_cost[:15]
+            {"kernel": kernel, "specialisations": len(times), "seconds": sum(times)}
+            for kernel, times in by_cost[:15]
         ]
         show(f"{name}: kernels that take longest to compile, without those they call", each)
 

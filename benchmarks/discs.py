@@ -40,19 +40,19 @@ def timed(scene: ts.Scene) -> tuple[ts.History, float]:
 
 def every_revolution(revolutions: int, angle: float = 0.0) -> ts.History:
     """Return the run of every revolution; it may have more revolutions than requested."""
-    kept = kept_reference(angle)
-    if kept is not None and kept["revolution"][-1] >= revolutions:
-        return kept
+    stored = stored_reference(angle)
+    if stored is not None and stored["revolution"][-1] >= revolutions:
+        return stored
     REFERENCES.mkdir(exist_ok=True)
     return ts.roll(discs(revolutions, EVERY, angle=angle), _path(angle), resume=True)
 
 
-def kept_reference(angle: float) -> ts.History | None:
+def stored_reference(angle: float) -> ts.History | None:
     """Return the stored run of every revolution, if there is one."""
     if not _path(angle).exists():
         return None
-    kept = ts.open_history(_path(angle))
-    return kept if kept.finished else None
+    stored = ts.open_history(_path(angle))
+    return stored if stored.finished else None
 
 
 def _path(angle: float) -> Path:
@@ -62,12 +62,12 @@ def _path(angle: float) -> Path:
 def errors(history: ts.History, reference: ts.History, revolution: int) -> dict[str, float]:
     """Return relative errors at a revolution that both this history and the reference recorded."""
     i, k = (int(np.flatnonzero(h["revolution"] == revolution)[0]) for h in (history, reference))
-    found = {
+    errors_of_columns = {
         name: float(history[name][i] / reference[name][k] - 1)
         for name in ("wear_max", "Qx_over_P", "p_max", "p_95")
     }
     missed = history["wear_profile"][i] - reference["wear_profile"][k]
-    return found | {"profile": float(np.abs(missed).max() / reference["wear_max"][k])}
+    return errors_of_columns | {"profile": float(np.abs(missed).max() / reference["wear_max"][k])}
 
 
 def roughness(pressure: np.ndarray) -> float:

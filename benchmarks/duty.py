@@ -93,31 +93,36 @@ def order() -> list[dict]:
             "wear.revolutions": 2 * cycles,
             "wear.stepping": "every-revolution",
         }
-        one, other = (
+        in_order, swapped = (
             ts.roll(DISCS.replace(duty=both, **changes))["wear_profile"][-1]
             for both in ((first, second), (second, first))
         )
-        rows.append({"intensity": intensity, "difference": np.abs(one - other).max() / one.max()})
+        rows.append(
+            {
+                "intensity": intensity,
+                "difference": np.abs(in_order - swapped).max() / in_order.max(),
+            }
+        )
     return rows
 
 
 def killed(times: int) -> float:
     """Compare the profiles of a run that was killed repeatedly and of a complete run."""
     scene = DISCS.replace(duty=blocks(5), **{"wear.tolerance": 3e-5})
-    whole = ts.roll(scene)["wear_profile"][-1]
+    uninterrupted = ts.roll(scene)["wear_profile"][-1]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "scene.toml").write_text(scene.to_toml())
         root = str(Path(__file__).parents[1])
-        found = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [root, *sys.path]))}
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, [root, *sys.path]))}
         deaths = 0
         for _ in range(times):
             command = [sys.executable, "-W", "ignore", "-c", KILLED, "1"]
-            run = subprocess.run(command, cwd=folder, env=found, check=False)
+            run = subprocess.run(command, cwd=folder, env=environment, check=False)
             deaths += run.returncode == -signal.SIGKILL
         history = ts.roll(scene, folder / "a.h5", resume=True)
     print(f"{deaths} of {times} runs were killed; {len(history)} records")
-    return float(np.abs(history["wear_profile"][-1] - whole).max() / whole.max())
+    return float(np.abs(history["wear_profile"][-1] - uninterrupted).max() / uninterrupted.max())
 
 
 def free_seconds() -> list[float]:
@@ -125,19 +130,19 @@ def free_seconds() -> list[float]:
     spent: list[float] = []
 
     def timed(call: Callable) -> Callable:
-        def run(*given, **named):
+        def run(*arguments, **named):
             began = thread_time()
-            found = call(*given, **named)
+            result = call(*arguments, **named)
             spent.append(thread_time() - began)
-            return found
+            return result
 
         return run
 
     for name, module in [*sys.modules.items()]:
         if name.startswith("tractive_sam"):
-            for key, one in [*vars(module).items()]:
-                if isinstance(one, Dispatcher):
-                    setattr(module, key, timed(one))
+            for key, value in [*vars(module).items()]:
+                if isinstance(value, Dispatcher):
+                    setattr(module, key, timed(value))
     for name in ("forward", "backward"):
         setattr(PaddedTransform, name, timed(getattr(PaddedTransform, name)))
     return spent

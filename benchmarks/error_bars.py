@@ -28,7 +28,7 @@ from tractive_sam.run.accuracy.levels import Levels, set_tolerances
 from tractive_sam.subsurface import stress_maxima
 
 LOAD, STEEL = 1000.0, 208e3
-FINER, MOST = 4, 150_000
+FINER, MAX_ELEMENTS = 4, 150_000
 """Number of levels by which the second mesh is finer, unless it would have more elements than
 this.
 """
@@ -48,14 +48,14 @@ def _scene(
     same = equal < 1 / 3 and not gentle
     friction = 0.05 * 20.0**mu
     steel = {"young": STEEL, "poisson": 0.49 * nu_A}
-    other = steel if same else {"young": STEEL * 10.0 ** (2 * moduli - 1), "poisson": 0.49 * nu_B}
+    lower = steel if same else {"young": STEEL * 10.0 ** (2 * moduli - 1), "poisson": 0.49 * nu_B}
     flat = {"radius_x": math.inf, "radius_y": math.inf}
 
     def scene(log_radius: float, **creepage) -> ts.Scene:
         return ts.Scene(
             body={
                 "A": steel | {"radius_x": 100.0 * 10.0**log_radius, "radius_y": 100.0},
-                "B": other | flat,
+                "B": lower | flat,
             },
             load={"normal": LOAD},
             creepage=creepage,
@@ -93,7 +93,7 @@ def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
     levels = Levels(scene, None)
     level = levels.of(contact.grid)
     finer = level + FINER
-    while math.prod(levels.grid(finer).elements) > MOST and finer > level + 2:
+    while math.prod(levels.grid(finer).elements) > MAX_ELEMENTS and finer > level + 2:
         finer -= 1
     _, fine = solve_on_fitted_mesh(Model(set_tolerances(scene), None, levels.grid(finer)))
     force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
@@ -101,8 +101,8 @@ def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
     scales = {"Qx": force, "Qy": force, "Mz": force * arm}
     bars = dict(contact.error_bars)
     pairs = [(name, getattr(contact, name), getattr(fine, name)) for name in NAMES]
-    here, there = stress_maxima(contact), stress_maxima(fine)
-    pairs += [(f"von_mises_max {b}", here[b].value, there[b].value) for b in "AB"]
+    here, finer_maxima = stress_maxima(contact), stress_maxima(fine)
+    pairs += [(f"von_mises_max {b}", here[b].value, finer_maxima[b].value) for b in "AB"]
     bars |= {f"von_mises_max {b}": bars["von_mises_max"][b] for b in "AB"}
     rows = []
     for name, value, truth in pairs:

@@ -72,17 +72,17 @@ def main() -> None:
     law = USFD["r8t-uic60"]
     rows = []
     for slip, measured in zip(SLIP, work, strict=True):
-        found = {
+        predictions = {
             name: predicted(mu, slip) for name, mu in zip(NAMES, (middle, low, high), strict=True)
         }
         rows.append(
             {
                 "slip": slip,
                 "measured": measured,
-                **found,
-                "over": found["predicted"] / measured,
+                **predictions,
+                "over": predictions["predicted"] / measured,
                 "wear measured": law.at(measured),
-                **{f"wear {name}": law.at(value) for name, value in found.items()},
+                **{f"wear {name}": law.at(value) for name, value in predictions.items()},
             }
         )
     write("experiment", rows)

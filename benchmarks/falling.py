@@ -38,24 +38,24 @@ def falling_scene(seed: int) -> Scene:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
     steel = {"young": 208e3, "poisson": 0.3, "radius_x": 200.0, "radius_y": 200.0}
-    other = {"young": 208e3, "poisson": 0.3, "radius_x": math.inf}
-    other["radius_y"] = 200.0 * log_uniform(0.1, 10.0) if rng.random() < 0.7 else math.inf
+    body_B = {"young": 208e3, "poisson": 0.3, "radius_x": math.inf}
+    body_B["radius_y"] = 200.0 * log_uniform(0.1, 10.0) if rng.random() < 0.7 else math.inf
     if rng.random() < 1 / 3:
-        other["young"] *= log_uniform(0.1, 1.0)
+        body_B["young"] *= log_uniform(0.1, 1.0)
     mu = log_uniform(0.1, 0.6)
     static = (mu, mu * (log_uniform(0.3, 1.0) if rng.random() < 0.5 else 1.0))
     share = rng.uniform(0.2, 0.95)
     friction = {
         "law": "exponential" if rng.random() < 0.7 else "rational",
         "static": static,
-        "kinetic": tuple(share * one for one in static),
+        "kinetic": tuple(share * coefficient for coefficient in static),
         "half_speed": log_uniform(10.0, 1e4),
         "angle": float(rng.uniform(0.0, 90.0)),
     }
     if rng.random() < 0.5:
         friction["memory"] = log_uniform(1e-4, 1e-1)
     scene = Scene(
-        body={"A": steel, "B": other},
+        body={"A": steel, "B": body_B},
         load={"normal": log_uniform(100.0, 1e4)},
         creepage={"speed": log_uniform(100.0, 1e5)},
         friction={"mu": mu},
@@ -108,7 +108,7 @@ def main() -> None:
             scene = falling_scene(seed)
             outcome, cost, note = solved(scene)
             constant_outcome, cost_rest, _ = solved(constant(scene))
-        steep = any("friction.law" in str(one.message) for one in caught)
+        steep = any("friction.law" in str(warning.message) for warning in caught)
         rows.append(
             {
                 "seed": seed,

@@ -117,20 +117,20 @@ def bounds(count: int = 200) -> None:
         contact = ts.solve(tired, throw=False)
         if not contact.converged:
             continue
-        for body, one in ts.fatigue(contact).items():
-            ratio = one.path_radius / np.maximum(one.residual_shear, 1e-300)
-            known = one.residual_shear > 1e-6 * one.residual_shear.max()
+        for body, fatigue in ts.fatigue(contact).items():
+            ratio = fatigue.path_radius / np.maximum(fatigue.residual_shear, 1e-300)
+            relevant = fatigue.residual_shear > 1e-6 * fatigue.residual_shear.max()
             rows.append(
                 {
                     "scene": number,
                     "body": body,
-                    "p0/k certain": hertz.p0 / one.largest("residual_shear").value,
-                    "p0/k impossible": hertz.p0 / one.largest("path_radius").value,
-                    "largest ratio": float(ratio[known].max()),
+                    "p0/k certain": hertz.p0 / fatigue.largest("residual_shear").value,
+                    "p0/k impossible": hertz.p0 / fatigue.largest("path_radius").value,
+                    "largest ratio": float(ratio[relevant].max()),
                 }
             )
     write("fatigue_bounds", rows)
-    worst = max(one["largest ratio"] for one in rows)
+    worst = max(row["largest ratio"] for row in rows)
     print(f"{len(rows)} bodies: the largest share of the upper in the lower bound is {worst:.9f}")
 
 
@@ -140,17 +140,17 @@ def laws() -> None:
     for elements in MESHES:
         scene = ts.Scene.builtin("cylinders").replace(subsurface=None)
         grid = {"half_length": 1.1 * scene.hertz.a, "elements": elements}
-        found = {}
+        row = {}
         for mu, certain in ((0.1, 3.5643), (0.2, 3.2025), (0.3, 2.8997)):
             slips = {"friction.mu": mu, "creepage.longitudinal": -0.05, "grid": grid}
             line = scene.replace(fatigue={"shear_yield": 300.0}, **slips)
-            left = ts.fatigue(ts.solve(line))["A"].largest("residual_shear")
-            found[f"mu = {mu}"] = line.hertz.p0 / left.interior
-            found[f"error {mu}"] = found[f"mu = {mu}"] / certain - 1.0
+            residual = ts.fatigue(ts.solve(line))["A"].largest("residual_shear")
+            row[f"mu = {mu}"] = line.hertz.p0 / residual.interior
+            row[f"error {mu}"] = row[f"mu = {mu}"] / certain - 1.0
             if mu == 0.3:
-                found["surface 0.3"] = line.hertz.p0 / left.surface
-                found["error of the surface"] = found["surface 0.3"] / 2.99702 - 1.0
-        rows.append({"elements": elements} | found)
+                row["surface 0.3"] = line.hertz.p0 / residual.surface
+                row["error of the surface"] = row["surface 0.3"] / 2.99702 - 1.0
+        rows.append({"elements": elements} | row)
     write("fatigue_laws", rows)
     write("fatigue_closed_forms", closed_forms())
     write("fatigue_depths", between())
@@ -203,8 +203,8 @@ def between() -> list[dict]:
     return rows
 
 
-def _case(one: dict) -> tuple[str, ...]:
-    return tuple(str(one[name]) for name in ("beta", "mesh", "tolerance"))
+def _case(row: dict) -> tuple[str, ...]:
+    return tuple(str(row[name]) for name in ("beta", "mesh", "tolerance"))
 
 
 def _written() -> list[dict]:
@@ -225,12 +225,12 @@ def main() -> None:
     if sys.argv[1:] == ["laws"]:
         return laws()
     code, rows = _code(), []
-    known = {_case(one): one for one in _written() if one.get("code") == code}
+    by_case = {_case(row): row for row in _written() if row.get("code") == code}
     few = discs(45, (21, 61), 1e-3).with_set(["wear.revolutions=2", "wear.save=[2]"])
     ts.roll(few.replace(fatigue=MATERIAL))  # what is compiled does not count
     for beta, mesh, tolerance in CASES:
         about = {"beta": beta, "mesh": f"{mesh[0]} x {mesh[1]}", "tolerance": tolerance}
-        done = known.get(_case(about))
+        done = by_case.get(_case(about))
         rows.append(done or about | row(beta, mesh, tolerance) | {"code": code})
         write("fatigue", rows)
         if not done:

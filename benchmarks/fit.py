@@ -62,16 +62,16 @@ def power_of(scene: ts.Scene, mu: float, layer: float) -> np.ndarray:
     """Return the frictional work per distance for each slip, N/mm, shape (8,)."""
     scene = scene.replace(**{"friction.mu": mu, "friction.layer": layer})
     scenes = (scene.replace(**{"creepage.longitudinal": -slip}) for slip in SLIP)
-    return np.array([ts.solve(one).t_gamma for one in scenes])
+    return np.array([ts.solve(scene).t_gamma for scene in scenes])
 
 
 def powers() -> None:
     """Fit friction and layer to the measured powers, and compare with a grid of chi-square."""
     measured = HEAT * 1e3 / (SPEED * TRACK)
-    found = ts.fit(creep(SCENE, measured, curve=0))
+    result = ts.fit(creep(SCENE, measured, curve=0))
     scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False, curve=0))
     before = power_of(SCENE, 0.463, 0.0) / measured
-    after = found.dataset["predicted"].values / measured
+    after = result.dataset["predicted"].values / measured
     mu = np.linspace(0.43, 0.50, 15)
     layers = np.linspace(1.0e-6, 2.6e-6, 17)
     chi2 = np.array(
@@ -81,7 +81,7 @@ def powers() -> None:
         ]
     )
     # Between the points of the grid chi-square is a cubic spline; it is rough by the mesh.
-    axes = [np.linspace(one[0], one[-1], 401) for one in (mu, layers)]
+    axes = [np.linspace(values[0], values[-1], 401) for values in (mu, layers)]
     dense = RectBivariateSpline(mu, layers, chi2)(*axes)
     best = np.unravel_index(dense.argmin(), dense.shape)
     grid = [axis[k] for axis, k in zip(axes, best, strict=True)]
@@ -97,26 +97,26 @@ def powers() -> None:
         rows.append(
             {
                 "key": key,
-                "fit": found.values[key],
-                "sd": found.sd[key],
+                "fit": result.values[key],
+                "sd": result.sd[key],
                 "sd by scatter": scattered.sd[key],
                 "grid": grid[k],
                 "sd of grid": deviation[k],
-                "correlation": found.correlation[0, 1],
+                "correlation": result.correlation[0, 1],
                 "of grid": correlation,
-                "contacts": found.solves,
+                "contacts": result.solves,
                 "contacts of grid": chi2.size * SLIP.size,
             }
         )
     write("fit_powers", rows)
     show("The measured powers: fit and grid of chi-square", rows)
     ratios = [
-        {"slip": slip, "without layer": one, "fitted": other}
-        for slip, one, other in zip(SLIP, before, after, strict=True)
+        {"slip": slip, "without layer": without_layer, "fitted": fitted}
+        for slip, without_layer, fitted in zip(SLIP, before, after, strict=True)
     ]
     write("fit_ratios", ratios)
     show("Power, predicted over measured", ratios)
-    print(f"chi-square {found.chi2:.3g}, of the grid {chi2.min():.3g}")
+    print(f"chi-square {result.chi2:.3g}, of the grid {chi2.min():.3g}")
 
 
 def worn(masses: np.ndarray, profile: np.ndarray, y: np.ndarray) -> dict:
@@ -134,8 +134,8 @@ def worn(masses: np.ndarray, profile: np.ndarray, y: np.ndarray) -> dict:
 def exact() -> None:
     """Fit data without noise from other initial values, and return relative errors."""
     rows = []
-    found = ts.fit(creep(LINE, power_of(LINE, *FRICTION.values()), mesh_check=False, curve=0))
-    rows += _errors(found, FRICTION)
+    result = ts.fit(creep(LINE, power_of(LINE, *FRICTION.values()), mesh_check=False, curve=0))
+    rows += _errors(result, FRICTION)
     history = ts.roll(DISCS, progress=False)
     masses = history["worn_mass"][[STEPS.index(n) for n in (1000, 2000, 3000)], 0]
     design = worn(masses, history["wear_profile_B"][-1], history.y)
@@ -160,10 +160,10 @@ def exact() -> None:
     show("Data without noise", rows)
 
 
-def _errors(found: ts.FitResult, truth: dict[str, float]) -> list[dict]:
+def _errors(result: ts.FitResult, truth: dict[str, float]) -> list[dict]:
     return [
-        {"key": key, "truth": value, "error": found.values[key] / value - 1.0,
-         "contacts": found.solves, "rolls": found.rolls}
+        {"key": key, "truth": value, "error": result.values[key] / value - 1.0,
+         "contacts": result.solves, "rolls": result.rolls}
         for key, value in truth.items()
     ]  # fmt: skip
 
@@ -192,13 +192,13 @@ def repeats() -> None:
         began, inside = process_time(), dict.fromkeys(truth, 0)
         chi2, solves, rolls = [], 0, 0
         for _ in range(REPEATS):
-            found = repeat()
+            result = repeat()
             for key, value in truth.items():
-                low, high = found.interval(key)
+                low, high = result.interval(key)
                 inside[key] += low <= value <= high
-            low, high = found.chi2_range
-            chi2.append(low <= found.chi2 <= high)
-            solves, rolls = solves + found.solves, rolls + found.rolls
+            low, high = result.chi2_range
+            chi2.append(low <= result.chi2 <= high)
+            solves, rolls = solves + result.solves, rolls + result.rolls
         rows += [
             {"test": name, "key": key, "covered %": 100.0 * count / REPEATS,
              "chi-square expected %": 100.0 * np.mean(chi2), "contacts": solves / REPEATS,
@@ -238,7 +238,7 @@ def cost() -> None:
             | {"noise": 0.02}
         )
     slips = -np.array([0.001, 0.002, 0.005, 0.02])
-    forces = [ts.solve(scene.replace(**{"creepage.longitudinal": one})).Qx for one in slips]
+    forces = [ts.solve(scene.replace(**{"creepage.longitudinal": slip})).Qx for slip in slips]
     ratios = np.array(forces) / 300.0 * (1.0 + 0.02 * rng.standard_normal(4))
     columns = {"creepage.longitudinal": slips, "Qx_over_P": ratios}
     sets.append(
@@ -247,24 +247,24 @@ def cost() -> None:
     )
     start = [{"key": key, "start": 0.7 * value} for key, value in truth.items()]
     design = {"scene": scene, "free": [*truth], "data": sets, "parameter": start}
-    found = ts.fit(design)
-    rows.append(_cost("twin discs, four parameters", found))
+    result = ts.fit(design)
+    rows.append(_cost("twin discs, four parameters", result))
     profile = ts.fit({**design, "intervals": "profile"})
     rows.append(_cost("twin discs, profile likelihood", profile))
     write("fit_cost", rows)
     show("Cost of a fit", rows)
     for key, value in truth.items():
-        low, high = found.interval(key)
-        print(f"{key}: {found.values[key]:.4g}, from {low:.4g} to {high:.4g}, truth {value:.4g}")
+        low, high = result.interval(key)
+        print(f"{key}: {result.values[key]:.4g}, from {low:.4g} to {high:.4g}, truth {value:.4g}")
 
 
-def _cost(name: str, found: ts.FitResult) -> dict:
-    attributes = found.dataset.attrs
+def _cost(name: str, result: ts.FitResult) -> dict:
+    attributes = result.dataset.attrs
     return {
         "fit": name,
         "iterations": int(attributes["iterations"]),
-        "contacts": found.solves,
-        "rolls": found.rolls,
+        "contacts": result.solves,
+        "rolls": result.rolls,
         "convolutions": float(attributes["convolutions"]),
     }
 

@@ -258,16 +258,16 @@ def alternating(scene: Scene, model: Model):
         if first is not None:
             tractions = np.concatenate((np.zeros((1, *gap.shape)), first.traction))
             lift = model.operators.coupled(tractions)[0]
-        now = NAMED["auto"].alike.solve(model.problem(gap + lift), 1e-9, first)
-        cost += now.cost.applications + now.cost.preconditioner
-        if not now.converged:
+        outcome = NAMED["auto"].alike.solve(model.problem(gap + lift), 1e-9, first)
+        cost += outcome.cost.applications + outcome.cost.preconditioner
+        if not outcome.converged:
             return False, error, cost, "", "normal or tangential problem not solved"
         if not model.elasticity.coupled:
-            return True, now.residual, cost, "", ""
+            return True, outcome.residual, cost, "", ""
         if first is not None:
-            here, before = (np.stack((o.pressure, *o.traction)) for o in (now, first))
+            here, before = (np.stack((o.pressure, *o.traction)) for o in (outcome, first))
             error = np.linalg.norm(here - before) / np.linalg.norm(here)
-        first = now
+        first = outcome
         if error <= 1e-8:
             return True, error, cost, "", ""
         if cost > 3 * BUDGET:

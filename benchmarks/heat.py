@@ -40,19 +40,19 @@ def row(elements: int, speed: float) -> dict:
 
     def kernels() -> None:
         surface_heat.cache_clear()
-        for one in unlike.thermal.values():
-            surface_heat(contact.grid, speed, one.diffusivity, one.conductivity)
+        for thermal in unlike.thermal.values():
+            surface_heat(contact.grid, speed, thermal.diffusivity, thermal.conductivity)
 
-    found = {"elements": elements, "peclet": SPEEDS[speed], "contact_seconds": solve}
-    found["kernels"] = seconds(kernels) / solve
+    timings = {"elements": elements, "peclet": SPEEDS[speed], "contact_seconds": solve}
+    timings["kernels"] = seconds(kernels) / solve
     for name, scene in (("alike", hot), ("unlike", unlike)):
         model = Model(scene)
-        found[name] = seconds(lambda model=model: temperatures_of(model, contact)) / solve
+        timings[name] = seconds(lambda model=model: temperatures_of(model, contact)) / solve
     answering = equilibrium(Model(warm))
-    found["slips"] = 1.0 - answering.stick_fraction
-    found["hottest"] = answering.heat.temperature_max
-    found["answering"] = answering.cost.applications / contact.cost.applications
-    return found
+    timings["slips"] = 1.0 - answering.stick_fraction
+    timings["hottest"] = answering.heat.temperature_max
+    timings["answering"] = answering.cost.applications / contact.cost.applications
+    return timings
 
 
 def main() -> None:

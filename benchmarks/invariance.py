@@ -49,13 +49,15 @@ def log_uniform(rng: np.random.Generator, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def meshed(scene: ts.Scene, rng: np.random.Generator, least: int = 12, most: int = 26) -> ts.Scene:
+def meshed(
+    scene: ts.Scene, rng: np.random.Generator, fewest: int = 12, largest: int = 26
+) -> ts.Scene:
     """Return a scene on a small mesh, with a small tolerance."""
     half = scene.grid.half_length if scene.grid else None
     hertz = scene.hertz
     if half is None:
         half = (1.3 * hertz.a, 1.3 * hertz.b)
-    elements = tuple(int(n) for n in rng.integers(least, most, len(half)))
+    elements = tuple(int(n) for n in rng.integers(fewest, largest, len(half)))
     grid = {"half_length": half, "elements": elements}
     return scene.replace(grid=grid, **{"solver.tolerance": TOLERANCE})
 
@@ -94,9 +96,9 @@ def hard(rng: np.random.Generator) -> ts.Scene:
 def forced(rng: np.random.Generator) -> ts.Scene:
     """Return a scene with one or two prescribed tangential forces."""
     scene = moderate(rng)
-    most = 0.9 * min(scene.friction.mu) * scene.load.normal
+    limit = 0.9 * min(scene.friction.mu) * scene.load.normal
     turned, which = rng.uniform(0.0, 2.0 * np.pi), rng.integers(3)
-    forces = {"force_x": most * np.cos(turned), "force_y": most * np.sin(turned)}
+    forces = {"force_x": limit * np.cos(turned), "force_y": limit * np.sin(turned)}
     creepage = scene.creepage.entries()
     for k, (force, key) in enumerate((("force_x", "longitudinal"), ("force_y", "lateral"))):
         if which == k:
@@ -166,26 +168,26 @@ def wear_table(rng: np.random.Generator, scene: ts.Scene, revolutions: int) -> d
     creep = max(creep, abs(scene.creepage.spin) * hertz.a, mu * hertz.p0 / scene.material.shear)
     approach = hertz.a**2 / scene.body.radii[0]
     rate = 0.1 * approach / (2.0 * hertz.a * creep * hertz.p0 * revolutions) * rng.uniform(0.2, 1.0)
-    one, other = rate, rate * rng.uniform(0.2, 1.0)
+    rate_A, rate_B = rate, rate * rng.uniform(0.2, 1.0)
     work = mu * hertz.p0 * creep
     table: dict = {"revolutions": revolutions, "save": (0, revolutions)}
     table["turns"] = str(rng.choice(["each", "each", "equal"]))
     law = rng.integers(6)
     if law == 0:
-        table["intensity"] = (one, other)
+        table["intensity"] = (rate_A, rate_B)
     elif law == 1:
-        table["coefficient"] = {"A": 1e3 * one, "B": 1e3 * other}
+        table["coefficient"] = {"A": 1e3 * rate_A, "B": 1e3 * rate_B}
     elif law == 2:
-        table |= {"law": "energy", "coefficient": (1e3 * one / mu, 1e3 * other / mu)}
+        table |= {"law": "energy", "coefficient": (1e3 * rate_A / mu, 1e3 * rate_B / mu)}
     elif law == 3:
         mass = 7.85e3 * rate * hertz.p0 * creep
         points = ((0.3 * work, 0.1 * mass), (work, mass), (2.0 * work, 1.5 * mass))
         table["law"] = {"table": points} if rng.random() < 0.5 else {"A": "table", "B": "archard"}
         if "A" in table["law"]:
             table["law"]["table"] = points
-            table["coefficient"] = {"B": 1e3 * other}
+            table["coefficient"] = {"B": 1e3 * rate_B}
     else:
-        table["intensity"] = one
+        table["intensity"] = rate_A
     return table
 
 
@@ -272,8 +274,8 @@ def courses(rng: np.random.Generator, rolls: bool) -> ts.Scene:
 
 
 KINDS: dict[str, Callable[[np.random.Generator], ts.Scene]] = {
-    one.__name__: one
-    for one in (
+    kind.__name__: kind
+    for kind in (
         *(steady, gentle, hard, forced, gap, line, falling, heat),
         *(wear, adaptive, duty, fatigue, transient, shift),
     )
@@ -304,20 +306,20 @@ def group_of(name: str) -> str | None:
     return next((group for group, names in GROUPS.items() if re.fullmatch(names, name)), None)
 
 
-def natural_scale(name: str, found: Outcome) -> float:
+def natural_scale(name: str, outcome: Outcome) -> float:
     """Return the scale by which the difference of a quantity is divided."""
 
     def largest(*quantities: str) -> float:
-        values = np.concatenate([np.ravel(found.values[one]) for one in quantities])
+        values = np.concatenate([np.ravel(outcome.values[quantity]) for quantity in quantities])
         return float(np.max(np.abs(values), where=np.isfinite(values), initial=0.0))
 
-    friction = max(found.scene.friction.mu) if found.scene.friction else 0.0
+    friction = max(outcome.scene.friction.mu) if outcome.scene.friction else 0.0
     size = math.sqrt(largest("half_width_x") * (largest("half_width_y") or largest("half_width_x")))
     slips = max(largest("xi_x", "xi_y", "slip_x", "slip_y"), largest("spin") * size)
-    if found.scene.schedule.shifts:  # if all elements stick, slip is rounding error
+    if outcome.scene.schedule.shifts:  # if all elements stick, slip is rounding error
         slips = max(slips, largest("shift_x", "shift_y"))
     force = friction * largest("P")
-    own = {
+    scales = {
         **dict.fromkeys(("Qx", "Qy"), force),
         **dict.fromkeys(("Qx_over_P", "Qy_over_P"), friction),
         "Mz": force * size,
@@ -328,20 +330,20 @@ def natural_scale(name: str, found: Outcome) -> float:
         **dict.fromkeys(("dissipation", "work_supplied", "t_gamma"), force * slips),
         "t_gamma_over_area": force * slips / (largest("area") or 1.0),
     }
-    return own[name] if name in own else largest(name) * _stored(name, found)
+    return scales[name] if name in scales else largest(name) * _stored(name, outcome)
 
 
-def _stored(name: str, found: Outcome) -> float:
+def _stored(name: str, outcome: Outcome) -> float:
     """Return the ratio of stored energy to frictional work of a transient, if it exceeds one.
 
     The frictional work is the supplied work minus the stored energy. Most of the supplied work may
     be stored, and wear is proportional to the frictional work.
     """
-    work = found.values.get("friction_work", np.zeros(1)).max(initial=0.0)
+    work = outcome.values.get("friction_work", np.zeros(1)).max(initial=0.0)
     of_work = ("friction_work", "step_friction")
     if work <= 0.0 or (name not in of_work and group_of(name) not in ("wear", "worn volume")):
         return 1.0
-    return max(1.0, float(found.values["elastic_energy"].max() / work))
+    return max(1.0, float(outcome.values["elastic_energy"].max() / work))
 
 
 OF_A_STEP = re.compile(
@@ -350,35 +352,41 @@ OF_A_STEP = re.compile(
 """Sums or means over a step of a transient, which depend on the length of the step."""
 
 
-def differences(one: Outcome, two: Outcome) -> Iterator[tuple[str, str, float]]:
+def differences(
+    first_outcome: Outcome, second_outcome: Outcome
+) -> Iterator[tuple[str, str, float]]:
     """Yield the largest scaled difference of each quantity at the common coordinates."""
-    same_steps = len(one.at) == len(two.at) and np.allclose(one.at, two.at)
-    other_steps = one.scene.transient is not None and not same_steps
-    for name, values in one.values.items():
+    same_steps = len(first_outcome.at) == len(second_outcome.at) and np.allclose(
+        first_outcome.at, second_outcome.at
+    )
+    steps_differ = first_outcome.scene.transient is not None and not same_steps
+    for name, values in first_outcome.values.items():
         group = group_of(name)
-        if group is None or name not in two.values or not values.size:
+        if group is None or name not in second_outcome.values or not values.size:
             continue
-        if other_steps and OF_A_STEP.fullmatch(name):
+        if steps_differ and OF_A_STEP.fullmatch(name):
             continue
-        first, second = one.rows(name), two.rows(name)
+        first, second = first_outcome.rows(name), second_outcome.rows(name)
         near = np.isclose(first[:, None], second[None, :], rtol=1e-9, atol=1e-12 * np.ptp(first))
         mine, theirs = near.any(axis=1), near.any(axis=0)
         a = last_of(first[mine], values[mine])
-        b = last_of(second[theirs], two.values[name][theirs])
+        b = last_of(second[theirs], second_outcome.values[name][theirs])
         if a.shape != b.shape or (np.isfinite(a) != np.isfinite(b)).any():
             yield group, f"{name}: known in one of both only", math.inf
             continue
-        known = np.isfinite(a)
+        comparable = np.isfinite(a)
         if name.startswith("slip_"):  # of an element on the edge only one may touch
-            known &= touching(one, mine, first) & touching(two, theirs, second)
-        apart = float(np.max(np.abs(a[known] - b[known]), initial=0.0))
-        scale = natural_scale(name, one)
+            comparable &= touching(first_outcome, mine, first) & touching(
+                second_outcome, theirs, second
+            )
+        apart = float(np.max(np.abs(a[comparable] - b[comparable]), initial=0.0))
+        scale = natural_scale(name, first_outcome)
         yield group, name, apart / scale if scale else (math.inf if apart else 0.0)
 
 
-def touching(found: Outcome, rows: np.ndarray, at: np.ndarray) -> np.ndarray:
+def touching(outcome: Outcome, rows: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return the elements that are in contact in some rows of the fields."""
-    return last_of(at[rows], found.values["pressure"][rows]) > 0.0
+    return last_of(at[rows], outcome.values["pressure"][rows]) > 0.0
 
 
 def last_of(at: np.ndarray, values: np.ndarray) -> np.ndarray:
@@ -440,22 +448,22 @@ def random_scene(kind: str, seed: int, number: int) -> ts.Scene:
 def compared(scene: ts.Scene, changes: Iterable[Change] = CHANGES) -> Iterator[dict]:
     """Yield the largest difference of each group of quantities for each change, with its bound."""
     try:
-        one = Outcome.of(scene)
+        outcome = Outcome.of(scene)
     except ts.SceneError as refused:
         yield _row("as it is", "refused", str(refused).splitlines()[-1])
         return
-    if one.status != "done":
-        yield _row("as it is", "refused", one.status)
+    if outcome.status != "done":
+        yield _row("as it is", "refused", outcome.status)
         return
     for change in changes:
         if not change.applies(scene):
             continue
-        two = change.back(Outcome.of(change.scene(scene)))
-        if two.status != one.status:
-            yield _row(change.name, "status", two.message, math.inf)
+        changed_outcome = change.back(Outcome.of(change.scene(scene)))
+        if changed_outcome.status != outcome.status:
+            yield _row(change.name, "status", changed_outcome.message, math.inf)
             continue
         worst: dict[str, tuple[float, str]] = defaultdict(lambda: (-1.0, ""))
-        for group, name, apart in differences(one, two):
+        for group, name, apart in differences(outcome, changed_outcome):
             worst[group] = max(worst[group], (apart, name))
         for group, (apart, name) in worst.items():
             yield _row(change.name, group, name, apart, bound_of(change, scene, group))
@@ -463,8 +471,8 @@ def compared(scene: ts.Scene, changes: Iterable[Change] = CHANGES) -> Iterator[d
 
 def _row(change: str, group: str, name: str, difference: float = 0.0, bound: float = 0.0) -> dict:
     """Return the result of one comparison."""
-    found = {"change": change, "group": group, "quantity": name}
-    return found | {"difference": difference, "bound": bound, "holds": difference <= bound}
+    row = {"change": change, "group": group, "quantity": name}
+    return row | {"difference": difference, "bound": bound, "holds": difference <= bound}
 
 
 def campaign(count: int, seed: int, kinds: list[str], part: Path) -> list[dict]:
@@ -493,12 +501,12 @@ def _read(row: dict[str, str]) -> dict:
 
 def largest(rows: list[dict]) -> list[dict]:
     """Return the largest difference for each kind, change and group, with its source."""
-    found: dict[tuple, list[dict]] = defaultdict(list)
+    by_kind: dict[tuple, list[dict]] = defaultdict(list)
     for row in rows:
         if row["change"] != "as it is":
-            found[row["kind"], row["change"], row["group"]].append(row)
+            by_kind[row["kind"], row["change"], row["group"]].append(row)
     table = []
-    for of in found.values():
+    for of in by_kind.values():
         worst = max(of, key=lambda row: row["difference"] / (row["bound"] or 1.0))
         broken = sum(not row["holds"] for row in of)
         names = ("kind", "change", "group", "quantity", "difference", "bound", "scene")

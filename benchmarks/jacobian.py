@@ -90,8 +90,8 @@ def slopes(n: int) -> dict:
         ahead, behind = (Carter(scene.hertz, mu, xi * (1.0 + h)) for h in (1e-6, -1e-6))
         slope = mu * load * (ahead.force_ratio - behind.force_ratio) / (2e-6 * xi)
         force = mu * load * Carter(scene.hertz, mu, xi).force_ratio
-        found = contact.jacobian.loc["Qx", "xi_x"].item()
-        errors.append((abs(found / slope) - 1.0, abs(contact.Qx / force) - 1.0))
+        derivative = contact.jacobian.loc["Qx", "xi_x"].item()
+        errors.append((abs(derivative / slope) - 1.0, abs(contact.Qx / force) - 1.0))
     slope, force = np.abs(errors).max(axis=0)
     return {"n": n, "slope": slope, "force": force}
 

@@ -96,9 +96,9 @@ def main():
             "Tamaas/this": "",
         }
         if with_tamaas and n <= 1024:
-            found = tamaas_run(model)
-            if found is not None:
-                row |= {"Tamaas seconds": found[0], "Tamaas/this": found[0] / took}
+            tamaas_result = tamaas_run(model)
+            if tamaas_result is not None:
+                row |= {"Tamaas seconds": tamaas_result[0], "Tamaas/this": tamaas_result[0] / took}
         rows.append(row)
     show("Normal problem of `spheres`, cold, to 1e-8", rows)
     print(f"written: {write('normal', rows)}")

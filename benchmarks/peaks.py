@@ -109,9 +109,11 @@ def compared(case: str, scene: ts.Scene, body: str, truth: float) -> list[dict]:
     rows = []
     for across in ACROSS:
         contacts = [on_mesh(scene, across + shift) for shift in SHIFTS]
-        found = [surfaces(contact, body) for contact in contacts]
-        for estimate in found[0]:
-            errors = [one[estimate] / scene.hertz.p0 / truth - 1.0 for one in found]
+        surfaces_by_mesh = [surfaces(contact, body) for contact in contacts]
+        for estimate in surfaces_by_mesh[0]:
+            errors = [
+                estimates[estimate] / scene.hertz.p0 / truth - 1.0 for estimates in surfaces_by_mesh
+            ]
             rows.append(row(case, "von Mises, surface", estimate, across, max(errors, key=abs)))
     return rows
 
@@ -141,8 +143,8 @@ def largest_traction() -> list[dict]:
                     scene.replace(**{"creepage.longitudinal": creepage}), across + shift
                 )
                 for estimate, value in of_traction(contact, mu).items():
-                    found = errors.setdefault(("largest traction", estimate), [])
-                    found.append(value / truth - 1.0)
+                    relative_errors = errors.setdefault(("largest traction", estimate), [])
+                    relative_errors.append(value / truth - 1.0)
                 counted = np.count_nonzero(contact.sticking) / np.count_nonzero(contact.touching)
                 for estimate, value in (
                     ("element count", counted),
@@ -152,8 +154,10 @@ def largest_traction() -> list[dict]:
                         value / (1.0 - share) - 1.0
                     )
         rows += [
-            row("cylinders, partial slip", quantity, estimate, across, max(found, key=abs))
-            for (quantity, estimate), found in errors.items()
+            row(
+                "cylinders, partial slip", quantity, estimate, across, max(relative_errors, key=abs)
+            )
+            for (quantity, estimate), relative_errors in errors.items()
         ]
     return rows
 
@@ -190,8 +194,10 @@ def hertz_peak() -> list[dict]:
                 ("parabolas of squares", roots),
             ):
                 errors.setdefault(estimate, []).append(of(contact.pressure) / p0 - 1.0)
-        for estimate, found in errors.items():
-            rows.append(row("spheres, Hertz", "p_max", estimate, across, max(found, key=abs)))
+        for estimate, relative_errors in errors.items():
+            rows.append(
+                row("spheres, Hertz", "p_max", estimate, across, max(relative_errors, key=abs))
+            )
     return rows
 
 
@@ -252,10 +258,10 @@ def worn_discs() -> list[dict]:
         }
         for mesh, values in course.items():
             zigzag = float(np.abs(values / smooth[mesh] - 1.0).max())
-            off = float((smooth[mesh] / smooth[MESHES[-1]] - 1.0).mean())
+            error = float((smooth[mesh] / smooth[MESHES[-1]] - 1.0).mean())
             rows.append(row("worn discs, scatter", quantity, estimate, mesh[0], zigzag))
             rows.append(
-                row("worn discs, relative to the finest mesh", quantity, estimate, mesh[0], off)
+                row("worn discs, relative to the finest mesh", quantity, estimate, mesh[0], error)
             )
     return rows
 
@@ -274,7 +280,7 @@ def elements_of_pressure() -> list[dict]:
             hats = (2.0 * _twice(t) - _twice(t - side) - _twice(t + side)) / side
             sides = np.full(x.size, side)
             plain = _line_contact(constant, x, sides)
-            found = {"constant": plain, "bilinear": _line_contact(hats, x, sides)}
+            pressures = {"constant": plain, "bilinear": _line_contact(hats, x, sides)}
             ahead, behind = distances_to_edges(plain[:, None])
             touching = np.flatnonzero(plain > 0.0)
             ends = (
@@ -282,20 +288,26 @@ def elements_of_pressure() -> list[dict]:
                 (x[touching[-1]] + side * ahead[touching[-1], 0]),
             )
             low, high = np.maximum(x - side / 2, ends[0]), np.minimum(x + side / 2, ends[1])
-            left = high - low > 1e-9
-            low, high = low[left], high[left]
+            remaining = high - low > 1e-9
+            low, high = low[remaining], high[remaining]
             cut, at = np.zeros(x.size), (low + high) / 2
             matrix = _integral(at[:, None] - high) - _integral(at[:, None] - low)
-            cut[left] = _line_contact(matrix, at, high - low)
-            found["cut at the contact edge"] = cut
-            for kind, p in found.items():
+            cut[remaining] = _line_contact(matrix, at, high - low)
+            pressures["cut at the contact edge"] = cut
+            for kind, p in pressures.items():
                 k = int(np.argmax(p))
                 parabola = p[k] - (p[k + 1] - p[k - 1]) ** 2 / 8 / (p[k - 1] - 2 * p[k] + p[k + 1])
                 errors.setdefault((kind, "element"), []).append(p[k] - 1.0)
                 errors.setdefault((kind, "parabola"), []).append(parabola - 1.0)
         rows += [
-            row("cylinders, Hertz", "p_max", f"{kind}, {estimate}", across, max(found, key=abs))
-            for (kind, estimate), found in errors.items()
+            row(
+                "cylinders, Hertz",
+                "p_max",
+                f"{kind}, {estimate}",
+                across,
+                max(relative_errors, key=abs),
+            )
+            for (kind, estimate), relative_errors in errors.items()
         ]
     return rows
 
@@ -320,10 +332,10 @@ def _line_contact(matrix: np.ndarray, x: np.ndarray, weights: np.ndarray) -> np.
         p = np.zeros(x.size)
         p[k] = inside
         gap = matrix @ p + x**2 / 2 - approach
-        now = (p > 0.0) | (~touching & (gap < 0.0))
-        if (now == touching).all():
+        updated = (p > 0.0) | (~touching & (gap < 0.0))
+        if (updated == touching).all():
             return p
-        touching = now
+        touching = updated
 
 
 def main():
@@ -339,17 +351,17 @@ def main():
     for case, quantity, estimate in dict.fromkeys(
         (r["case"], r["quantity"], r["estimate"]) for r in rows
     ):
-        own = [
+        selected = [
             r
             for r in rows
             if (r["case"], r["quantity"], r["estimate"]) == (case, quantity, estimate)
         ]
         line = {"case": case, "quantity": quantity, "estimate": estimate, "order": ""}
-        errors = np.abs([r["error"] for r in own])
+        errors = np.abs([r["error"] for r in selected])
         if case not in ("worn discs, scatter", "worn discs, relative to the finest mesh"):
-            slope = np.polyfit(np.log([r["across"] for r in own]), np.log(errors), 1)[0]
+            slope = np.polyfit(np.log([r["across"] for r in selected]), np.log(errors), 1)[0]
             line["order"] = float(-slope)
-        table.append(line | {f"{k + 1}": r["error"] for k, r in enumerate(own)})
+        table.append(line | {f"{k + 1}": r["error"] for k, r in enumerate(selected)})
     columns = list(max(table, key=len))
     show(
         f"Errors; columns are {ACROSS} elements across, of the discs {MESHES}",

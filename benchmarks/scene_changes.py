@@ -59,10 +59,10 @@ class Outcome:
     def of(cls, scene: ts.Scene) -> "Outcome":
         """Compute a scene."""
         history = ts.roll(scene)
-        columns = {n: one for n, one in history.columns.items() if not UNCHECKED.fullmatch(n)}
+        columns = {n: column for n, column in history.columns.items() if not UNCHECKED.fullmatch(n)}
         values = {name: np.asarray(history[name], float) for name in columns}
-        dims = {name: one.dims for name, one in columns.items()}
-        units = {name: one.unit for name, one in columns.items()}
+        dims = {name: column.dims for name, column in columns.items()}
+        units = {name: column.unit for name, column in columns.items()}
         blocks = ("block",) if scene.duty else ()
         slid = _rolled(scene, history.saved)
         for name, rows in history.fields.items():
@@ -152,14 +152,14 @@ class Change:
         self.tables(tables, scene)
         return ts.Scene(**tables)
 
-    def back(self, found: Outcome) -> Outcome:
+    def back(self, outcome: Outcome) -> Outcome:
         """Return results of the changed scene in the frame and the units of the scene."""
         values = {}
-        for name, rows in found.values.items():
-            values[self.partner(name)] = self.value(name, rows, found)
-        return replace(found, values=values, **self.coordinates(found))
+        for name, rows in outcome.values.items():
+            values[self.partner(name)] = self.value(name, rows, outcome)
+        return replace(outcome, values=values, **self.coordinates(outcome))
 
-    def coordinates(self, found: Outcome) -> dict[str, np.ndarray]:
+    def coordinates(self, outcome: Outcome) -> dict[str, np.ndarray]:
         """Return the coordinates that change."""
         return {}
 
@@ -169,11 +169,11 @@ class Change:
             return name[:-1] + BODIES[name[-1]]
         return name
 
-    def value(self, name: str, rows: np.ndarray, found: Outcome) -> np.ndarray:
+    def value(self, name: str, rows: np.ndarray, outcome: Outcome) -> np.ndarray:
         """Return the values of a quantity of the scene."""
         if self.negative.fullmatch(name):
             rows = -rows
-        dims = ("record", *found.dims[name])
+        dims = ("record", *outcome.dims[name])
         if self.flips_y and "y" in dims:
             rows = np.flip(rows, dims.index("y"))
         if self.flips_y and name == "creepage_found":
@@ -348,26 +348,26 @@ class Units(Change):
             return PURE
         return DIMENSIONS[key]
 
-    def value(self, name: str, rows: np.ndarray, found: Outcome) -> np.ndarray:
+    def value(self, name: str, rows: np.ndarray, outcome: Outcome) -> np.ndarray:
         """Return the values of a quantity in the units of the scene."""
-        return rows / self.factor(dimension_of_unit(found.units[name]))
+        return rows / self.factor(dimension_of_unit(outcome.units[name]))
 
-    def coordinates(self, found: Outcome) -> dict[str, np.ndarray]:
+    def coordinates(self, outcome: Outcome) -> dict[str, np.ndarray]:
         """Return distances in the units of the scene."""
-        if found.scene.transient is None or found.scene.schedule.shifts:
+        if outcome.scene.transient is None or outcome.scene.schedule.shifts:
             return {}
-        return {"at": found.at / self.length, "saved": found.saved / self.length}
+        return {"at": outcome.at / self.length, "saved": outcome.saved / self.length}
 
 
 def dimension_of_unit(unit: str) -> tuple[int, int]:
     """Return the exponents of length and stress of a unit of results."""
-    known = {"N": (2, 1), "mm": LENGTH, "MPa": STRESS, "mg": (3, 0), "mW": (3, 1)}
+    dimensions = {"N": (2, 1), "mm": LENGTH, "MPa": STRESS, "mg": (3, 0), "mW": (3, 1)}
     over, _, under = unit.partition("/")
     total = np.zeros(2, int)
     for text, sign in ((over, 1), (under, -1)):
         for name, power in re.findall(r"([A-Za-z]+)(\d*)", text):
             if name not in ("degC", "rad"):
-                total += sign * int(power or 1) * np.array(known[name])
+                total += sign * int(power or 1) * np.array(dimensions[name])
     return int(total[0]), int(total[1])
 
 

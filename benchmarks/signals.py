@@ -75,7 +75,7 @@ class Ending:
         return sum(mark <= self.sent for mark in self.marks)
 
     @property
-    def is_one_line(self) -> bool:
+    def is_single_line(self) -> bool:
         """Whether the program ended like an interrupted program."""
         return self.status == 3 and len(self.message.strip().splitlines()) == 1
 
@@ -96,24 +96,28 @@ def interrupted(arguments: list[str], after: float, number: signal.Signals, fold
     message = program.communicate()[1]
     took = monotonic() - sent
     with os.fdopen(read, "rb") as file:
-        times = [float(one) - began for one in file.read().split()]
+        times = [float(mark) - began for mark in file.read().split()]
     return Ending(times, sent - began, took, program.returncode, message)
 
 
 def rows(endings: list[Ending]):
     """Return a row for each stage."""
-    whole = [(0.0, *one.marks) for one in endings if len(one.marks) == len(STAGES) - 1]
+    uninterrupted = [
+        (0.0, *ending.marks) for ending in endings if len(ending.marks) == len(STAGES) - 1
+    ]
     for stage, name in enumerate(STAGES):
-        inside = [one for one in endings if one.stage == stage]
-        begins = [marks[stage] for marks in whole]
-        lasts = [marks[stage + 1] - marks[stage] for marks in whole if stage + 1 < len(STAGES)]
+        inside = [ending for ending in endings if ending.stage == stage]
+        begins = [marks[stage] for marks in uninterrupted]
+        lasts = [
+            marks[stage + 1] - marks[stage] for marks in uninterrupted if stage + 1 < len(STAGES)
+        ]
         yield {
             "stage": name,
             "begins": 1e3 * statistics.median(begins),
             "lasts": 1e3 * statistics.median(lasts) if lasts else "",
             "signals": len(inside),
-            "one_line": sum(one.is_one_line for one in inside),
-            "slowest": max((one.took for one in inside), default=0.0),
+            "one_line": sum(ending.is_single_line for ending in inside),
+            "slowest": max((ending.took for ending in inside), default=0.0),
         }
 
 
@@ -131,9 +135,9 @@ def main() -> None:
             after = 1e-3 * settings.within * rng.random()
             endings.append(interrupted(settings.arguments, after, number, folder))
     table = list(rows(endings))
-    for one in endings:
-        if one.stage == len(STAGES) - 1 and not one.is_one_line:
-            print(f"{1e3 * one.sent:.1f} ms: status {one.status}, {one.message!r}")
+    for ending in endings:
+        if ending.stage == len(STAGES) - 1 and not ending.is_single_line:
+            print(f"{1e3 * ending.sent:.1f} ms: status {ending.status}, {ending.message!r}")
     show(" ".join(settings.arguments), table)
     write("signals", table)
 

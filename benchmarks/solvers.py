@@ -105,10 +105,10 @@ def main():
     )[0]
     print(f"\nnewton: applications grow like n^{growth:.2f}")
     print(f"written: {write('solvers', rows)}, {draw(rows)}")
-    whole_scene()
+    measure_steady_solves()
 
 
-def whole_scene():
+def measure_steady_solves():
     """Measure a steady solution from scene to contact, including the normal problem."""
     rows = []
     for n in (91, 181, 361):

@@ -61,8 +61,8 @@ def ball(n: int, aspect: float = 1.0, **tables) -> Scene:
 def figure(columns: int, width: float = 4.6):
     picture = Figure(figsize=(width * columns, 3.8), layout="constrained")
     axes = np.atleast_1d(picture.subplots(1, columns))
-    for one in axes:
-        one.grid(alpha=0.3)
+    for axis in axes:
+        axis.grid(alpha=0.3)
     return picture, axes
 
 
@@ -85,8 +85,8 @@ def longest_step(problem: Problem, over: float) -> float:
         mapping = ProjectedMap(problem, np.full((2, 1, 1), step))
         state = mapping.admissible(solved.traction + nudge)
         for _ in range(600):
-            now = mapping(state)
-            state = now.image
+            evaluation = mapping(state)
+            state = evaluation.image
         apart = np.linalg.norm(state - solved.traction)
         grown = apart > np.linalg.norm(
             mapping.admissible(solved.traction + nudge) - solved.traction
@@ -178,19 +178,19 @@ def coupling():
     axes = picture.subplots(2, 3, sharex=True, sharey=True)
     for line, slips in zip(axes, (False, True), strict=True):
         shown = [row for row in rows if row["n"] == 21 and row["full slip"] == slips]
-        for one, name in zip(line, methods, strict=True):
+        for panel, name in zip(line, methods, strict=True):
             costs = np.array([row[name] for row in shown]).reshape(len(betas), -1)
-            image = one.imshow(
+            image = panel.imshow(
                 np.where(np.isfinite(costs), costs, np.nan),
                 origin="lower",
                 aspect="auto",
                 norm=LogNorm(30, 3000),
             )
             for i, j in zip(*np.nonzero(~np.isfinite(costs)), strict=True):
-                one.text(j, i, "fails", ha="center", va="center", fontsize=8, color="C3")
-            one.set_title(f"{name}, {'full slip' if slips else 'stick and slip'}", fontsize=10)
-            one.set_xticks(range(len(coefficients)), [f"{mu:g}" for mu in coefficients])
-            one.set_yticks(range(len(betas)), [f"{beta:g}" for beta in betas])
+                panel.text(j, i, "fails", ha="center", va="center", fontsize=8, color="C3")
+            panel.set_title(f"{name}, {'full slip' if slips else 'stick and slip'}", fontsize=10)
+            panel.set_xticks(range(len(coefficients)), [f"{mu:g}" for mu in coefficients])
+            panel.set_yticks(range(len(betas)), [f"{beta:g}" for beta in betas])
     picture.supxlabel("mu")
     picture.supylabel("Dundurs' beta")
     picture.colorbar(image, ax=axes, label="applications to 1e-8, 21 x 21")
@@ -241,8 +241,13 @@ def slip():
         row = {"offset": offset, "condition": float(np.linalg.cond(matrix))}
         ahead = np.broadcast_to((x + offset)[:, None], (n, n))
         aside = np.broadcast_to(x[None, :], (n, n))
-        one, none = np.ones((n, n)), np.zeros((n, n))
-        rigid = {"x": (one, none), "y": (none, one), "45": (one, one), "spin": (-aside, ahead)}
+        ones, zeros = np.ones((n, n)), np.zeros((n, n))
+        rigid = {
+            "x": (ones, zeros),
+            "y": (zeros, ones),
+            "45": (ones, ones),
+            "spin": (-aside, ahead),
+        }
         for name, field in rigid.items():
             traction = np.zeros((2, n, n))
             traction.reshape(-1)[on] = np.linalg.solve(matrix, -np.stack(field).ravel()[on])
@@ -321,13 +326,13 @@ def stabilised(rate, profile, jump, response, count=5):
     Its waves are damped by only 5 %.
     """
     t, w0, w1 = _stages(count)
-    before, now = profile, profile + jump * w1 / w0 * rate(profile)
+    before, current = profile, profile + jump * w1 / w0 * rate(profile)
     for j in range(2, count + 1):
         mu, nu = 2.0 * w0 * t[j - 1] / t[j], -t[j - 2] / t[j]
         gain = 2.0 * w1 * t[j - 1] / t[j]
-        ahead = (1.0 - mu - nu) * profile + mu * now + nu * before + gain * jump * rate(now)
-        before, now = now, ahead
-    return now
+        ahead = (1.0 - mu - nu) * profile + mu * current + nu * before + gain * jump * rate(current)
+        before, current = current, ahead
+    return current
 
 
 def implicit(rate, profile, jump, response):
@@ -366,11 +371,11 @@ def wear():
             number = np.pi * waves / 0.9
             shape = 1e-6 * np.cos(number * y) * np.clip(2.0 - 2.0 * np.abs(y) / hertz.b, 0.0, 1.0)
 
-            def left(after, base, shape=shape, middle=middle):
+            def remaining_share(after, base, shape=shape, middle=middle):
                 return float(((after - base) * shape)[middle].sum() / (shape**2)[middle].sum())
 
             ripple = shape
-            measured = -left(rate(ripple), rate(flat))
+            measured = -remaining_share(rate(ripple), rate(flat))
             # i s/V of full slip over 2 a, of a pressure that answers by E* q/2.
             centre = y.size // 2
             chord = model.grid.dx * np.count_nonzero(first.contact.touching[:, centre])
@@ -389,7 +394,7 @@ def wear():
                 row["g jump, theory"] = times
                 for name, step in STEPS.items():
                     after, base = (step(rate, p, jump, response) for p in (ripple, flat))
-                    row[name] = left(after, base)
+                    row[name] = remaining_share(after, base)
                 rows.append(row)
     picture, (axes,) = figure(1, 6.5)
     z = np.geomspace(0.2, 110.0, 400)
@@ -430,13 +435,13 @@ def control():
                     changes = {"body.B.young": 1e7, "body.B.poisson": 0.0}
                     scene = scene.replace(**changes)
                 reference = equilibrium(Model(scene))
-                given = scene.replace(**{"load.approach": reference.approach})
+                at_approach = scene.replace(**{"load.approach": reference.approach})
                 touching = int(np.count_nonzero(reference.touching))
                 row = {"bodies": kind, "n": n, "load": load, "in contact": touching}
                 for method in ("newton", "anderson"):
-                    for name, given_scene in (("load", scene), ("approach", given)):
+                    for name, controlled in (("load", scene), ("approach", at_approach)):
                         contact = equilibrium(
-                            Model(given_scene.replace(**{"solver.method": method}))
+                            Model(controlled.replace(**{"solver.method": method}))
                         )
                         cost = contact.cost.applications + contact.cost.preconditioner
                         row[f"{method}, {name}"] = round(cost) if contact.converged else np.inf
@@ -444,17 +449,17 @@ def control():
                             row["loads differ by"] = abs(contact.P / load - 1.0)
                 rows.append(row)
     picture, axes = figure(2)
-    for one, kind in zip(axes, ("equal", "dissimilar"), strict=True):
+    for panel, kind in zip(axes, ("equal", "dissimilar"), strict=True):
         for method, colour in (("newton", "C0"), ("anderson", "C1")):
             for name, style in (("load", "o-"), ("approach", "s:")):
                 mine = sorted(
                     (r["in contact"], r[f"{method}, {name}"]) for r in rows if r["bodies"] == kind
                 )
                 label = f"{method}, given {name}"
-                one.loglog(*zip(*mine, strict=True), style, color=colour, label=label, ms=4)
-        one.set(title=f"{kind} bodies", xlabel="elements in contact")
-        one.set_ylabel("applications to 1e-8")
-        one.legend(fontsize=8)
+                panel.loglog(*zip(*mine, strict=True), style, color=colour, label=label, ms=4)
+        panel.set(title=f"{kind} bodies", xlabel="elements in contact")
+        panel.set_ylabel("applications to 1e-8")
+        panel.legend(fontsize=8)
     finished("control", "Load against approach", rows, picture)
 
 

@@ -38,7 +38,7 @@ from tractive_sam.rolling.response import wear_response
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
 LAG = 0.3
-MOST_SOLVES = 2500
+MAX_SOLVES = 2500
 
 
 class RefusedError(Exception):
@@ -60,11 +60,11 @@ class Course:
 
     def visit(self, profile: np.ndarray, revolution: int) -> tuple[np.ndarray, Passage]:
         """Return the rate at a profile, and the passage from which it follows."""
-        now = passage_at(self.model, revolution, profile, self.passage.contact, self.lag)
-        self.solves += now.solves
-        if not now.contact.converged:
-            raise RefusedError(now.contact.message)
-        return self._rate(now), now
+        passage = passage_at(self.model, revolution, profile, self.passage.contact, self.lag)
+        self.solves += passage.solves
+        if not passage.contact.converged:
+            raise RefusedError(passage.contact.message)
+        return self._rate(passage), passage
 
     def _rate(self, passage: Passage) -> np.ndarray:
         return passage.worn - 0.5 * wear_response(self.model, passage.contact) @ passage.worn
@@ -81,8 +81,8 @@ Step = Callable[[Course, int], tuple[np.ndarray, np.ndarray]]
 def heun(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
     profile, rate = course.here()
     euler = profile + jump * rate
-    there, _ = course.visit(euler, course.passage.revolution + jump)
-    return profile + 0.5 * jump * (rate + there), 0.5 * jump * (there - rate)
+    rate_ahead, _ = course.visit(euler, course.passage.revolution + jump)
+    return profile + 0.5 * jump * (rate + rate_ahead), 0.5 * jump * (rate_ahead - rate)
 
 
 def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
@@ -100,16 +100,16 @@ def chebyshev(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
     b[:2] = b[2]
     a = 1.0 - b * value
     w1 = slope[-1] / curve[-1]
-    before, now = profile, profile + b[1] * w1 * jump * rate
+    before, current = profile, profile + b[1] * w1 * jump * rate
     for j in range(2, stages + 1):
         mu, nu = 2.0 * b[j] * w0 / b[j - 1], -b[j] / b[j - 2]
         step = 2.0 * b[j] * w1 / b[j - 1] * jump
-        there, _ = course.visit(now, course.passage.revolution + jump)
-        following = (1.0 - mu - nu) * profile + mu * now + nu * before
-        following += step * (there - a[j - 1] * rate)
-        before, now = now, following
-    there, _ = course.visit(now, course.passage.revolution + jump)
-    return now, 0.8 * (profile - now) + 0.4 * jump * (rate + there)
+        rate_ahead, _ = course.visit(current, course.passage.revolution + jump)
+        following = (1.0 - mu - nu) * profile + mu * current + nu * before
+        following += step * (rate_ahead - a[j - 1] * rate)
+        before, current = current, following
+    rate_ahead, _ = course.visit(current, course.passage.revolution + jump)
+    return current, 0.8 * (profile - current) + 0.4 * jump * (rate + rate_ahead)
 
 
 def rosenbrock(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
@@ -119,10 +119,10 @@ def rosenbrock(course: Course, jump: int) -> tuple[np.ndarray, np.ndarray]:
     response = wear_response(course.model, course.passage.contact)
     system = np.eye(profile.size) - gamma * jump * response
     first = np.linalg.solve(system, rate)
-    there, _ = course.visit(
+    rate_ahead, _ = course.visit(
         np.maximum(profile + jump * first, profile), course.passage.revolution + jump
     )
-    second = np.linalg.solve(system, there - 2.0 * first)
+    second = np.linalg.solve(system, rate_ahead - 2.0 * first)
     return profile + jump * (1.5 * first + 0.5 * second), 0.5 * jump * (first + second)
 
 
@@ -136,15 +136,15 @@ def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
     first = next_passage(model, first_passage(model))
     course = Course(model, first, 1 + first.solves)
     records, jump = [], 1
-    while course.passage.revolution < SAVED[-1] and course.solves < MOST_SOLVES:
+    while course.passage.revolution < SAVED[-1] and course.solves < MAX_SOLVES:
         revolution = course.passage.revolution
         distance = next(n for n in SAVED if n > revolution) - revolution
         taken = min(jump, distance)
         change = _advance(course, step, taken, tolerance)
         jump = max(1, int(max(taken * change, jump if change > 1.0 and taken < jump else 0)))
         if course.passage.revolution in SAVED and course.passage.revolution > revolution:
-            given = {"revolution": course.passage.revolution}
-            records.append(Record.of(course.passage.contact, given))
+            process_values = {"revolution": course.passage.revolution}
+            records.append(Record.of(course.passage.contact, process_values))
     seconds = process_time() - began
     return History.of_records(records, model.scene, model.grid), course, seconds
 
@@ -166,14 +166,14 @@ def _advance(course: Course, step: Step, jump: int, tolerance: float) -> float:
 def row(name: str, tolerance: float, solves: int, seconds: float, history, reference) -> dict:
     """Return a line of the table; for a stopped scheme, the line of its last saved revolution."""
     last = int(history["revolution"][-1])
-    found = errors(history, reference, last)
+    errors_of_row = errors(history, reference, last)
     return {
         "stepping": name,
         "tolerance": tolerance,
         "to revolution": last,
         "solves": solves,
         "seconds": round(seconds, 2),
-        **{f"{name} error": error for name, error in found.items()},
+        **{f"{name} error": error for name, error in errors_of_row.items()},
         "ripple": roughness(np.asarray(history.field("pressure", last))),
     }
 

@@ -152,14 +152,16 @@ def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny:
         interrupted = ts.open_study(folder).counts
         assert running.wait() == 0, folder.with_suffix(".log").read_text()
         took = perf_counter() - began
-    found = ts.open_study(folder)
-    assert found.complete, found.counts
+    results = ts.open_study(folder)
+    assert results.complete, results.counts
     row = {"study": study.title, "cases": len(study), "s, one worker killed": took}
     row["complete when killed"] = interrupted["complete"]
     for name in COMPARED:
-        now, then = found.column(name), wanted.column(name)
+        values, expected = results.column(name), wanted.column(name)
         row[f"{name} differs"] = (
-            float(np.abs(now - then).max() / np.abs(then).max()) if np.any(then) else 0.0
+            float(np.abs(values - expected).max() / np.abs(expected).max())
+            if np.any(expected)
+            else 0.0
         )
     return row
 
@@ -167,8 +169,8 @@ def survived(study: ts.Study, wanted: ts.StudyResults, folder: Path, with_nanny:
 def scaling(study: ts.Study, single: dict, scratch: Path) -> list[dict]:
     """Return the time on one and on two workers; CPU time does not depend on other programs."""
     count = single["cases"]
-    of_one = {"workers": "none (one process)", "s": count * single["s a case"], "busy": 1.0}
-    rows = [{"study": study.title, **of_one, "s of CPU": count * single["s of CPU a case"]}]
+    of_single = {"workers": "none (one process)", "s": count * single["s a case"], "busy": 1.0}
+    rows = [{"study": study.title, **of_single, "s of CPU": count * single["s of CPU a case"]}]
     for workers in (1, 2):
         folder, busy = scratch / f"scaling-{len(study)}-{workers}", []
         with cluster(workers, scratch) as address:
@@ -177,13 +179,15 @@ def scaling(study: ts.Study, single: dict, scratch: Path) -> list[dict]:
                 study,
                 folder,
                 scheduler=address,
-                progress=lambda now, busy=busy: now.outcome and busy.append(now.outcome.seconds),
+                progress=lambda progress, busy=busy: (
+                    progress.outcome and busy.append(progress.outcome.seconds)
+                ),
             )
             took = perf_counter() - began
             spent = _cpu_seconds_of_workers(address) - spent
         share = sum(busy) / (workers * took)
-        found = {"workers": workers, "s": took, "busy": share, "s of CPU": spent}
-        rows.append({"study": study.title, **found})
+        row = {"workers": workers, "s": took, "busy": share, "s of CPU": spent}
+        rows.append({"study": study.title, **row})
     return rows
 
 
@@ -201,16 +205,16 @@ def engine(scratch: Path) -> dict:
     with cluster(2, scratch) as address:
         with Client(address, set_as_default=False) as client:
             before = client.run_on_scheduler(_cpu_seconds)
-        began, own = perf_counter(), _cpu_seconds()
+        began, client_cpu = perf_counter(), _cpu_seconds()
         assert len(list(on_cluster(tasks, address, lambda _: 0, print))) == IDLE_CASES
-        took, own = perf_counter() - began, _cpu_seconds() - own
+        took, client_cpu = perf_counter() - began, _cpu_seconds() - client_cpu
         with Client(address, set_as_default=False) as client:
             spent = client.run_on_scheduler(_cpu_seconds) - before
     return {
         "cases": IDLE_CASES,
         "ms a case": 1e3 * took / IDLE_CASES,
         "ms of scheduler": 1e3 * spent / IDLE_CASES,
-        "ms of client": 1e3 * own / IDLE_CASES,
+        "ms of client": 1e3 * client_cpu / IDLE_CASES,
     }
 
 
@@ -226,12 +230,12 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
     folder.mkdir()
     (folder / "study.toml").write_text(study.to_toml())
     times = [perf_counter()]
-    found = cases(study)
+    all_cases = cases(study)
     times.append(perf_counter())
-    estimates(found)
+    estimates(all_cases)
     times.append(perf_counter())
     with (folder / "complete.jsonl").open("w") as file:
-        for case in found:
+        for case in all_cases:
             (folder / f"{case.name}.h5").touch()
             line = {"digest": case.digest, "size": 0, "version": ts.__version__, "message": ""}
             file.write(json.dumps(line | {"row": done.rows[0].last}) + "\n")

@@ -60,9 +60,9 @@ def peak(run: Callable[[], object]) -> int:
     """Return the largest memory that Python and numpy use at once during a call, bytes."""
     tracemalloc.start()
     run()
-    _, most = tracemalloc.get_traced_memory()
+    _, peak_bytes = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    return most
+    return peak_bytes
 
 
 def volume(contact: State) -> dict:
@@ -79,14 +79,14 @@ def volume(contact: State) -> dict:
     layer = median(stream(contact, DEPTHS))
     bare = seconds(lambda: (transform.forward(), transform.backward()), 0.5, DEPTHS)
     layer_transform.cache_clear()  # so that its arrays are seen to be taken
-    most = peak(lambda: stream(contact, DEPTHS))
+    peak_bytes = peak(lambda: stream(contact, DEPTHS))
     return {
         "what": f"volume {n} x {n} x {DEPTHS}",
         "seconds": took,
         "over its FFTs": layer / bare,
         "over 18 + 6": layer / textbook(n),
-        "MiB": most / 2**20,
-        "over its arrays": most / array_bytes,
+        "MiB": peak_bytes / 2**20,
+        "over its arrays": peak_bytes / array_bytes,
     }
 
 
@@ -121,14 +121,14 @@ def plane(contact: State, text: str, count: int) -> dict:
     array_bytes = transform.tables.nbytes + transform.packs.nbytes + operator._loads.nbytes
     array_bytes += 6 * n * count * 8  # the result
     edge_transform.cache_clear()
-    most = peak(lambda: stress_on_plane(contact, text, depths=z))
+    peak_bytes = peak(lambda: stress_on_plane(contact, text, depths=z))
     return {
         "what": f"plane {text}, {n} x {n}, {count} depths",
         "seconds": took,
         "over its FFTs": depth / bare,
         "over 18 + 6": "",
-        "MiB": most / 2**20,
-        "over its arrays": most / array_bytes,
+        "MiB": peak_bytes / 2**20,
+        "over its arrays": peak_bytes / array_bytes,
     }
 
 

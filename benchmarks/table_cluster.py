@@ -27,7 +27,7 @@ import tractive_sam as ts
 DESIGN = ts.TableDesign(ellipticity=1.0, tolerance=0.2, elements=15)
 
 
-def kill_one_at_work(address: str, running: subprocess.Popen) -> int:
+def kill_busy_worker(address: str, running: subprocess.Popen) -> int:
     """Kill a worker that solves contacts; return the number of batches of contacts that it had."""
     with Client(address, set_as_default=False) as client:
         while not (busy := {at: calls for at, calls in client.processing().items() if calls}):
@@ -75,16 +75,16 @@ def main() -> None:
             ]
             began = perf_counter()
             running = subprocess.Popen([*command, "--scheduler", address], cwd=folder)
-            lost = kill_one_at_work(address, running)
+            lost = kill_busy_worker(address, running)
             assert running.wait() == 0
             took = perf_counter() - began
         together = ts.open_table(folder / "table.nc")
     rows.append(row(f"two workers, one killed (lost batches: {lost})", together, took))
-    for one, other in zip(serial.law.axes, together.law.axes, strict=True):
-        np.testing.assert_array_equal(one, other)
-    values = [one.law.coefficients[..., 0, :] for one in (serial, together)]
-    for one in rows:
-        one["largest difference"] = float(np.abs(values[0] - values[1]).max())
+    for axes in zip(serial.law.axes, together.law.axes, strict=True):
+        np.testing.assert_array_equal(*axes)
+    values = [table.law.coefficients[..., 0, :] for table in (serial, together)]
+    for line in rows:
+        line["largest difference"] = float(np.abs(values[0] - values[1]).max())
     show("A table by a scheduler", rows)
     print(write("table_cluster", rows))
 

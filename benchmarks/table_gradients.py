@@ -35,13 +35,13 @@ def at_rest(table: ts.CreepTable, ratio: float) -> dict:
     """Return the errors of the slopes at zero creepage for one a/b, in per cent."""
     meshes = 2 * np.unique(np.rint(np.geomspace(29, 131, 22) / 2).astype(int)) + 1
     limit, bar = Contacts(unit_scene(ratio, 0.3)).slopes_at_rest(meshes)
-    found = table(0.0, 0.0, 0.0, **contact_of(ratio))
+    forces = table(0.0, 0.0, 0.0, **contact_of(ratio))
     kalker = creep_coefficients(ratio, 0.3)
     row = {"a/b": ratio}
     for name, at in NAMES.items():
         size = abs(limit[at])
-        row[name] = 100.0 * (found.gradient[at] / limit[at] - 1.0)
-        row[f"bar of {name}"] = 100.0 * found.gradient_error[at] / size
+        row[name] = 100.0 * (forces.gradient[at] / limit[at] - 1.0)
+        row[f"bar of {name}"] = 100.0 * forces.gradient_error[at] / size
         row[f"reference of {name}"] = 100.0 * bar[at] / size
         if name in KALKER:
             row[f"Kalker of {name}"] = 100.0 * (getattr(kalker, KALKER[name]) / size - 1.0)
@@ -58,11 +58,11 @@ def anywhere(table: ts.CreepTable, count: int, per_ratio: int = 5) -> list[dict]
         size = np.sqrt(np.outer(slopes, slopes))
         for w in random.normal(size=(per_ratio, 3)) * [0.4, 0.4, 0.8]:
             solved = contacts.solve(w, 43, 43, 1.0).gradient
-            found = table(*w, **contact_of(ratio))
-            off = np.abs(found.gradient - solved)
-            inside = bool((off <= found.gradient_error).all())
-            rows.append({"ratio": ratio, "forces": float((off / size)[:2].max()),
-                         "moment": float((off / size)[2].max()), "inside": inside})  # fmt: skip
+            forces = table(*w, **contact_of(ratio))
+            errors = np.abs(forces.gradient - solved)
+            inside = bool((errors <= forces.gradient_error).all())
+            rows.append({"ratio": ratio, "forces": float((errors / size)[:2].max()),
+                         "moment": float((errors / size)[2].max()), "inside": inside})  # fmt: skip
     return rows[:count]
 
 

@@ -62,8 +62,8 @@ def linear(ratio: float, w: np.ndarray) -> np.ndarray:
     """Kalker's linear theory, cut off at mu P."""
     here = contact_of(ratio)
     creepages = dict(zip(("xi_x", "xi_y", "spin"), w, strict=True))
-    found = np.array(linear_creep_forces(here["a"], here["b"], 1.0, NU, **creepages))
-    return found * [*[1.0 / max(1.0, math.hypot(*found[:2]))] * 2, 1.0]
+    forces = np.array(linear_creep_forces(here["a"], here["b"], 1.0, NU, **creepages))
+    return forces * [*[1.0 / max(1.0, math.hypot(*forces[:2]))] * 2, 1.0]
 
 
 def by_vermeulen_johnson(ratio: float, w: np.ndarray) -> np.ndarray:
@@ -82,16 +82,16 @@ def by_fastsim(ratio: float, w: np.ndarray) -> np.ndarray:
     return np.array(fastsim(**here, poisson=NU, **creepages, elements=(30, 30)))
 
 
-def at_once(found: list[tuple[float, np.ndarray]]) -> tuple[np.ndarray, dict]:
+def at_once(points: list[tuple[float, np.ndarray]]) -> tuple[np.ndarray, dict]:
     """All points as arrays: creepages, and the contacts."""
-    root = np.sqrt([ratio for ratio, _ in found])
+    root = np.sqrt([ratio for ratio, _ in points])
     contact = {"a": root, "b": 1.0 / root, "load": 1.0, "mu": 1.0, "shear": 1.0}
-    return np.array([w for _, w in found]).T, contact
+    return np.array([w for _, w in points]).T, contact
 
 
-def within(table: ts.CreepTable, found: list, errors: np.ndarray) -> float:
+def within(table: ts.CreepTable, points: list, errors: np.ndarray) -> float:
     """Return the fraction of the points with errors within the reported error bars."""
-    w, contact = at_once(found)
+    w, contact = at_once(points)
     return float((errors <= table(*w, **contact).error.T).all(axis=1).mean())
 
 
@@ -152,10 +152,10 @@ def main() -> None:
     """Print, write and draw the comparison."""
     table = ts.open_table("steel")
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 1000
-    found = points(table, count)
+    random_points = points(table, count)
     contacts: dict[float, Contacts] = {}
     exact = []
-    for ratio, w in found:
+    for ratio, w in random_points:
         if ratio not in contacts:
             contacts = {ratio: Contacts(unit_scene(ratio, NU))}
         exact.append(contacts[ratio].forces(w, FINE))
@@ -174,9 +174,9 @@ def main() -> None:
     }
     rows = []
     for name, method in methods.items():
-        method(*found[0])
+        method(*random_points[0])
         began = process_time()
-        values = np.array([method(*one) for one in found])
+        values = np.array([method(*point) for point in random_points])
         spent = (process_time() - began) / count
         errors = np.abs(values - exact)
         force = errors[:, :2].max(axis=1)
@@ -190,9 +190,9 @@ def main() -> None:
             }
         )
         if method is looked_up:
-            inside = within(table, found, errors)
+            inside = within(table, random_points, errors)
     table_row = rows[0]
-    w, contact = at_once(found * max(1, MANY // count))
+    w, contact = at_once(random_points * max(1, MANY // count))
     for name, what in (
         ("in arrays", lambda f: f),
         ("in arrays, with gradients", lambda f: (f.gradient, f.error)),
@@ -229,10 +229,10 @@ LABELS = {  # of a method: position of its label, in points from its median, and
 def draw(rows: list[dict]) -> Path:
     """Draw median and largest error against the time of an evaluation."""
     figure, axes = plt.subplots(figsize=(7.0, 4.2), layout="constrained")
-    others = iter(("C1", "C2", "C3", "C4"))
+    colours = iter(("C1", "C2", "C3", "C4"))
     for row in rows:
         name, _, how = row["method"].partition(f"{TABLE}, ")
-        color = "C0" if how else next(others)
+        color = "C0" if how else next(colours)
         axes.plot([row["s"]] * 2, [row["median"], row["worst"]], "-", color=color, alpha=0.6)
         axes.plot(row["s"], row["median"], "o", color=color)
         axes.plot(row["s"], row["worst"], "_", markersize=12, color=color)

@@ -21,14 +21,14 @@ mpl.rcParams.update(STYLE)  # charts look like the figures of the package
 RESULTS = Path(__file__).parent / "results"
 
 
-def seconds(run: Callable[[], object], budget: float = 2.0, most: int = 15) -> float:
+def seconds(run: Callable[[], object], budget: float = 2.0, max_runs: int = 15) -> float:
     """Return the median time of a call on one core; the first call is not counted.
 
     Times are CPU times of the process. As many calls are made as fit the budget, but at least
     three, or one if a call takes longer than the budget.
     """
     times = []
-    while not times or (sum(times) < budget and len(times) < most):
+    while not times or (sum(times) < budget and len(times) < max_runs):
         times.append(_once(run))
         if len(times) == 1 and times[0] < budget:
             times = [_once(run) for _ in range(3)]

@@ -40,14 +40,14 @@ def main() -> None:
     for n in (41, 91, 181, 361):
         pairs = [(measure(n, False), measure(n, True)) for _ in range(3)]
         ratio = statistics.median(scipy[0] / fftw[0] for fftw, scipy in pairs)
-        (fftw, force), (scipy, other) = pairs[0]
+        (fftw, force), (scipy, scipy_force) = pairs[0]
         rows.append(
             {
                 "elements": n,
                 "fftw_seconds": round(fftw, 4),
                 "scipy_seconds": round(scipy, 4),
                 "ratio": round(ratio, 2),
-                "difference_of_force": abs(other / force - 1.0),
+                "difference_of_force": abs(scipy_force / force - 1.0),
             }
         )
     show("Solution of a contact of spheres, CPU time", rows)

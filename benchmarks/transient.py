@@ -68,8 +68,8 @@ def random_scene(seed: int, n: int = 19) -> ts.Scene:  # noqa: PLR0912 - each ma
     elif draw.random() < 0.4:
         table["load.normal"] = course(lightest, 1.3 * P)
     if draw.random() < 0.4 and not parts:
-        most = 0.6 * 0.7 * weakest * lightest
-        table["load.force_x"] = course(-most, most)
+        limit = 0.6 * 0.7 * weakest * lightest
+        table["load.force_x"] = course(-limit, limit)
     else:
         table["creepage.longitudinal"] = course(-unit, unit)
     if draw.random() < 0.5:
@@ -124,8 +124,8 @@ def killed() -> None:
     rows = []
     for seed in range(KILLED):
         scene = random_scene(seed)
-        whole = ts.roll(scene)
-        last = int(np.random.default_rng(1000 + seed).integers(1, len(whole) + 1))
+        uninterrupted = ts.roll(scene)
+        last = int(np.random.default_rng(1000 + seed).integers(1, len(uninterrupted) + 1))
         done = []
 
         def stop(record: object, done: list = done, last: int = last) -> None:
@@ -139,14 +139,20 @@ def killed() -> None:
                 ts.roll(scene, path, progress=stop)
             history = ts.roll(scene, path, resume=True)
         apart = 0.0
-        same = len(history) == len(whole)
+        same = len(history) == len(uninterrupted)
         for name in ("distance", "P", "Qx", "Qy", "approach", "elastic_energy") if same else ():
-            size = np.abs(whole[name]).max() or 1.0
+            size = np.abs(uninterrupted[name]).max() or 1.0
             if name == "Qy":
-                size = max(size, np.abs(whole["Qx"]).max())
-            apart = max(apart, float(np.abs(history[name] - whole[name]).max() / size))
+                size = max(size, np.abs(uninterrupted["Qx"]).max())
+            apart = max(apart, float(np.abs(history[name] - uninterrupted[name]).max() / size))
         rows.append(
-            {"seed": seed, "stopped": last, "steps": len(whole), "same": same, "apart": apart}
+            {
+                "seed": seed,
+                "stopped": last,
+                "steps": len(uninterrupted),
+                "same": same,
+                "apart": apart,
+            }
         )
     write("transient_killed", rows)
     print(

@@ -18,7 +18,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from discs import EVERY, SAVED, discs, errors, kept_reference, roughness, timed
+from discs import EVERY, SAVED, discs, errors, roughness, stored_reference, timed
 from matplotlib.figure import Figure
 from timing import RESULTS, show, write
 
@@ -38,7 +38,7 @@ def findings() -> None:
     for angle in ANGLES:
         history, seconds = timed(discs(SAVED[-1], angle=angle))
         histories[angle] = history
-        most = full_slip_force(1.0, (0.6, 0.3), np.deg2rad(angle), (-1.0, 0.0))[0]
+        limit = full_slip_force(1.0, (0.6, 0.3), np.deg2rad(angle), (-1.0, 0.0))[0]
         balance = history.energy_balance - 1.0
         # i1/mu1 = i2/mu2: the worn cross section follows the frictional work at any angle.
         worn = history["worn_area"][1:] / (2e-6 / 0.6 * history["work_supplied"][1:]) - 1.0
@@ -63,7 +63,7 @@ def findings() -> None:
                         float(history["p_max_at"][i][1] / history["half_width_y"][i])
                     ),
                     "Qx/P": float(history["Qx_over_P"][i]),
-                    "Qx/full slip": float(history["Qx_over_P"][i] / most),
+                    "Qx/full slip": float(history["Qx_over_P"][i] / limit),
                     "Qy/P": float(history["Qy_over_P"][i]),
                     "stick": float(history["stick_fraction"][i]),
                     "largest slip": float(np.hypot(*slip)[touching].max()),
@@ -84,7 +84,7 @@ def _check(rows: list[dict]) -> None:
 
     def grows(name: str, sign: int = 1) -> bool:
         values = [sign * np.diff([row[name] for row in course]) for course in courses.values()]
-        return all((one >= 0).all() and one.sum() > 0 for one in values)
+        return all((column >= 0).all() and column.sum() > 0 for column in values)
 
     findings = {
         "a falls with N": grows("a", -1),
@@ -142,26 +142,26 @@ def every_revolution() -> None:
         every, _ = timed(discs(MORE, EVERY, angle=angle))
         rows.append(_compare(angle, f"0 to {MORE}", cold, every, MORE))
         with tempfile.TemporaryDirectory() as folder:
-            jumped, one_by_one = Path(folder) / "jumps.h5", Path(folder) / "every.h5"
+            jumped, single_steps = Path(folder) / "jumps.h5", Path(folder) / "every.h5"
             ts.roll(discs(RESTART, angle=angle), jumped)
-            shutil.copy(jumped, one_by_one)
-            there = RESTART + MORE
-            on = ts.roll(discs(there, angle=angle), jumped, resume=True)
-            every = ts.roll(discs(there, EVERY, angle=angle), one_by_one, resume=True)
-            rows.append(_compare(angle, f"{RESTART} to {there}", on, every, there))
-        whole = kept_reference(angle)
-        if whole is not None:
+            shutil.copy(jumped, single_steps)
+            last = RESTART + MORE
+            on = ts.roll(discs(last, angle=angle), jumped, resume=True)
+            every = ts.roll(discs(last, EVERY, angle=angle), single_steps, resume=True)
+            rows.append(_compare(angle, f"{RESTART} to {last}", on, every, last))
+        reference = stored_reference(angle)
+        if reference is not None:
             history, _ = timed(discs(SAVED[-1], angle=angle))
-            reached = [N for N in SAVED if MORE < N <= whole["revolution"][-1]]
-            rows += [_compare(angle, f"0 to {N}", history, whole, N) for N in reached]
+            reached = [N for N in SAVED if MORE < N <= reference["revolution"][-1]]
+            rows += [_compare(angle, f"0 to {N}", history, reference, N) for N in reached]
     show("Jumps against every revolution", rows)
     write("twin_discs_every_revolution", rows)
 
 
 def _compare(angle: float, between: str, history, every, revolution: int) -> dict:
-    found = errors(history, every, revolution)
+    relative_errors = errors(history, every, revolution)
     return {"beta": angle, "revolutions": between} | {
-        f"{name} error": error for name, error in found.items()
+        f"{name} error": error for name, error in relative_errors.items()
     }
 
 

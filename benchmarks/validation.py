@@ -121,11 +121,11 @@ def kalker_table():
         for poisson in (0.0, 0.25, 0.5):
             truth = creep_coefficients(ratio, poisson)
             meshes = (60, 90, 120, 160) if 0.2 < ratio < 5 else (40, 60, 80, 100)
-            found = np.array([no_slip(ratio, poisson, n) for n in meshes])
+            coefficients = np.array([no_slip(ratio, poisson, n) for n in meshes])
             h = 1.0 / np.array(meshes)
             row = {"a/b": ratio, "nu": poisson}
             for k, name in enumerate(("C11", "C22", "C23", "C33")):
-                limit, error = line_through(h, found[:, k])
+                limit, error = line_through(h, coefficients[:, k])
                 row |= {name: limit, f"{name} +-": error, f"{name} Kalker": truth[k]}
                 row[f"{name} %"] = 100 * (limit / truth[k] - 1)
             rows.append(row)

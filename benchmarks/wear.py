@@ -49,8 +49,10 @@ def main():
             "Qx/P": float(history["Qx_over_P"][-1]),
             "p_max": float(history["p_max"][-1]),
         }
-        found = errors(history, reference, last)
-        rows.append(row | {f"{name} error at {last}": error for name, error in found.items()})
+        relative_errors = errors(history, reference, last)
+        rows.append(
+            row | {f"{name} error at {last}": error for name, error in relative_errors.items()}
+        )
     show("Adaptive jumps to 15,000 revolutions", rows)
     print(f"written: {write('wear', rows)}")
 

@@ -110,16 +110,18 @@ def errors() -> None:
     rows = []
     for creepage in ("longitudinal", "spin"):
         for share in SHARES:
-            found = {}
+            sections_by_mesh = {}
             for across in (*ACROSS, *FINER):
                 contact = solved(across, "orthotropic", creepage, share, "auto")
                 intensity = INTENSITY["against friction"](contact.scene.friction.mu)
-                found[across] = sections(contact, intensity)
-            coarser, finer = (found[across]["by work"] for across in FINER)
+                sections_by_mesh[across] = sections(contact, intensity)
+            coarser, finer = (sections_by_mesh[across]["by work"] for across in FINER)
             # The rest is of first order if the slip zone is thinner than an element.
             truth = finer + (finer - coarser) * FINER[0] ** 2 / (FINER[1] ** 2 - FINER[0] ** 2)
             for across in ACROSS:
-                ratios = {law: section / truth - 1.0 for law, section in found[across].items()}
+                ratios = {
+                    law: section / truth - 1.0 for law, section in sections_by_mesh[across].items()
+                }
                 rows.append(
                     {"creepage": creepage, "of full slip": share, "across": across} | ratios
                 )
@@ -135,13 +137,13 @@ def draw(rows: list[dict]) -> None:
     for ax, (friction, creepage) in zip(figure.subplots(2, 2).flat, panels, strict=True):
         for law, colour in laws.items():
             for across, dash in zip((16, 64), ("--", "-"), strict=True):
-                kept = [
+                points = [
                     (row["of full slip"], row[law])
                     for row in rows
                     if (row["friction"], row["creepage"], row["across"])
                     == (friction, creepage, across)
                 ]
-                ax.loglog(*zip(*kept, strict=True), dash, color=colour, label=f"{law}, {across}")
+                ax.loglog(*zip(*points, strict=True), dash, color=colour, label=f"{law}, {across}")
         ax.set(
             title=f"{friction}, {creepage}",
             xlabel="creepage / creepage of full slip",

@@ -50,7 +50,7 @@ def solve_position(row: tuple) -> dict[str, object]:
     spin = sign * printed[2]
     across = (patch.origin[1] - contact_y) / math.cos(patch.angle)
     creepage = (-printed[0] - spin * across, sign * printed[1], spin)
-    half = np.max([one.half_length for one in all_patches], axis=0)
+    half = np.max([patch.half_length for patch in all_patches], axis=0)
     elements = [2 * round(1.2 * length / 0.2) + 1 for length in half]
     scene = ts.Scene(
         **TABLES,
@@ -59,12 +59,16 @@ def solve_position(row: tuple) -> dict[str, object]:
         grid={"half_length": [0.1 * n for n in elements], "elements": elements},
         solver={"slip": "upwind"},
     )
-    found = ts.roll(scene)
-    last = {"P": sum(found["P"]), "p_max": max(found["p_max"]), "approach": max(found["approach"])}
-    last |= {"Qx": sum(found["Qx"]), "Qy": sum(found["Qy"])}
-    values = {"y": y, "angle": math.degrees(patch.angle), "patches": len(found)}
-    for (name, value), known in zip(last.items(), expected, strict=True):
-        values |= {name: abs(float(value)), f"{name} printed": known}
+    history = ts.roll(scene)
+    last = {
+        "P": sum(history["P"]),
+        "p_max": max(history["p_max"]),
+        "approach": max(history["approach"]),
+    }
+    last |= {"Qx": sum(history["Qx"]), "Qy": sum(history["Qy"])}
+    values = {"y": y, "angle": math.degrees(patch.angle), "patches": len(history)}
+    for (name, value), expected_value in zip(last.items(), expected, strict=True):
+        values |= {name: abs(float(value)), f"{name} printed": expected_value}
     return values
 
 

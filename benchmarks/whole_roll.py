@@ -63,8 +63,8 @@ def rolled(scene: Scene, folder: Path, number: int) -> Counter:
     with timed(spent):
         began = process_time()
         roll(scene, folder / f"{number}.h5")
-        whole = process_time() - began
-    return Counter({"total": whole, "rest": whole - sum(spent.values())}) + spent
+        total = process_time() - began
+    return Counter({"total": total, "rest": total - sum(spent.values())}) + spent
 
 
 def shares(scene: Scene) -> list[dict]:
@@ -83,33 +83,40 @@ def shares(scene: Scene) -> list[dict]:
 
 def errors(scene: Scene) -> list[dict]:
     """Return errors of the largest stress inside, relative to the exact stress there."""
-    found: list[tuple[State, dict]] = []
+    searched: list[tuple[State, dict]] = []
     search = stress.stress_maxima
 
-    def kept(contact: State, laws):
-        found.append((contact, search(contact, laws)))
-        return found[-1][1]
+    def search_and_store(contact: State, laws):
+        searched.append((contact, search(contact, laws)))
+        return searched[-1][1]
 
-    with mock.patch.object(stress, "stress_maxima", kept):
+    with mock.patch.object(stress, "stress_maxima", search_and_store):
         roll(scene)
     rows = []
     for body in scene.subsurface.bodies:
-        inside = [(one, top[body]) for one, top in found if np.isfinite(top[body].interior)]
-        there = [von_mises(stress_at(one, [top.interior_at], body).T)[0] for one, top in inside]
-        off = [
-            abs(top.interior / exact - 1.0) for (_, top), exact in zip(inside, there, strict=True)
+        inside = [
+            (contact, top[body]) for contact, top in searched if np.isfinite(top[body].interior)
         ]
-        row = {"body": body, "records": len(found), "with a largest stress inside": len(inside)}
-        rows.append(row | {"median error": median(off), "largest error": max(off)})
+        exact_values = [
+            von_mises(stress_at(contact, [top.interior_at], body).T)[0] for contact, top in inside
+        ]
+        relative_errors = [
+            abs(top.interior / exact - 1.0)
+            for (_, top), exact in zip(inside, exact_values, strict=True)
+        ]
+        row = {"body": body, "records": len(searched), "with a largest stress inside": len(inside)}
+        rows.append(
+            row | {"median error": median(relative_errors), "largest error": max(relative_errors)}
+        )
     return rows
 
 
 def main() -> None:
     scene = Scene.builtin("twin-discs")
-    parts, found = shares(scene), errors(scene)
+    parts, stress_errors = shares(scene), errors(scene)
     show("A roll of the twin discs, by parts", parts)
-    show("The largest stress inside, at its place", found)
-    print(write("whole_roll", parts), write("largest_stress", found))
+    show("The largest stress inside, at its place", stress_errors)
+    print(write("whole_roll", parts), write("largest_stress", stress_errors))
 
 
 if __name__ == "__main__":

@@ -138,16 +138,16 @@ def rolled(scene: ts.Scene, across: int) -> tuple[float, float, float]:
 def limits(scene: ts.Scene) -> dict[str, tuple[float, float]]:
     """Return value and uncertainty of every quantity, from two slip schemes."""
     best = scene.replace(**{"solver.tolerance": FINE_RESIDUAL, "wear.tolerance": 3e-4})
-    other = best.replace(**{"solver.slip": "upwind"})
+    upwind = best.replace(**{"solver.slip": "upwind"})
     here = measured(solved(best, LIMIT_MESHES[-1]))
-    ladder = [measured(solved(other, across)) for across in LIMIT_MESHES]
-    found = {
+    ladder = [measured(solved(upwind, across)) for across in LIMIT_MESHES]
+    by_quantity = {
         name: _with_doubt(value, LIMIT_MESHES, [values[name] for values in ladder])
         for name, value in here.items()
     }
-    worn = [rolled(other, across)[0] for across in WORN_LIMIT_MESHES]
+    worn = [rolled(upwind, across)[0] for across in WORN_LIMIT_MESHES]
     depth = rolled(best, WORN_LIMIT_MESHES[-1])[0]
-    return found | {"depth": _with_doubt(depth, WORN_LIMIT_MESHES, worn)}
+    return by_quantity | {"depth": _with_doubt(depth, WORN_LIMIT_MESHES, worn)}
 
 
 def _with_doubt(value: float, meshes, upwind: list[float]) -> tuple[float, float]:
@@ -156,11 +156,11 @@ def _with_doubt(value: float, meshes, upwind: list[float]) -> tuple[float, float
 
 
 def rows_of(name: str, scene: ts.Scene) -> list[dict]:
-    known = limits(scene)
+    limits_by_quantity = limits(scene)
     rows = []
 
     def add(method, across, quantity, value, applications, took):
-        limit, uncertain = known[quantity]
+        limit, uncertain = limits_by_quantity[quantity]
         rows.append(
             {
                 "scene": name,
@@ -177,17 +177,17 @@ def rows_of(name: str, scene: ts.Scene) -> list[dict]:
 
     for method, (solver, meshes, worn_meshes, _) in METHODS.items():
         settings = {f"solver.{key}": value for key, value in solver.items()}
-        one = scene.replace(**settings, **{"solver.tolerance": RESIDUAL})
+        variant = scene.replace(**settings, **{"solver.tolerance": RESIDUAL})
         for across in meshes:
-            contact = solved(one, across)
+            contact = solved(variant, across)
             if not contact.converged:
                 print(f"{name}, {method}, {across}: {contact.message}")
                 continue
-            took = seconds(lambda s=one, a=across: solved(s, a), budget=0.3)
+            took = seconds(lambda s=variant, a=across: solved(s, a), budget=0.3)
             for quantity, value in measured(contact).items():
                 add(method, across, quantity, value, contact.cost.applications, took)
         for across in worn_meshes:
-            add(method, across, "depth", *rolled(one, across))
+            add(method, across, "depth", *rolled(variant, across))
         print(f"{name}: {method} done", flush=True)
     return rows
 
@@ -233,11 +233,11 @@ def main() -> None:
     warnings.simplefilter("ignore", ts.SceneWarning)
     rows = []
     for name in parser.parse_args().scenes:
-        found = rows_of(name, scenes()[name])
-        rows += found
-        steady = [r for r in found if r["quantity"] == "Qx"]
+        scene_rows = rows_of(name, scenes()[name])
+        rows += scene_rows
+        steady = [r for r in scene_rows if r["quantity"] == "Qx"]
         show(f"Error of Q_x, {name}", steady)
-        print(f"written: {write('work_precision', rows)}, {draw(name, found)}", flush=True)
+        print(f"written: {write('work_precision', rows)}, {draw(name, scene_rows)}", flush=True)
 
 
 if __name__ == "__main__":

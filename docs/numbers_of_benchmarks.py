@@ -213,13 +213,13 @@ def balance() -> str:
 
 def peaks() -> str:
     """Return errors of peak values in per cent for each mesh, and their order."""
-    found = defaultdict(dict)
+    by_case = defaultdict(dict)
     for row in read_rows("peaks.csv"):
         if not row["case"].startswith("worn"):
             case = row["case"], row["quantity"], row["estimate"]
-            found[case][int(row["across"])] = abs(100.0 * float(row["error"]))
+            by_case[case][int(row["across"])] = abs(100.0 * float(row["error"]))
     lines = []
-    for case, errors in found.items():
+    for case, errors in by_case.items():
         order = -statistics.linear_regression(*map(_logs, zip(*errors.items(), strict=True))).slope
         lines.append((*case, *(f"{errors[n]:.2g}" for n in PEAK_MESHES), f"{order:.1f}"))
     across = (f"{n} across" for n in PEAK_MESHES)
@@ -235,9 +235,9 @@ def _logs(values: tuple[float, ...]) -> list[float]:
 
 def peaks_worn() -> str:
     """Return scatter and mean error of the peaks of worn discs, in per cent, for each mesh."""
-    found = defaultdict(list)
+    by_case = defaultdict(list)
     for row in read_rows("peaks.csv", lambda r: r["case"].startswith("worn")):
-        found[row["quantity"], row["estimate"], row["across"]].append(100.0 * float(row["error"]))
+        by_case[row["quantity"], row["estimate"], row["across"]].append(100.0 * float(row["error"]))
     head = (
         "quantity",
         "evaluation",
@@ -246,17 +246,17 @@ def peaks_worn() -> str:
         "mean, relative to the finest mesh",
     )
     return format_table(
-        head, ((*case, f"{zigzag:.2f}", f"{mean:+.2f}") for case, (zigzag, mean) in found.items())
+        head, ((*case, f"{zigzag:.2f}", f"{mean:+.2f}") for case, (zigzag, mean) in by_case.items())
     )
 
 
 def hard_scenes() -> str:
     """Return the random scenes that each method solves in each family, and the median cost."""
-    found = defaultdict(list)
+    by_method = defaultdict(list)
     for row in read_rows("hard_scenes.csv"):
-        found[row["family"], row["method"]].append(row)
+        by_method[row["family"], row["method"]].append(row)
     lines = []
-    for (family, method), rows in found.items():
+    for (family, method), rows in by_method.items():
         counts = [float(row["applications"]) for row in rows if row["converged"] == "True"]
         median = f"{statistics.median(counts):,.0f}" if counts else "-"
         lines.append((family, method, len(rows), len(counts), median))
@@ -279,7 +279,9 @@ def invariance() -> str:
             ]
             for change in changes
         }
-        lines.append((group, *(f"{max(found):.0e}" if found else "-" for found in values.values())))
+        lines.append(
+            (group, *(f"{max(largest):.0e}" if largest else "-" for largest in values.values()))
+        )
     return format_table(("largest difference of", *changes), lines)
 
 
@@ -342,11 +344,11 @@ def heat() -> str:
 
 def error_bars() -> str:
     """Return how often the error bar of each quantity holds."""
-    found = defaultdict(list)
+    by_quantity = defaultdict(list)
     for row in read_rows("error_bars.csv"):
-        found[row["quantity"]].append(row)
+        by_quantity[row["quantity"]].append(row)
     lines = []
-    for name, rows in found.items():
+    for name, rows in by_quantity.items():
         holding = sum(row["holds"] == "True" for row in rows)
         ratios = [
             float(row["relative error"]) / float(row["relative bar"])

@@ -53,7 +53,7 @@ HOSTILE = (
 )
 HARMLESS = "plain words"
 BLOCKS = ({"name": HARMLESS, "revolutions": 2}, {"name": "other", "revolutions": 2})
-KEPT_JSON = (layout.OWN, "versions")
+KEPT_JSON = (layout.USER, "versions")
 
 
 # ---- what is shown ------------------------------------------------------------------------------
@@ -215,7 +215,7 @@ def test_results(results, tmp_path, without_plotly, record_property):
     found = find_accepted(results, path, places)
     assert len(places) > 100
     assert {("scene", None, ()), ("scene", "message", ()), ("scene", "status", ())} <= set(found)
-    assert ("/history", layout.OWN, (0, "unit")) in {(f"/{n}", k, at) for n, k, at in found}
+    assert ("/history", layout.USER, (0, "unit")) in {(f"/{n}", k, at) for n, k, at in found}
     record_property("shown", len(found) * len(HOSTILE))
     for text in HOSTILE:
         path.write_bytes(results.read_bytes())
@@ -225,7 +225,7 @@ def test_results(results, tmp_path, without_plotly, record_property):
         except ResultsError:  # of control characters in names of columns
             check_terminal(called("show", path))
             path.write_bytes(results.read_bytes())
-            put(path, [one for one in found if one[1] != layout.OWN], text)
+            put(path, [one for one in found if one[1] != layout.USER], text)
             history = open_history(path)
         check_page(pages.report(history, page).read_text("utf-8"), harmless)
         assert Elements(history._repr_html_()).found <= {

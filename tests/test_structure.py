@@ -21,7 +21,7 @@ LIMITS = {
     "functions over 60 code lines": 0,
     "modules over 250 code lines": 2,
     "module constants": 405,
-    "code lines": 38200,
+    "code lines": 38250,
     "public names": 122,
 }
 

@@ -143,14 +143,14 @@ def format_duration(seconds: float) -> str:
     return f"{seconds / 3600:.1f} h"
 
 
-def format_setting(value: Any, most: int = 50) -> str:
+def format_setting(value: Any, max_length: int = 50) -> str:
     """Return the value of a scene key in few words; of a duty cycle its blocks and revolutions.
 
     Parameters
     ----------
     value : object
         A number, a text, or a list of them or of blocks.
-    most : int
+    max_length : int
         Most characters of a list.
 
     Examples
@@ -167,8 +167,8 @@ def format_setting(value: Any, most: int = 50) -> str:
         names = [item.get("name") or f"duty[{k}]" for k, item in enumerate(value)]
         blocks = zip(names, value, strict=True)
         value = ", ".join(f"{name} {item['revolutions']}" for name, item in blocks)
-        return printable_text(f"({value})", most)
-    return printable_text(str(value), most)
+        return printable_text(f"({value})", max_length)
+    return printable_text(str(value), max_length)
 
 
 def format_unit(unit: str) -> str:
@@ -180,7 +180,7 @@ def format_unit(unit: str) -> str:
     >>> format_unit("mm3"), format_unit("1")
     ('mm³', '')
     """
-    raised = re.sub(r"(?<=[a-z])([23])(?!\d)", lambda found: "²³"[int(found[1]) - 2], unit)
+    raised = re.sub(r"(?<=[a-z])([23])(?!\d)", lambda match: "²³"[int(match[1]) - 2], unit)
     return "" if unit == "1" else raised
 
 
@@ -216,7 +216,7 @@ def html_symbol(symbol: str) -> Html:
     # fmt: on
     signs = dict(zip(names, "αβγδεθλµξστφφωΔΦΩ", strict=True))
     flat = re.sub(r"\\(?:mathrm|text)\{([^{}]*)\}", r"\1", symbol)
-    flat = re.sub(r"\\([A-Za-z]+)\s*", lambda found: signs.get(found[1], found[0]), flat)
+    flat = re.sub(r"\\([A-Za-z]+)\s*", lambda match: signs.get(match[1], match[0]), flat)
     text: str = as_html(flat.replace(r"\,", "\u2009"))
     for sign, tag in (("_", "sub"), (r"\^", "sup")):
         text = re.sub(rf"{sign}(?:\{{([^{{}}]*)\}}|(\w+|\S))", rf"<{tag}>\1\2</{tag}>", text)

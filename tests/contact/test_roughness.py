@@ -35,7 +35,7 @@ def test_what_flattens_a_wave_left_out():
     y = np.linspace(-1.0, 1.0, 4001)
     heights = 1e-4 * np.cos(2.0 * np.pi * y / 0.01) * np.ones((2, 1))
     map_ = Roughness((np.array([-1e6, 1e6]), y, heights), 1e5, 1e3)
-    _, along_y = map_.left_out(Grid.of((0.9, 0.9), (9, 31)))
+    _, along_y = map_.unresolved_parts(Grid.of((0.9, 0.9), (9, 31)))
     expected = 0.5 * 1e5 * (2.0 * np.pi / 0.01) * 1e-4 / 2.0**0.5
     # What the mesh samples of the wave appears as a long one with a thousandth of its slope.
     assert map_.flattening(along_y) == pytest.approx(expected, rel=0.02)
@@ -97,7 +97,7 @@ def test_noise_that_cannot_be_resolved_is_reported_with_its_numbers():
     assert f"[{nx}, {ny}]" in note
     assert f"{nx * ny} elements" in note
     map_ = Roughness(model.measured, model.scene.material.plane_strain_modulus, 1.0)
-    for part in map_.left_out(USUAL):
+    for part in map_.unresolved_parts(USUAL):
         assert part.slope == pytest.approx(2.0**0.5 * 1e-4 / step, rel=0.02)  # a tenth is seen
         # The samples appear as long waves; their variance adds to the variance of the map.
         assert 1e-4 < part.height < 2.0**0.5 * 1e-4

@@ -110,7 +110,7 @@ def test_a_resumed_run_is_the_uninterrupted_one(name, tmp_path):
     np.testing.assert_allclose(
         history.field("energy"), energy, rtol=0, atol=rounding * energy.max()
     )
-    assert history.own_fields["energy"].unit == "mJ/mm2"
+    assert history.user_fields["energy"].unit == "mJ/mm2"
     assert whole["energy_max"][-1] > 0.0
 
 

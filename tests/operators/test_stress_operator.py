@@ -144,11 +144,11 @@ def test_what_is_kept_of_a_mesh_is_bounded_and_changes_nothing(monkeypatch):
     px, py = layers._padded
     size = 4 * px * (py // 2 + 1) * 16
     monkeypatch.setattr(stress_layers, "_transforms", kept)
-    monkeypatch.setattr(stress_layers, "KEPT", 5 * size)
+    monkeypatch.setattr(stress_layers, "MAX_BYTES", 5 * size)
     for _ in range(2):
         for depth, stress in zip(depths, once, strict=True):
             np.testing.assert_array_equal(layers.at(depth), stress)
-            assert kept._size() <= stress_layers.KEPT
+            assert kept._size() <= stress_layers.MAX_BYTES
     mesh = (GRID.dx, GRID.dy, *layers._padded)
     assert [kept.get(mesh, depth) is not None for depth in depths] == 5 * [True] + 4 * [False]
     other = StressLayers(MESH.with_shape((20, 10)), np.ones((3, 20, 10)), (0.3,), (1.0,))

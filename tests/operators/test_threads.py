@@ -40,7 +40,7 @@ def test_large_transforms_take_the_cores_there_are(monkeypatch):
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     monkeypatch.setattr(threads, "cores", lambda: 16)
     assert threads.threads_for_transform((256, 256)) == 1
-    assert threads.threads_for_transform((2048, 2048)) == threads.MOST
+    assert threads.threads_for_transform((2048, 2048)) == threads.MAX_THREADS
 
 
 @pytest.mark.parametrize(("bound", "taken"), [("1", 1), ("3", 3), ("2,1", 2), ("0", 1), ("x", 2)])
@@ -74,7 +74,7 @@ def test_blas_threads_are_limited_and_restored():
         return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 
     before = counts()
-    with threads.one_blas_thread():
+    with threads.single_blas_thread():
         assert set(counts()) <= {1}
     assert counts() == before
 

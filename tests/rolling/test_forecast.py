@@ -69,7 +69,7 @@ def test_one_by_one_all_is_known():
         forecast.add(revolution, 1.0, 1.0, 5.0 if revolution == 0 else 0.5)
         assert forecast.left == 10 - revolution
         # Of the first contact, which compiles, nothing is concluded for the others.
-        assert forecast.seconds_left == (50.0 if revolution == 0 else 0.5 * forecast.left)
+        assert forecast.remaining_seconds == (50.0 if revolution == 0 else 0.5 * forecast.left)
 
 
 @pytest.mark.parametrize("wear", [None, {"coefficient": 1e-4}])

@@ -101,4 +101,4 @@ def test_a_notebook_is_silent_where_that_is_requested(notebook, over_at_once):
     ("seconds", "text"), [(5.4, "0:05"), (65.0, "1:05"), (7200.0, "2:00:00"), (0.2, "0:00")]
 )
 def test_durations(seconds, text):
-    assert progress.format_time_left(seconds) == text
+    assert progress.format_remaining_time(seconds) == text

@@ -57,7 +57,7 @@ def test_a_new_table_is_described_without_a_change_elsewhere():
 def test_only_given_keys_decide_between_load_pressure_and_approach():
     for key, value in (("normal", 300.0), ("pressure", 1e3), ("approach", 5e-3)):
         scene = DISCS.replace(**{f"load.{key}": value})
-        assert scene.load.given_key == key
+        assert scene.load.prescribed_key == key
         text = describe_load(scene)["load"]
         assert f"{scene.hertz.p0:.6g} MPa" in text
         assert f"P = {scene.hertz.load:.6g} N" in text

@@ -187,7 +187,7 @@ def test_whole_tables_converge_across_the_seam_and_the_poles():
         counts = (8 * n + 1, 4 * n + 1, 4 * n + 1)
         axes = [np.linspace(*ends) for ends in zip(low, high, counts, strict=True)]
         values, slopes = law(*np.meshgrid(*axes, indexing="ij"))
-        found = Hermite(tuple(axes), coefficients(axes, values, slopes, whole=True))
+        found = Hermite(tuple(axes), coefficients(axes, values, slopes, full_range=True))
         worst.append(np.abs(found(points) - exact).max())
     # Mixed derivatives by central differences leave the third order at least.
     assert worst[0] / worst[1] > 6.0

@@ -79,7 +79,7 @@ def fit(
 
                 def report(done: Evaluations) -> None:
                     contacts, rolls, _ = done.cost
-                    share = 1.0 - 0.98 ** len(done.known)  # the number of steps is not known
+                    share = 1.0 - 0.98 ** len(done.stored)  # the number of steps is not known
                     update(share, f"{contacts} contacts, {rolls} rolls", "")
 
                 result = fit_design(

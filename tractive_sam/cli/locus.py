@@ -37,11 +37,11 @@ def locus(
 
         read = read_scene(scene, settings)
         try:
-            found = contact_locus(read, np.linspace(-reach, reach, positions))
-            values = found.conicity(amplitude), found.klingel_conicity(amplitude)
+            contacts = contact_locus(read, np.linspace(-reach, reach, positions))
+            values = contacts.conicity(amplitude), contacts.klingel_conicity(amplitude)
         except ValueError as error:
             raise error_exit(ExitStatus.INVALID, str(error)) from None
-        _write(found, read, output)
+        _write(contacts, read, output)
     print_message(
         f"equivalent conicity at {amplitude:g} mm: {values[0]:.4f} (harmonic), "
         f"{values[1]:.4f} (Klingel's motion)"

@@ -80,10 +80,10 @@ def console(stderr: bool = False, error: bool = False, width: int = 120) -> Cons
     """
     if stderr and not error and _running().quiet:
         return _Console(stderr=True, quiet=True, force_terminal=False)
-    found = _Console(stderr=stderr, highlight=False, markup=False)
-    if not found.is_terminal:
-        found.width = width
-    return found
+    rich_console = _Console(stderr=stderr, highlight=False, markup=False)
+    if not rich_console.is_terminal:
+        rich_console.width = width
+    return rich_console
 
 
 @dataclass
@@ -264,9 +264,9 @@ def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
     leave = error_exit(ExitStatus.INVALID, f"{count} in the {subject}")
-    for fault in faults[: SceneError.most_listed]:
+    for fault in faults[: SceneError.max_listed]:
         text = f": given {fault.given}; allowed: {fault.allowed}"
         print_message("  ", (fault.key, "bold"), text, error=True)
-    if len(faults) > SceneError.most_listed:
-        print_message(f"  and {len(faults) - SceneError.most_listed} more", error=True)
+    if len(faults) > SceneError.max_listed:
+        print_message(f"  and {len(faults) - SceneError.max_listed} more", error=True)
     return leave

@@ -83,7 +83,7 @@ def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
         try:
             scene = _from_standard_input() if name == STANDARD_INPUT else Scene.from_name(name)
         except SceneError:
-            _refuse_other_files(name)
+            _refuse_results_and_studies(name)
             raise
         if settings:
             notes.clear()  # the settings may have removed the cause of a warning
@@ -91,19 +91,19 @@ def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
     return scene
 
 
-def _from_standard_input(most: int = 2**26) -> "ts.Scene":
+def _from_standard_input(max_bytes: int = 2**26) -> "ts.Scene":
     """Read a scene from the standard input, of at most that many bytes."""
     from tractive_sam.input_file import read_piped
     from tractive_sam.scene import Scene
 
     try:
-        return Scene.from_toml_text(read_piped(most))
+        return Scene.from_toml_text(read_piped(max_bytes))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text in UTF-8"
         raise error_exit(ExitStatus.INVALID, f"standard input cannot be read: {reason}") from None
 
 
-def _refuse_other_files(name: str) -> None:
+def _refuse_results_and_studies(name: str) -> None:
     """Refuse a results file and a study, and name the commands that read them."""
     from tractive_sam.studies import is_study
 

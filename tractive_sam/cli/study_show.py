@@ -95,23 +95,23 @@ def study_show(
         print_line(path)
 
 
-def print_failures(results: "ts.StudyResults", most: int = 10) -> None:
+def print_failures(results: "ts.StudyResults", max_lines: int = 10) -> None:
     """Print the failed cases with their messages, at most that many."""
     failed = [row for row in results.rows if row.status == "failed"]
-    for row in failed[:most]:
+    for row in failed[:max_lines]:
         print_message((f"{row.case} failed: ", "bold red"), row.message)
-    if len(failed) > most:
-        print_message(f"and {len(failed) - most} more")
+    if len(failed) > max_lines:
+        print_message(f"and {len(failed) - max_lines} more")
 
 
 def report_versions(results: "ts.StudyResults") -> None:
     """Print a note if several versions of this package computed the cases."""
     if len(results.versions) > 1:
-        found = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
+        counts = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
         cure = "to compute them again, remove the files of one version (see study-show --csv)"
         if results.study.keep == "scalars":
             cure = "in a new folder this version computes all of them"
-        print_note(f"several versions computed the cases: {found}; {cure}")
+        print_note(f"several versions computed the cases: {counts}; {cure}")
 
 
 def _case_table(results: "ts.StudyResults") -> Table:

@@ -66,10 +66,10 @@ def select_columns(columns: Collection[str], creepages: bool = False) -> list[Co
     creepages : bool
         Whether to print the creepages, which follow from prescribed forces.
     """
-    found = CREEPAGES if creepages else ()
+    shown_creepages = CREEPAGES if creepages else ()
     if "shift_x" in columns:
-        return [*FORCES, *found, PRESSURES[0], *SHIFTS, PRESSURES[1], *ENDS]
-    return [*FORCES, *found, *PRESSURES, *WIDTHS, *ENDS]
+        return [*FORCES, *shown_creepages, PRESSURES[0], *SHIFTS, PRESSURES[1], *ENDS]
+    return [*FORCES, *shown_creepages, *PRESSURES, *WIDTHS, *ENDS]
 
 
 def run_table(history: "ts.History") -> Table:
@@ -108,14 +108,14 @@ def last_record(history: "ts.History", solver: bool = False) -> Table:
     return _quantity_table(row for row in format_values(history, -1) if row[0] not in hidden)
 
 
-def main_results(history: "ts.History", most: int = 15) -> Table:
+def main_results(history: "ts.History", max_rows: int = 15) -> Table:
     """Return a table of the main results of the last record that are not zero.
 
     Parameters
     ----------
     history : History
         At least one record.
-    most : int
+    max_rows : int
         Most rows: they fit a terminal of 24 lines together with the load.
     """
     order = (
@@ -124,7 +124,9 @@ def main_results(history: "ts.History", most: int = 15) -> Table:
         "wear_max", "temperature_max", "stress_max", "von_mises_max", "utilisation", "xi_x", "xi_y",
     )  # fmt: skip
     rows = [row for row in format_values(history, -1) if row[1] not in ("0", "nan", "none")]
-    table = _quantity_table([row for name in order for row in rows if row[2].name == name][:most])
+    table = _quantity_table(
+        [row for name in order for row in rows if row[2].name == name][:max_rows]
+    )
     table.caption = "run --verbose prints all quantities, show FILE all of every record"
     return table
 
@@ -141,17 +143,17 @@ def _quantity_table(rows: "Iterable[tuple[str, str, ts.Quantity]]") -> Table:
     return table
 
 
-def record_table(history: "ts.History", most: int = 20) -> Table:
+def record_table(history: "ts.History", max_rows: int = 20) -> Table:
     """Return a table of records at about equal distances along the course, one a row."""
     count, coordinate = len(history), history.coordinate
     heading = "\n".join(filter(None, (coordinate.symbol or coordinate.name, _unit_of(coordinate))))
-    found = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
-    columns = select_columns(history.columns, creepages=found)
+    has_creepages = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
+    columns = select_columns(history.columns, creepages=has_creepages)
     columns = [Column(coordinate.name, heading, coordinate.format), *columns]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     for column in columns:
         table.add_column(column.heading, justify="right", no_wrap=True)
-    shown = _select_spaced(history[coordinate.name].tolist(), most)
+    shown = _select_spaced(history[coordinate.name].tolist(), max_rows)
     for row in shown:
         table.add_row(*(column.format_value(history[column.name][row]) for column in columns))
     if len(shown) < count:
@@ -164,10 +166,10 @@ def _unit_of(quantity: "ts.Quantity") -> str:
     return "" if quantity.unit == "1" else quantity.unit
 
 
-def _select_spaced(places: list[float], most: int) -> list[int]:
+def _select_spaced(places: list[float], count: int) -> list[int]:
     """Return the rows of at most that many ascending places, close to equal distances."""
-    if len(places) <= most:
+    if len(places) <= count:
         return list(range(len(places)))
     first, last = places[0], places[-1]
-    aims = (first + k * (last - first) / (most - 1) for k in range(most))
+    aims = (first + k * (last - first) / (count - 1) for k in range(count))
     return sorted({min(range(len(places)), key=lambda n: abs(places[n] - aim)) for aim in aims})

@@ -34,7 +34,7 @@ TOLERANCE = 1e-12
 
 KRYLOV = 200
 
-MOST = 40
+MAX_CONTACTS = 40
 """Largest number of contacts that are solved until friction and temperature agree."""
 
 MEMORY = 5
@@ -274,7 +274,7 @@ def solve_with_heat(
     changes: list[np.ndarray] = []
     tolerance = model.scene.solver.tolerance
     cost = None
-    for _ in range(MOST):
+    for _ in range(MAX_CONTACTS):
         warm = model.with_friction(friction_at_temperature(model, temperature))
         contact = solve(warm, start)
         cost = contact.cost if cost is None else cost + contact.cost

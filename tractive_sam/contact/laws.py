@@ -156,12 +156,12 @@ class Laws:
             for name, law in self._differing_from(Laws.of_package(scene)).items()
         }
 
-    def _differing_from(self, others: "Laws") -> dict[str, Any]:
+    def _differing_from(self, reference: "Laws") -> dict[str, Any]:
         """Return the laws that differ from others, by attribute."""
         return {
             name: law
             for name, law in vars(self).items()
-            if fingerprint(law) != fingerprint(getattr(others, name))
+            if fingerprint(law) != fingerprint(getattr(reference, name))
         }
 
 
@@ -203,9 +203,9 @@ def _named_friction(scene: Scene) -> FrictionLaw | None:
     law = build_law("friction.law", table.named_law, FrictionLaw, _tribology(scene))
     if not np.allclose(law.frame.matrix, table.frame.matrix, rtol=1e-9, atol=1e-12):
         mu, angle = law.frame.mu, math.degrees(law.frame.angle)
-        given = f"{list(table.mu)} at {table.angle:g} degrees"
+        values = f"{list(table.mu)} at {table.angle:g} degrees"
         allowed = f"the frame of {table.named_law.name}: mu = {list(mu)}, angle = {angle:g}"
-        raise SceneError([Fault("friction.mu, friction.angle", given, allowed)])
+        raise SceneError([Fault("friction.mu, friction.angle", values, allowed)])
     return law
 
 

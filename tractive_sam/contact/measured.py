@@ -59,17 +59,17 @@ def _lowest_around(
     """
     x, y, separation = points
     ends = (grid.x[0], grid.x[-1]), (grid.y[0], grid.y[-1])
-    least = np.inf
+    lowest = np.inf
     for _ in range(divisions):
         total = separation + _parabola(x, y, radii)
         i, j = map(int, np.unravel_index(np.argmin(total), total.shape))
-        least = min(least, float(total[i, j]))
+        lowest = min(lowest, float(total[i, j]))
         x, y = (
             np.linspace(*_around(places, k, side, *end), 9)
             for places, k, side, end in zip((x, y), (i, j), (grid.dx, grid.dy), ends, strict=True)
         )
         separation = sample_gap(_near(measured, x, y), *_clipped(measured, x, y))
-    return least
+    return lowest
 
 
 def _around(
@@ -89,9 +89,9 @@ def _parabola(x: np.ndarray, y: np.ndarray, radii: tuple[float, float]) -> np.nd
 def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
     """Return the part of a measured gap on which its interpolant between some places depends."""
     spans = []
-    for known, at in zip(measured[:2], (x, y), strict=True):
+    for coordinates, at in zip(measured[:2], (x, y), strict=True):
         # Akima's slopes depend on two samples on each side.
-        first, last = np.searchsorted(known, (at[0], at[-1]))
+        first, last = np.searchsorted(coordinates, (at[0], at[-1]))
         spans.append(slice(max(first - 4, 0), last + 4))
     return measured[0][spans[0]], measured[1][spans[1]], measured[2][spans[0], spans[1]]
 
@@ -107,8 +107,8 @@ def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
     sides = (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
     return [
         axis
-        for axis, known, at, side in sides
-        if known[0] > at[0] + side or known[-1] < at[-1] - side
+        for axis, coordinates, at, side in sides
+        if coordinates[0] > at[0] + side or coordinates[-1] < at[-1] - side
     ]
 
 
@@ -129,24 +129,24 @@ def _within(measured: Gap, grid: Grid) -> Gap:
     x, y, separation = measured
     middles = grid.centre[0], grid.centre[1] - grid.shift
     x_in, y_in = (
-        known[np.abs(known - middle) <= length]
-        for known, middle, length in zip((x, y), middles, grid.half_length, strict=True)
+        coordinates[np.abs(coordinates - middle) <= length]
+        for coordinates, middle, length in zip((x, y), middles, grid.half_length, strict=True)
     )
     if x_in.size and y_in.size:
         return x_in, y_in, separation[np.ix_(np.isin(x, x_in), np.isin(y, y_in))]
-    x_in, y_in = (one if one.size else np.zeros(1) for one in (x_in, y_in))
+    x_in, y_in = (indices if indices.size else np.zeros(1) for indices in (x_in, y_in))
     return x_in, y_in, sample_gap(measured, x_in, y_in)
 
 
-def samples_per_length(known: np.ndarray) -> float:
+def samples_per_length(coordinates: np.ndarray) -> float:
     """Return the samples per length, 1/mm, by their median distance."""
-    return 1.0 / float(np.median(np.diff(known))) if known.size > 1 else 0.0
+    return 1.0 / float(np.median(np.diff(coordinates))) if coordinates.size > 1 else 0.0
 
 
-def sample_gap(known: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def sample_gap(gap: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Return a gap at any places, shape (len(x), len(y))."""
-    rows = interpolate(known[0], known[2], x)
-    return interpolate(known[1], rows.T, y).T
+    rows = interpolate(gap[0], gap[2], x)
+    return interpolate(gap[1], rows.T, y).T
 
 
 def interpolate(samples: np.ndarray, values: np.ndarray, places: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from tractive_sam.contact.measured import Gap
 from tractive_sam.contact.roughness import refine_for_maps, rough_maps
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid
-from tractive_sam.scene import ALONG, MOST_ELEMENTS, Scene
+from tractive_sam.scene import ALONG, MAX_ELEMENTS, Scene
 from tractive_sam.schema import Fault, SceneError, required
 
 MARGIN = 1.15
@@ -101,11 +101,11 @@ def choose_grid(
     """
     centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
     grid = replace(_usual_grid(scene, measured, finer or 1.0), centre=centre)
-    given = scene.grid is not None and scene.grid.elements is not None
-    if given or finer is not None or scene.accuracy is not None:
+    has_elements = scene.grid is not None and scene.grid.elements is not None
+    if has_elements or finer is not None or scene.accuracy is not None:
         return grid
     maps = rough_maps(scene, measured, profiles, grid.half_length)
-    return refine_for_maps(grid, [one for _, one in maps])
+    return refine_for_maps(grid, [roughness for _, roughness in maps])
 
 
 def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
@@ -130,10 +130,10 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     nx, ny = elements or (
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
-    if nx * ny > MOST_ELEMENTS:
-        given = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
+    if nx * ny > MAX_ELEMENTS:
+        domain = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
         cure = "both half_length and elements for a gap of this length or width"
-        raise SceneError([Fault("grid", given, cure)])
+        raise SceneError([Fault("grid", domain, cure)])
     return Grid(half_length, (nx, ny))
 
 
@@ -145,7 +145,7 @@ def _line_extent(
         x, *_ = required(measured, "gap")
         length = length or (float(max(-x[0], x[-1])),)
         return length, 2 * int(0.5 * ACROSS_LINE * finer) + 1
-    half = [one.hertz.a for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+    half = [block.hertz.a for block in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     length = length or (MARGIN * max(half),)
     return length, 2 * int(0.5 * ACROSS_LINE * finer * length[0] / min(half)) + 1
 
@@ -174,7 +174,7 @@ def _extent_of_contacts(
     `margin` is the half length over the semi-axis, along x and y, of each contact of the scene.
     """
     shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
-    contacts = [one.hertz for one in (scene.spectrum.scenes if scene.spectrum else (scene,))]
+    contacts = [block.hertz for block in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     if scene.wheelset is not None:
         contacts = [_Ellipse.of_overlap(patch) for patch in scene.wheel_rail.patches]
         shifts = (0.0,) * len(contacts)

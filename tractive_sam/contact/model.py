@@ -84,7 +84,7 @@ class Model:
 
     def on(self, grid: Grid) -> "Model":
         """Return the model on another mesh."""
-        other = Model(
+        model = Model(
             self.scene,
             self.measured,
             grid,
@@ -95,8 +95,8 @@ class Model:
             self.datum,
             self.wheel_rail,
         )
-        other.patch, other.approach = self.patch, self.approach
-        return other
+        model.patch, model.approach = self.patch, self.approach
+        return model
 
     def of_patch(self, patch: Patch, approach: float | None = None) -> "Model":
         """Return the model of another patch of a wheel on this mesh.
@@ -109,12 +109,12 @@ class Model:
             Approach of the bodies in this patch, mm, in place of the load of the scene.
         """
         _ = self.operators, self.units  # computed once for all patches
-        other = copy(self)
-        other.patch, other.approach = patch, approach
-        own = ("load",) if patch is self.patch else ("load", *_OF_PATCH)
-        for name in own:
-            other.__dict__.pop(name, None)
-        return other
+        model = copy(self)
+        model.patch, model.approach = patch, approach
+        cached = ("load",) if patch is self.patch else ("load", *_OF_PATCH)
+        for name in cached:
+            model.__dict__.pop(name, None)
+        return model
 
     @property
     def shares_load(self) -> bool:
@@ -330,7 +330,7 @@ class Model:
         return self.frame.slip_to_scaled(self.rigid_slip) / self.units.slip
 
     @property
-    def given_approach(self) -> float:
+    def prescribed_approach(self) -> float:
         """The prescribed approach in units of gap, else zero."""
         approach = self.scene.load.approach if self.approach is None else self.approach
         return 0.0 if approach is None else approach / self.units.gap
@@ -365,7 +365,7 @@ class Model:
         wear : callable, optional
             Wear within the pass.
         """
-        normal = NormalProblem(self.operators, gap, self.load, self.given_approach)
+        normal = NormalProblem(self.operators, gap, self.load, self.prescribed_approach)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         friction = Friction(self.friction_law, x, y, self.units.pressure, self.units.slip)
         kinematics = SteadyRolling(self.stencil)

@@ -27,7 +27,7 @@ from tractive_sam.schema import required
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class UnresolvedPart:
     """The part of a map along one axis that a mesh does not resolve.
 
     Attributes
@@ -70,12 +70,12 @@ class Roughness:
     travels: bool = False
     share: float = 0.1
 
-    def left_out(self, grid: Grid) -> tuple[LeftOut, LeftOut]:
+    def unresolved_parts(self, grid: Grid) -> tuple[UnresolvedPart, UnresolvedPart]:
         """Return the parts of the map that a mesh does not resolve, along x and along y."""
         x, y, heights = self.map
         if grid.elements[1] == 1:  # a row: only y = 0 counts
             heights = interpolate(y, heights.T, np.clip([0.0], y[0], y[-1])).T
-            return self._along(x, heights, grid.x, grid.dx), LeftOut(0.0, 0.0, 0.0)
+            return self._along(x, heights, grid.x, grid.dx), UnresolvedPart(0.0, 0.0, 0.0)
         near_y = np.abs(y - grid.centre[1]) <= grid.half_length[1]
         near_x = np.abs(x - grid.centre[0]) <= (math.inf if self.travels else grid.half_length[0])
         of_x = heights[:, near_y] if near_y.any() else heights
@@ -86,31 +86,31 @@ class Roughness:
         )
 
     def _along(
-        self, known: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
-    ) -> LeftOut:
+        self, axis: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
+    ) -> UnresolvedPart:
         """Return the part along the first axis that samples at places do not resolve."""
-        samples = side * samples_per_length(known)
+        samples = side * samples_per_length(axis)
         if self.travels if travels is None else travels:
-            at = np.arange(known[0], known[-1] + side, side)
-        at = np.clip(at, known[0], known[-1])
+            at = np.arange(axis[0], axis[-1] + side, side)
+        at = np.clip(at, axis[0], axis[-1])
         at = np.unique(at)
-        inside = (known >= at[0]) & (known <= at[-1])
+        inside = (axis >= at[0]) & (axis <= at[-1])
         if samples <= 1.0 or at.size < 3 or np.count_nonzero(inside) < 3:
-            return LeftOut(samples, 0.0, 0.0)
-        seen = interpolate(at, interpolate(known, heights, at), known[inside])
+            return UnresolvedPart(samples, 0.0, 0.0)
+        seen = interpolate(at, interpolate(axis, heights, at), axis[inside])
         rest = heights[inside] - seen
-        slopes = np.diff(rest, axis=0) / np.diff(known[inside])[:, None]
+        slopes = np.diff(rest, axis=0) / np.diff(axis[inside])[:, None]
         height, slope = (float(np.sqrt(np.mean(part**2))) for part in (rest, slopes))
-        return LeftOut(samples, height, slope)
+        return UnresolvedPart(samples, height, slope)
 
-    def flattening(self, part: LeftOut) -> float:
+    def flattening(self, part: UnresolvedPart) -> float:
         """Return the rms pressure that flattens an unresolved part, MPa."""
         return 0.5 * self.e_star * part.slope
 
     def unresolved(self, grid: Grid) -> tuple[bool, bool]:
         """Return whether a mesh fails to resolve the map, along x and along y."""
         allowed = self.share * self.pressure
-        along_x, along_y = (self.flattening(part) > allowed for part in self.left_out(grid))
+        along_x, along_y = (self.flattening(part) > allowed for part in self.unresolved_parts(grid))
         return along_x, along_y
 
     def resolving(self, grid: Grid) -> Grid:
@@ -119,7 +119,7 @@ class Roughness:
         Its elements are shorter by roots of 2, and not shorter than the step of the map; their
         number along a refined axis is odd.
         """
-        steps = [1.0 / max(samples_per_length(known), 1e-300) for known in self.map[:2]]
+        steps = [1.0 / max(samples_per_length(coordinates), 1e-300) for coordinates in self.map[:2]]
         while any(coarse := self.unresolved(grid)):
             elements: list[int] = []
             for n, half, step, refine in zip(
@@ -179,7 +179,7 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
 
 
 def refine_for_maps(
-    grid: Grid, maps: list[Roughness], most: int = 2**17, slender: float = 5.0
+    grid: Grid, maps: list[Roughness], max_elements: int = 2**17, slender: float = 5.0
 ) -> Grid:
     """Return the mesh that resolves the maps; the given mesh if the finer one is too large.
 
@@ -191,17 +191,17 @@ def refine_for_maps(
         The usual mesh.
     maps : list of Roughness
         The maps.
-    most : int
+    max_elements : int
         Most elements of the finer mesh: a contact on them takes seconds to a minute.
     slender : float
         Largest ratio of the sides of an element of a refined mesh.
     """
     finer = grid
-    for one in maps:
-        finer = one.resolving(finer)
+    for roughness in maps:
+        finer = roughness.resolving(finer)
     if finer != grid and grid.elements[1] > 1:
         shorter = min(finer.dx, finer.dy)
         sides = zip(finer.elements, (finer.dx, finer.dy), strict=True)
         along, across = (max(n, _odd(n * side / (slender * shorter))) for n, side in sides)
         finer = replace(grid, elements=(along, across))
-    return finer if math.prod(finer.elements) <= most else grid
+    return finer if math.prod(finer.elements) <= max_elements else grid

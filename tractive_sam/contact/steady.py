@@ -107,7 +107,7 @@ def solve_patches_on_fitted_mesh(
     for _ in range(1 + GROWTHS):
         near = start if start is not None and start.grid == model.grid else None
         contacts = solve_patches(model, start=near, load_tolerance=load_tolerance)
-        edges = [one.at_edge for one in contacts if one.status is Status.OFF_GRID]
+        edges = [contact.at_edge for contact in contacts if contact.status is Status.OFF_GRID]
         if not edges or model.scene.has_fixed_domain:
             break
         along, across = map(any, zip(*edges, strict=True))

@@ -19,7 +19,7 @@ Solve = Callable[[Model, State | None], State]
 
 
 def share_load(
-    model: Model, solve: Solve, start: State | None, tolerance: float = 1e-6, most: int = 12
+    model: Model, solve: Solve, start: State | None, tolerance: float = 1e-6, max_steps: int = 12
 ) -> tuple[State, ...]:
     """Return the patches of a wheel that carry its load together.
 
@@ -36,7 +36,7 @@ def share_load(
         A similar contact in the first patch.
     tolerance : float
         Relative error of the load.
-    most : int
+    max_steps : int
         Largest number of depths.
 
     Returns
@@ -52,12 +52,12 @@ def share_load(
     hertz = model.scene.hertz
     unworn = None if hertz is None else hertz.approach
     approach = required(unworn, "body") if start is None else start.approach
-    depth, known = approach / np.cos(patches[0].angle), (0.0, 0.0)
+    depth, previous = approach / np.cos(patches[0].angle), (0.0, 0.0)
     last: list[State | None] = [start, *(None for _ in patches[1:])]
-    for _ in range(most):
+    for _ in range(max_steps):
         contacts = [
-            solve(one.of_patch(patch, depth * np.cos(patch.angle) - one.opening), before)
-            for one, patch, before in zip(models, patches, last, strict=True)
+            solve(local.of_patch(patch, depth * np.cos(patch.angle) - local.opening), before)
+            for local, patch, before in zip(models, patches, last, strict=True)
         ]
         cost = sum((contact.cost for contact in contacts), cost)
         carried = sum(
@@ -68,8 +68,8 @@ def share_load(
         if not solved or abs(carried - load) <= tolerance * load:
             break
         power = max(carried, 0.0) ** (2.0 / 3.0)
-        slope = (power - known[1]) / (depth - known[0])
-        known = depth, power
+        slope = (power - previous[1]) / (depth - previous[0])
+        previous = depth, power
         depth += (load ** (2.0 / 3.0) - power) / slope
         last = [contact if contact.touching.any() else None for contact in contacts]
     return (contacts[0].with_cost(cost), *contacts[1:])

@@ -47,27 +47,29 @@ def read_answers(
 
 def _restore(data: Any) -> dict[str, Answer]:
     """Return the answers by their digests from the variables of a file."""
-    flat, found, first = data["answer_numbers"].values, {}, 0
+    flat, answers, first = data["answer_numbers"].values, {}, 0
     names = ("answer", "answer_layout", "answer_message", "answer_cost")
     for digest, layout, message, cost in zip(*(data[name].values for name in names), strict=True):
         numbers = arrays_of(str(layout), flat[first:])
-        first += sum(one.size for one in numbers.values())
+        first += sum(array.size for array in numbers.values())
         contacts, rolls, convolutions = cost.tolist()
-        found[str(digest)] = Answer(numbers, int(contacts), int(rolls), convolutions, str(message))
-    return found
+        answers[str(digest)] = Answer(
+            numbers, int(contacts), int(rolls), convolutions, str(message)
+        )
+    return answers
 
 
-def answer_variables(known: Mapping[str, Answer]) -> dict[str, tuple]:
+def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
     """Return the variables that store all answers."""
-    if not known:
+    if not answers:
         return {}
-    numbers = [np.ravel(one) for answer in known.values() for one in answer.numbers.values()]
-    layouts = [layout_of(answer.numbers) for answer in known.values()]
-    messages = [answer.message for answer in known.values()]
-    costs = [(one.contacts, one.rolls, one.convolutions) for one in known.values()]
+    numbers = [np.ravel(array) for answer in answers.values() for array in answer.numbers.values()]
+    layouts = [layout_of(answer.numbers) for answer in answers.values()]
+    messages = [answer.message for answer in answers.values()]
+    costs = [(answer.contacts, answer.rolls, answer.convolutions) for answer in answers.values()]
     flat = np.concatenate([np.zeros(0), *numbers, np.zeros(1)])
     return {
-        "answer": (("answers",), [*known], "1", "hash of a computation"),
+        "answer": (("answers",), [*answers], "1", "hash of a computation"),
         "answer_layout": (("answers",), layouts, "1", "names and shapes of its numbers"),
         "answer_message": (("answers",), messages, "1", "why it failed"),
         "answer_cost": (("answers", "cost"), costs, "1", "contacts, rolls, transforms"),

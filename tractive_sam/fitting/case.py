@@ -14,7 +14,7 @@ import numpy as np
 
 from tractive_sam.contact import LinearSolver, Model, jacobian_of
 from tractive_sam.fitting.derivatives import derivatives_of
-from tractive_sam.operators import ConvolutionMeter, one_blas_thread
+from tractive_sam.operators import ConvolutionMeter, single_blas_thread
 from tractive_sam.results import BODIES, COLUMNS, History, State, index_by_name
 from tractive_sam.run import read_measured_gap, roll, solve_from_nearby
 from tractive_sam.scene import Scene
@@ -48,9 +48,9 @@ class FitCase:
     seat: tuple[int, ...] = ()
 
     @property
-    def one_contact(self) -> bool:
+    def is_steady(self) -> bool:
         """Whether nothing is rolled."""
-        return is_one_contact(self.scene)
+        return is_steady(self.scene)
 
     @cached_property
     def digest(self) -> str:
@@ -104,33 +104,33 @@ class Reply:
             Places of the case.
         """
         numbers = self.answer.numbers[name]
-        known = list(map(repr, self.case.places))
-        return numbers[[known.index(repr(at)) if len(numbers) > 1 else 0 for at in places]]
+        names = list(map(repr, self.case.places))
+        return numbers[[names.index(repr(at)) if len(numbers) > 1 else 0 for at in places]]
 
 
 def merged(cases: Iterable[FitCase]) -> dict[str, FitCase]:
     """Return one case for each scene, by its fingerprint, with all requested columns and places."""
-    found: dict[str, FitCase] = {}
+    by_fingerprint: dict[str, FitCase] = {}
     for case in cases:
         name = case.scene.fingerprint()
-        other = found.get(name, case)
-        places = {repr(at): at for at in (*other.places, *case.places)}
-        found[name] = FitCase(
+        earlier = by_fingerprint.get(name, case)
+        places = {repr(at): at for at in (*earlier.places, *case.places)}
+        by_fingerprint[name] = FitCase(
             case.scene,
-            tuple(dict.fromkeys((*other.columns, *case.columns))),
+            tuple(dict.fromkeys((*earlier.columns, *case.columns))),
             tuple(places.values()),
-            tuple(dict.fromkeys((*other.derivatives, *case.derivatives))),
-            other.seat,
+            tuple(dict.fromkeys((*earlier.derivatives, *case.derivatives))),
+            earlier.seat,
         )
-    return found
+    return by_fingerprint
 
 
-def is_one_contact(scene: Scene) -> bool:
+def is_steady(scene: Scene) -> bool:
     """Return whether a scene is a single contact: nothing is rolled."""
     return not scene.schedule.end and not scene.duty
 
 
-@one_blas_thread()
+@single_blas_thread()
 def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | None]:
     """Solve or roll the scene of a case, and return the numbers that the fit needs.
 
@@ -150,7 +150,7 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # reported when the fit begins
-        return _solve(case, start) if case.one_contact else (_roll(case), None)
+        return _solve(case, start) if case.is_steady else (_roll(case), None)
 
 
 def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:

@@ -91,8 +91,8 @@ def read_measured(data: Data, key: str) -> Measured:
     for name in wanted:
         column = data.columns.get(name, name)
         if column not in columns:
-            found = suggest_name(column, columns) if columns else "a header row and columns"
-            faults.append(Fault(f"{key}.{_source(data)}", f"no column {shorten(column)}", found))
+            hint = suggest_name(column, columns) if columns else "a header row and columns"
+            faults.append(Fault(f"{key}.{_source(data)}", f"no column {shorten(column)}", hint))
             continue
         numbers[name], wrong = _numbers(columns[column])
         if wrong:
@@ -147,13 +147,13 @@ def noise_at(noise: Noise, observed: np.ndarray) -> np.ndarray:
 
 def _numbers(cells: Sequence[Any]) -> tuple[np.ndarray, list[tuple[int, Any]]]:
     """Return a column as numbers, and the rows (from 1) that have no finite one."""
-    found, wrong = np.full(len(cells), math.nan), []
+    numbers, wrong = np.full(len(cells), math.nan), []
     for k, cell in enumerate(cells):
         with suppress(TypeError, ValueError):
-            found[k] = float(cell)
-        if not math.isfinite(found[k]):
+            numbers[k] = float(cell)
+        if not math.isfinite(numbers[k]):
             wrong.append((k + 1, cell))
-    return found, wrong
+    return numbers, wrong
 
 
 def _columns_of(data: Data) -> Mapping[str, Sequence[Any]]:

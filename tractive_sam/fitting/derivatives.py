@@ -60,7 +60,7 @@ def derivatives_of(
     tiny = 1e-30
     rows = [str(name) for name in jacobian.coords["result"].values]
     values = {name: float(getattr(contact, name)) for name in RESULTS}
-    found = {}
+    derivatives = {}
     for parameter in wanted:
         change = dict.fromkeys(RESULTS, 0.0)
         if parameter in change:
@@ -70,8 +70,8 @@ def derivatives_of(
         moved = {name: values[name] + 1j * tiny * change[name] for name in RESULTS}
         for name in filter(FORMULAS.__contains__, columns):
             slope = complex(FORMULAS[name](moved)).imag / tiny
-            found[f"{name}/{parameter}"] = np.array([slope])
-    return found
+            derivatives[f"{name}/{parameter}"] = np.array([slope])
+    return derivatives
 
 
 def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]) -> dict[str, str]:
@@ -80,13 +80,13 @@ def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...])
     if law is None or any(name not in FORMULAS for name in columns):
         return {}
     coulomb = law.law == "constant" and law.strength is None and law.temperature is None
-    given = scene.load
-    sought = {name for name, force in (("xi_x", given.force_x), ("xi_y", given.force_y))
+    load = scene.load
+    sought = {name for name, force in (("xi_x", load.force_x), ("xi_y", load.force_y))
               if force is not None}  # fmt: skip
-    found = {}
+    exact = {}
     for key in keys:
         column = COLUMNS_OF.get(key, "")
-        known = column not in sought and (coulomb or base_of(key) != "friction.mu")
-        if column and known and (column != "P" or given.normal is not None):
-            found[key] = column
-    return found
+        is_exact = column not in sought and (coulomb or base_of(key) != "friction.mu")
+        if column and is_exact and (column != "P" or load.normal is not None):
+            exact[key] = column
+    return exact

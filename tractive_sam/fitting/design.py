@@ -40,23 +40,23 @@ class FitError(SceneError):
 def _check_parameters(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of [[parameter]] tables with a key that is not free or is given twice."""
     free = entries["free"]
-    for k, one in enumerate(entries["parameter"]):
-        if one.key not in free:
-            yield Fault(f"parameter[{k}].key", shorten(one.key), suggest_name(one.key, free))
-    keys = [one.key for one in entries["parameter"]]
-    for key in {one for one in keys if keys.count(one) > 1}:
+    for k, table in enumerate(entries["parameter"]):
+        if table.key not in free:
+            yield Fault(f"parameter[{k}].key", shorten(table.key), suggest_name(table.key, free))
+    keys = [table.key for table in entries["parameter"]]
+    for key in {key for key in keys if keys.count(key) > 1}:
         yield Fault("parameter", f"{key} {keys.count(key)} times", "each once")
 
 
 def _check_free_keys(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of free keys without a numeric start."""
-    given = {one.key: one for one in entries["parameter"]}
+    parameters = {table.key: table for table in entries["parameter"]}
     for key in entries["free"]:
         try:
-            start_of(entries["scene"], key, given[key].start if key in given else None)
+            start_of(entries["scene"], key, parameters[key].start if key in parameters else None)
         except SceneError as error:
-            yield from (Fault("free", f"{shorten(key)}: {one.given}", one.allowed)
-                        for one in error.faults)  # fmt: skip
+            yield from (Fault("free", f"{shorten(key)}: {fault.given}", fault.allowed)
+                        for fault in error.faults)  # fmt: skip
     for key in entries["free"]:
         if key != base_of(key) and base_of(key) in entries["free"]:
             yield Fault("free", f"{key} and {base_of(key)}", "one of them")
@@ -66,10 +66,13 @@ def _check_varied_keys(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of varied or set keys that are free or unknown."""
     bases = {base_of(key) for key in entries["free"]}
     for name in ("data", "test"):
-        for k, one in enumerate(entries[name]):
-            varied = (one.vary,) if isinstance(one.vary, str) else one.vary or ()
+        for k, data in enumerate(entries[name]):
+            varied = (data.vary,) if isinstance(data.vary, str) else data.vary or ()
             chosen = [key for key in varied if name == "test" or key not in COORDINATES]
-            for source, key in [*(("vary", key) for key in chosen), *(("set", k) for k in one.set)]:
+            for source, key in [
+                *(("vary", key) for key in chosen),
+                *(("set", k) for k in data.set),
+            ]:
                 if key in bases:
                     yield Fault(f"{name}[{k}].{source}", key, "an entry that is not free")
                 elif (fault := _find_unknown_key(key)) is not None:
@@ -177,7 +180,7 @@ class Fit(Table):
 
     def settings_of(self, key: str) -> Parameter:
         """Return the start, bounds and prior of a free entry."""
-        return next((one for one in self.parameter if one.key == key), Parameter(key=key))
+        return next((table for table in self.parameter if table.key == key), Parameter(key=key))
 
 
 class FitDesign(Document):
@@ -199,16 +202,16 @@ class FitDesign(Document):
     fit: Fit = entry("the fit", "")
     error_class: ClassVar[type[SceneError]] = FitError
 
-    def __init__(self, /, **given: Any) -> None:
-        table = given.get("fit")
+    def __init__(self, /, **entries: Any) -> None:
+        table = entries.get("fit")
         if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):
             try:
                 scene = table["scene"]
-                found = Scene.from_name(scene) if isinstance(scene, str) else Scene(**scene)
+                inner_scene = Scene.from_name(scene) if isinstance(scene, str) else Scene(**scene)
             except SceneError as error:
-                raise FitError(one.under("fit.scene") for one in error.faults) from None
-            given["fit"] = {**table, "scene": found}
-        super().__init__(**given)
+                raise FitError(fault.under("fit.scene") for fault in error.faults) from None
+            entries["fit"] = {**table, "scene": inner_scene}
+        super().__init__(**entries)
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
@@ -220,8 +223,8 @@ class FitDesign(Document):
                 Scene.resolve_files(folder, scene)
         match tables:
             case {"fit": {"data": list(data)}}:
-                for one in data:
-                    match one:
+                for data_set in data:
+                    match data_set:
                         case {"file": str(name)}:
-                            one["file"] = str(folder / name)
+                            data_set["file"] = str(folder / name)
         return tables

@@ -21,13 +21,13 @@ def base_of(key: str) -> str:
 
 def value_of(scene: Scene, key: str) -> Any:
     """Return the value of an entry, defaults included; None if it has no value."""
-    found: Any = scene.settings()
+    value: Any = scene.settings()
     for name in split_key(key):
         try:
-            found = found[name]
+            value = value[name]
         except (KeyError, IndexError, TypeError):
             return None
-    return found
+    return value
 
 
 def start_of(scene: Scene, key: str, start: float | None) -> float:
@@ -54,7 +54,7 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
     return float(first)
 
 
-def is_whole(scene: Scene, key: str) -> bool:
+def is_integer(scene: Scene, key: str) -> bool:
     """Return whether an entry of a scene is an integer."""
     return type(value_of(scene, key)) is int
 
@@ -64,7 +64,7 @@ def changes_of(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
     changes: dict[str, Any] = {}
     for key, value in values.items():
         base = base_of(key)
-        new: Any = round(value) if is_whole(scene, key) else value
+        new: Any = round(value) if is_integer(scene, key) else value
         if base != key:
             pair = list(changes.get(base, value_of(scene, base)))
             pair[int(key[len(base) + 1 : -1])] = new

@@ -161,8 +161,8 @@ class Directions:
         """Divide the coordinates by the singular values of weighted derivatives."""
         _, sizes, rows = np.linalg.svd(weighted, full_matrices=True)
         sizes = np.pad(sizes, (0, rows.shape[0] - sizes.size))
-        known = sizes > max(cls.UNDETERMINED, cls.NOISE * sizes.max(initial=0.0))
-        return cls(sizes[known], rows[known].T, rows[~known].T)
+        determined = sizes > max(cls.UNDETERMINED, cls.NOISE * sizes.max(initial=0.0))
+        return cls(sizes[determined], rows[determined].T, rows[~determined].T)
 
     @property
     def rooted(self) -> np.ndarray:
@@ -172,11 +172,11 @@ class Directions:
     @property
     def covariance(self) -> np.ndarray:
         """Covariance; infinite variances of coordinates that are not determined."""
-        found = self.rooted @ self.rooted.T
+        covariance = self.rooted @ self.rooted.T
         lost = np.square(self.null).sum(axis=1) > self.involved**2
-        found[lost], found[:, lost] = math.nan, math.nan
-        found[lost, lost] = math.inf
-        return found
+        covariance[lost], covariance[:, lost] = math.nan, math.nan
+        covariance[lost, lost] = math.inf
+        return covariance
 
     @property
     def involved(self) -> float:

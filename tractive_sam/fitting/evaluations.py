@@ -90,7 +90,7 @@ class InWorkers:
             self._cluster = self.stack.enter_context(local_cluster(self.number))
         groups: dict[tuple, list[int]] = {}
         for k, case in enumerate(cases):
-            groups.setdefault(case.seat if case.one_contact else (k,), []).append(k)
+            groups.setdefault(case.seat if case.is_steady else (k,), []).append(k)
         places = list(groups.values())
         calls = [(compute_in_turn, [cases[k] for k in group]) for group in places]
         address, security = self._cluster
@@ -137,7 +137,7 @@ class Evaluations:
     """
 
     compute: Compute
-    known: dict[str, Answer] = field(default_factory=dict)
+    stored: dict[str, Answer] = field(default_factory=dict)
     save: Callable[[], None] | None = None
     interval: float = 2.0
     progress: Callable[[Evaluations], None] | None = None
@@ -145,7 +145,7 @@ class Evaluations:
 
     def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
         """Return the answers of cases, by name; those not known are computed."""
-        missing = {c.digest: c for c in cases.values() if c.digest not in self.known}
+        missing = {c.digest: c for c in cases.values() if c.digest not in self.stored}
         if missing:
             digests = list(missing)
             try:
@@ -154,26 +154,26 @@ class Evaluations:
             except BaseException:
                 self.write()
                 raise
-        return {name: self.known[case.digest] for name, case in cases.items()}
+        return {name: self.stored[case.digest] for name, case in cases.items()}
 
     def remember(self, digest: str, compute: Callable[[], Answer]) -> Answer:
         """Return an answer, computed by a function if it is not known."""
-        if digest not in self.known:
+        if digest not in self.stored:
             self.add(digest, compute())
-        return self.known[digest]
+        return self.stored[digest]
 
     @property
     def cost(self) -> tuple[int, int, float]:
         """Contacts, rolls and transforms of all computations, earlier runs included."""
-        known = self.known.values()
+        answers = self.stored.values()
         contacts, rolls = (
-            sum(getattr(one, name) for one in known) for name in ("contacts", "rolls")
+            sum(getattr(answer, name) for answer in answers) for name in ("contacts", "rolls")
         )
-        return contacts, rolls, sum(one.convolutions for one in known)
+        return contacts, rolls, sum(answer.convolutions for answer in answers)
 
     def add(self, digest: str, answer: Answer) -> None:
         """Add an answer, and store it."""
-        self.known[digest] = answer
+        self.stored[digest] = answer
         if self.progress is not None:
             self.progress(self)
         if monotonic() - self._saved > self.interval:

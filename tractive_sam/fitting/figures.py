@@ -77,11 +77,11 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
             caption = f"{label}: measured {name} with one standard deviation, and the model."
             file = f"data{number}-{str(name).replace(' ', '-')}"
             yield file, caption, fitted_curve(curve, title=title)
-    known = np.flatnonzero(np.isfinite(data["sd"].values))
-    if known.size > 1:
-        keys = [result.keys[k] for k in known]
-        values, deviations = (data[name].values[known] for name in ("value", "sd"))
-        correlation = result.correlation[np.ix_(known, known)]
+    determined = np.flatnonzero(np.isfinite(data["sd"].values))
+    if determined.size > 1:
+        keys = [result.keys[k] for k in determined]
+        values, deviations = (data[name].values[determined] for name in ("value", "sd"))
+        correlation = result.correlation[np.ix_(determined, determined)]
         figure = confidence_ellipses(keys, values, deviations, correlation, title=result.title)
         yield "ellipses", "Ellipses of 68 and 95 % of each pair of parameters.", figure
     if "likelihood" in data:

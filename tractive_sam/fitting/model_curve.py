@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.fitting.case import is_one_contact
+from tractive_sam.fitting.case import is_steady
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import Fit, FitError
 from tractive_sam.fitting.estimate import Estimate
@@ -14,7 +14,7 @@ from tractive_sam.fitting.series import Series
 from tractive_sam.fitting.variables import Variables
 
 
-def curve_variables(found: Estimate, fit: Fit) -> Variables:
+def curve_variables(best: Estimate, fit: Fit) -> Variables:
     """Return predictions and their standard deviations between measured points.
 
     Only data sets of single contacts that differ in one key have them: a roll for each point would
@@ -22,16 +22,16 @@ def curve_variables(found: Estimate, fit: Fit) -> Variables:
 
     Parameters
     ----------
-    found : Estimate
+    best : Estimate
         The minimum.
     fit : Fit
         The scene, and the number of points.
     """
-    n = len(found.problem.parameters)
+    n = len(best.problem.parameters)
     rows: list[np.ndarray] = []
     names: list[str] = []
-    for number, series in enumerate(found.problem.series):
-        places = _places_between(series, found, fit.curve)
+    for number, series in enumerate(best.problem.series):
+        places = _places_between(series, best, fit.curve)
         if not places.size:
             continue
         (key,) = series.measured.data.vary
@@ -42,15 +42,15 @@ def curve_variables(found: Estimate, fit: Fit) -> Variables:
         )  # fmt: skip
         try:
             curve = Series.of(
-                series.key, measured, fit.scene, found.problem.parameters, found.problem.evaluations
+                series.key, measured, fit.scene, best.problem.parameters, best.problem.evaluations
             )
-            problem = replace(found.problem, series=(curve,))
-            predicted, slopes = problem.predict(found.u[:n]), problem.jacobian(found.u[:n])
+            problem = replace(best.problem, series=(curve,))
+            predicted, slopes = problem.predict(best.u[:n]), problem.jacobian(best.u[:n])
         except FitError:  # a value between the measured ones that cannot be computed
             continue
-        wide = np.pad(slopes, ((0, 0), (0, found.u.size - n)))
+        wide = np.pad(slopes, ((0, 0), (0, best.u.size - n)))
         x = np.repeat(places, len(series.columns))
-        rows.append(np.column_stack([np.full(x.size, number), x, predicted, found.spread(wide)]))
+        rows.append(np.column_stack([np.full(x.size, number), x, predicted, best.spread(wide)]))
         names += [*series.columns] * places.size
     if not rows:
         return {}
@@ -61,15 +61,15 @@ def curve_variables(found: Estimate, fit: Fit) -> Variables:
     }
 
 
-def _places_between(series: Series, found: Estimate, points: int) -> np.ndarray:
+def _places_between(series: Series, best: Estimate, points: int) -> np.ndarray:
     """Return abscissas between the measured ones, spaced like these."""
     x = np.unique(series.measured.abscissa[1])
-    one_key = list(series.measured.data.vary) == list(series.measured.settings[0])
-    if series.measured.data.profile or not one_key or len(series.measured.data.vary) != 1:
+    same_keys = list(series.measured.data.vary) == list(series.measured.settings[0])
+    if series.measured.data.profile or not same_keys or len(series.measured.data.vary) != 1:
         return np.empty(0)
-    values = found.problem.parameters.named(found.u)
+    values = best.problem.parameters.named(best.u)
     scene = series.scene_at(values, series.measured.settings[0])
-    if not is_one_contact(scene) or not 1 < x.size < points:
+    if not is_steady(scene) or not 1 < x.size < points:
         return np.empty(0)
     shares = np.linspace(0.0, x.size - 1.0, points)
     return np.setdiff1d(np.interp(shares, np.arange(x.size), x), x)

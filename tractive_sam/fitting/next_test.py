@@ -17,7 +17,7 @@ from tractive_sam.fitting.tables import CandidateTest, Data
 from tractive_sam.schema import Fault
 
 
-def rank_tests(found: Estimate, fit: Fit) -> list[Gain]:
+def rank_tests(best: Estimate, fit: Fit) -> list[Gain]:
     """Return the candidates by their gain, the best one first.
 
     A test is linearised at the estimate. A direction that is not determined yet counts with the
@@ -28,26 +28,26 @@ def rank_tests(found: Estimate, fit: Fit) -> list[Gain]:
     FitError
         If a candidate has no valid scene, or is not solved.
     """
-    n = len(found.problem.parameters)
-    weak = np.eye(found.u.size)
-    prior = found.problem.prior_jacobian(found.u)
-    rows = np.concatenate([found.weighted, prior])
+    n = len(best.problem.parameters)
+    weak = np.eye(best.u.size)
+    prior = best.problem.prior_jacobian(best.u)
+    rows = np.concatenate([best.weighted, prior])
     information = rows.T @ rows + 1e-2 * weak
     target = np.arange(n) if fit.target is None else np.array([fit.free.index(fit.target)])
     before = _logarithm(information, target)
     gains = []
     for k, test in enumerate(fit.test):
         for label, measured in _measured_tests(test):
-            problem = _problem_of(found.problem, f"fit.test[{k}]", measured, fit)
-            slopes = problem.jacobian(found.u[:n])
-            noise = noise_at(test.uncertainty, problem.predict(found.u[:n]))
-            wide = np.zeros((len(slopes), found.u.size))
+            problem = _problem_of(best.problem, f"fit.test[{k}]", measured, fit)
+            slopes = problem.jacobian(best.u[:n])
+            noise = noise_at(test.uncertainty, problem.predict(best.u[:n]))
+            wide = np.zeros((len(slopes), best.u.size))
             wide[:, :n] = slopes / noise[:, None]
             after = information + wide.T @ wide
             deviation = np.sqrt(np.diag(np.linalg.inv(after))[:n])
-            deviation *= np.abs(found.problem.parameters.slopes(found.u))
+            deviation *= np.abs(best.problem.parameters.slopes(best.u))
             gains.append(Gain(label, deviation, before - _logarithm(after, target)))
-    return sorted(gains, key=lambda one: -one.gain)
+    return sorted(gains, key=lambda gain: -gain.gain)
 
 
 def check_tests(fit: Fit, start: Parameters) -> None:

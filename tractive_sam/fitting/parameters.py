@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.fitting.design import Fit
-from tractive_sam.fitting.entries import is_whole, start_of
+from tractive_sam.fitting.entries import is_integer, start_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Parameters:
         First values, scales of the linear ones, and bounds of the values.
     logarithmic : ndarray of bool, shape (n,)
         Whether the coordinate is a logarithm.
-    whole : ndarray of bool, shape (n,)
+    integer : ndarray of bool, shape (n,)
         Whether the value is an integer.
     prior : ndarray, shape (n, 2)
         Mean and standard deviation known before; nan if unknown.
@@ -38,14 +38,14 @@ class Parameters:
     lower: np.ndarray
     upper: np.ndarray
     logarithmic: np.ndarray
-    whole: np.ndarray
+    integer: np.ndarray
     prior: np.ndarray
 
     @classmethod
     def of(cls, fit: Fit) -> Parameters:
         """Return the parameters of a fit."""
         tables = [fit.settings_of(key) for key in fit.free]
-        start = np.array([start_of(fit.scene, one.key, one.start) for one in tables])
+        start = np.array([start_of(fit.scene, table.key, table.start) for table in tables])
         lower = np.array([-math.inf if t.lower is None else t.lower for t in tables])
         upper = np.array([math.inf if t.upper is None else t.upper for t in tables])
         start = np.clip(start, lower, upper)
@@ -60,8 +60,8 @@ class Parameters:
         widths = np.stack([np.abs(start), prior[:, 1], upper - lower])
         usable = np.isfinite(widths) & (widths > 0.0)
         scale = np.where(usable.any(axis=0), widths[usable.argmax(axis=0), range(len(start))], 1.0)
-        whole = np.array([is_whole(fit.scene, key) for key in fit.free])
-        return cls(fit.free, start, scale, lower, upper, logarithmic, whole, prior)
+        integer = np.array([is_integer(fit.scene, key) for key in fit.free])
+        return cls(fit.free, start, scale, lower, upper, logarithmic, integer, prior)
 
     def __len__(self) -> int:
         return len(self.keys)

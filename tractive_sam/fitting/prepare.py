@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.contact import Model, extend_to, solve_on_fitted_mesh
-from tractive_sam.fitting.case import Answer, is_one_contact
-from tractive_sam.fitting.entries import is_whole
+from tractive_sam.fitting.case import Answer, is_steady
+from tractive_sam.fitting.entries import is_integer
 from tractive_sam.results import COLUMNS, Grid, index_by_name
 from tractive_sam.run import read_measured_gap, roll
 from tractive_sam.scene import Scene
@@ -51,8 +51,8 @@ class SharedPlaces:
 
     def add(self, scene: Scene, places: list[float]) -> None:
         """Add revolutions or distances; nan stands for the last one."""
-        known = self._places.setdefault(scene.fingerprint(), {})
-        known |= {repr(at): at for at in places}
+        of_scene = self._places.setdefault(scene.fingerprint(), {})
+        of_scene |= {repr(at): at for at in places}
 
     def of(self, scene: Scene) -> list[float]:
         """Return the places of a scene."""
@@ -76,19 +76,19 @@ def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     SceneError
         If records of the scene lack a column.
     """
-    known = index_by_name(COLUMNS)
-    wanted = [known[name.partition(" ")[0]] for name in columns]
+    quantities = index_by_name(COLUMNS)
+    wanted = [quantities[name.partition(" ")[0]] for name in columns]
     if unworn and scene.wear is not None:
         scene = scene.replace(wear=None, duty=None, load_history=None)
     for name in COSTLY:
         if getattr(scene, name) is not None:
             without = scene.replace(**{name: None})
-            if all(one.applies(without) for one in wanted):
+            if all(quantity.applies(without) for quantity in wanted):
                 scene = without
-    for one in wanted:
-        if not one.applies(scene) or (one.of is None and is_one_contact(scene)):
-            needs = " and ".join(f"[{name}]" for name in one.needs) or "[wear] or [transient]"
-            raise SceneError([Fault("observe", one.name, f"a scene with {needs} for it")])
+    for quantity in wanted:
+        if not quantity.applies(scene) or (quantity.of is None and is_steady(scene)):
+            needs = " and ".join(f"[{name}]" for name in quantity.needs) or "[wear] or [transient]"
+            raise SceneError([Fault("observe", quantity.name, f"a scene with {needs} for it")])
     return scene
 
 
@@ -118,15 +118,15 @@ def fixed(
     if scene.wear is not None and scene.wear.revolutions:
         last = any(map(math.isnan, places)) or not stated
         end = max([*stated, *([scene.wear.revolutions] if last else [])])
-        given = [n for n in scene.wear.save if n < end and scene.schedule.fixed]
-        save = tuple(sorted({0, *given, *stated, end}))
+        saved = [n for n in scene.wear.save if n < end and scene.schedule.fixed]
+        save = tuple(sorted({0, *saved, *stated, end}))
         changes = {"wear.revolutions": end, "wear.save": save}
         scene = scene.replace(**changes)
     grid = None
-    if scene.wear is not None and scene.wear.stepping == "adaptive" and not is_one_contact(scene):
+    if scene.wear is not None and scene.wear.stepping == "adaptive" and not is_steady(scene):
         steps, grid = _steps_of(scene, remember)
         changes |= {"wear.stepping": "saved", "wear.save": steps}
-    if any(_mesh(one) != _mesh(scene) for one in neighbours):
+    if any(_mesh(neighbour) != _mesh(scene) for neighbour in neighbours):
         if grid is None:
             grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1].grid
         x, y = grid.half_length
@@ -157,9 +157,9 @@ def finer(scene: Scene) -> Scene:
 
 def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
     """Return the revolutions at which adaptive stepping solves, and the mesh that it ends on."""
-    found = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
-    (x, y), (n_x, n_y) = found["half_length"].tolist(), found["elements"].tolist()
-    steps = tuple(round(n) for n in found["steps"])
+    numbers = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
+    (x, y), (n_x, n_y) = numbers["half_length"].tolist(), numbers["elements"].tolist()
+    steps = tuple(round(n) for n in numbers["steps"])
     centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
     return steps, Grid((x, y), (round(n_x), round(n_y)), centre=centre)
 
@@ -184,7 +184,7 @@ def _roll_adaptively(scene: Scene) -> Answer:
 def scaled_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return changes with fixed steps in proportion to a free number of revolutions."""
     end, steps = changes.get("wear.revolutions"), scene.wear.save if scene.wear else ()
-    if end is None or not steps or steps[-1] == end or not is_whole(scene, "wear.revolutions"):
+    if end is None or not steps or steps[-1] == end or not is_integer(scene, "wear.revolutions"):
         return changes
     save = tuple(sorted({round(n * end / steps[-1]) for n in steps}))
     return {**changes, "wear.save": save}

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.fitting import prepare
-from tractive_sam.fitting.case import FitCase, Reply, is_one_contact, merged
+from tractive_sam.fitting.case import FitCase, Reply, is_steady, merged
 from tractive_sam.fitting.design import FitError
 from tractive_sam.fitting.evaluations import Evaluations
 from tractive_sam.fitting.parameters import Parameters
@@ -49,12 +49,12 @@ class FitProblem:
     @cached_property
     def positions(self) -> list[slice]:
         """Coordinates of each data set beyond the parameters; empty of other than profiles."""
-        found, first = [], len(self.parameters)
-        for one in self.series:
-            count = len(one.measured.data.nuisance) if one.measured.data.profile else 0
-            found.append(slice(first, first + count))
+        slices, first = [], len(self.parameters)
+        for series in self.series:
+            count = len(series.measured.data.nuisance) if series.measured.data.profile else 0
+            slices.append(slice(first, first + count))
             first += count
-        return found
+        return slices
 
     @property
     def size(self) -> int:
@@ -64,12 +64,12 @@ class FitProblem:
     @cached_property
     def observed(self) -> np.ndarray:
         """All measured values, shape (points,)."""
-        return np.concatenate([one.measured.observed.ravel() for one in self.series])
+        return np.concatenate([series.measured.observed.ravel() for series in self.series])
 
     @cached_property
     def noise(self) -> np.ndarray:
         """Standard deviations of all measured values, shape (points,)."""
-        return np.concatenate([one.measured.noise.ravel() for one in self.series])
+        return np.concatenate([series.measured.noise.ravel() for series in self.series])
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -130,44 +130,44 @@ class FitProblem:
             )
         slopes = self.parameters.slopes(u)
         rows = []
-        for n, (one, place) in enumerate(zip(self.series, self.positions, strict=True)):
-            block = np.zeros((one.measured.points, self.size))
-            base = [replies[n, "", k] for k in range(len(one.groups))]
-            here = one.predictions(base, u[place]).ravel()
+        for n, (series, place) in enumerate(zip(self.series, self.positions, strict=True)):
+            block = np.zeros((series.measured.points, self.size))
+            base = [replies[n, "", k] for k in range(len(series.groups))]
+            here = series.predictions(base, u[place]).ravel()
             for key, (k, at) in moved.items():
-                if key in one.exact:
-                    by = one.predictions(base, u[place], f"/{one.exact[key]}")
+                if key in series.exact:
+                    by = series.predictions(base, u[place], f"/{series.exact[key]}")
                     block[:, k] = by.ravel() * slopes[k]
                 else:
-                    there = [replies[n, key, g] for g in range(len(one.groups))]
-                    change = one.predictions(there, u[place]).ravel() - here
+                    changed = [replies[n, key, g] for g in range(len(series.groups))]
+                    change = series.predictions(changed, u[place]).ravel() - here
                     block[:, k] = change / (at[k] - u[k])
-            if one.measured.data.profile:
-                block[:, place] = one.position.slopes(*one.profile_of(base[0]), u[place])
+            if series.measured.data.profile:
+                block[:, place] = series.position.slopes(*series.profile_of(base[0]), u[place])
             rows.append(block)
-        found = np.concatenate(rows)
-        if not np.isfinite(found).all():
+        jacobian = np.concatenate(rows)
+        if not np.isfinite(jacobian).all():
             given = f"a step at which the computation failed ({self.failures[-1]})"
             raise FitError([Fault("fit.step", given, "another step, or other starts")])
-        return found
+        return jacobian
 
     def aligned(self, u: np.ndarray) -> np.ndarray:
         """Return coordinates with the positions of profiles that fit the predictions there best."""
         replies = self._replies({"": u})
-        found = np.array(u, float)
-        for n, (one, place) in enumerate(zip(self.series, self.positions, strict=True)):
+        aligned = np.array(u, float)
+        for n, (series, place) in enumerate(zip(self.series, self.positions, strict=True)):
             here = None if replies is None else replies[n, "", 0]
-            if one.measured.data.profile and here is not None and not here.failed:
-                found[place] = one.position.align(*one.profile_of(here))
-        return found
+            if series.measured.data.profile and here is not None and not here.failed:
+                aligned[place] = series.position.align(*series.profile_of(here))
+        return aligned
 
     def predict_finer(self, u: np.ndarray) -> np.ndarray:
         """Return predicted values on a finer mesh; nan if a computation failed."""
         cases: dict[tuple, FitCase] = {}
         values = self.parameters.named(u)
         try:
-            for n, one in enumerate(self.series):
-                for k, case in enumerate(one.cases(values, n, False)):
+            for n, series in enumerate(self.series):
+                for k, case in enumerate(series.cases(values, n, False)):
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
                         scene = prepare.finer(case.scene)
@@ -179,12 +179,12 @@ class FitProblem:
     def _moved(self, u: np.ndarray, k: int) -> np.ndarray:
         """Return coordinates with one parameter changed by the step of differences."""
         step = self.step or self._default_step
-        if self.parameters.whole[k]:
+        if self.parameters.integer[k]:
             step = max(step, 1.0 / self.parameters.values(u)[k])
         at = u.copy()
         beyond = u[k] + step > self.parameters.bounds[1][k]
         at[k] += -step if beyond else step
-        if self.parameters.whole[k]:  # the integer used at these coordinates
+        if self.parameters.integer[k]:  # the integer used at these coordinates
             values = self.parameters.values(at)
             values[k] = round(values[k])
             at[k] = self.parameters.coordinates(values)[k]
@@ -193,9 +193,9 @@ class FitProblem:
     @cached_property
     def _default_step(self) -> float:
         """Return the step of differences of contacts, or of rolls if any case is one."""
-        rolled = any(not is_one_contact(prepare.trimmed(one.base, one.columns, one.unworn))
-                     for one in self.series)  # fmt: skip
-        tolerance = max(one.base.solver.tolerance for one in self.series)
+        rolled = any(not is_steady(prepare.trimmed(series.base, series.columns, series.unworn))
+                     for series in self.series)  # fmt: skip
+        tolerance = max(series.base.solver.tolerance for series in self.series)
         return ROLL_STEP if rolled else max(1e-4, tolerance**0.5)
 
     def _replies(self, points: Mapping[str, np.ndarray]) -> dict[tuple, Reply] | None:
@@ -205,11 +205,11 @@ class FitProblem:
         """
         cases: dict[tuple, FitCase] = {}
         try:
-            for n, one in enumerate(self.series):
+            for n, series in enumerate(self.series):
                 for point, u in points.items():
-                    if not (point and point in one.exact):
-                        found = one.cases(self.parameters.named(u), n, not point)
-                        cases |= {(n, point, k): case for k, case in enumerate(found)}
+                    if not (point and point in series.exact):
+                        series_cases = series.cases(self.parameters.named(u), n, not point)
+                        cases |= {(n, point, k): case for k, case in enumerate(series_cases)}
         except SceneError as error:
             self.failures.append(str(error.faults[0]))
             return None
@@ -220,9 +220,9 @@ class FitProblem:
         """Return the answers of cases; cases of one scene are computed together."""
         together = merged(cases.values())
         answers = self.evaluations.answers(together)
-        self.failures.extend(one.message for one in answers.values() if one.message)
+        self.failures.extend(answer.message for answer in answers.values() if answer.message)
         names = {name: case.scene.fingerprint() for name, case in cases.items()}
-        return {name: Reply(together[one], answers[one]) for name, one in names.items()}
+        return {name: Reply(together[key], answers[key]) for name, key in names.items()}
 
     @cached_property
     def failures(self) -> list[str]:
@@ -231,11 +231,11 @@ class FitProblem:
 
     def _collect(self, replies: Mapping[tuple, Reply], point: str, u: np.ndarray) -> np.ndarray:
         """Return the computed values of all series at a point."""
-        found = []
-        for n, (one, place) in enumerate(zip(self.series, self.positions, strict=True)):
-            each = [replies[n, point, k] for k in range(len(one.groups))]
-            if one.measured.data.profile and each[0].failed:
-                found.append(np.full(one.measured.points, math.nan))
+        predictions = []
+        for n, (series, place) in enumerate(zip(self.series, self.positions, strict=True)):
+            each = [replies[n, point, k] for k in range(len(series.groups))]
+            if series.measured.data.profile and each[0].failed:
+                predictions.append(np.full(series.measured.points, math.nan))
                 continue
-            found.append(one.predictions(each, np.asarray(u)[place]).ravel())
-        return np.concatenate(found)
+            predictions.append(series.predictions(each, np.asarray(u)[place]).ravel())
+        return np.concatenate(predictions)

@@ -56,10 +56,10 @@ class ProfilePosition:
             "tilt": lambda: self._arm,
             "level": lambda: np.ones_like(self.y),
         }
-        found = [
+        slopes = [
             unit * columns[name]() for name, unit in zip(self.unknown, self.units, strict=True)
         ]
-        return np.stack(found, axis=1) if found else np.empty((self.y.size, 0))
+        return np.stack(slopes, axis=1) if slopes else np.empty((self.y.size, 0))
 
     def align(self, y: np.ndarray, depth: np.ndarray) -> np.ndarray:
         """Return the position that fits a predicted profile of any scale best."""
@@ -76,12 +76,12 @@ class ProfilePosition:
             shape = _depth(y, depth)(self.y - offset)
             columns = np.stack([shape, *lines], axis=1)
             factors, *_ = np.linalg.lstsq(columns, self.depth, rcond=None)
-            left = float(np.square(columns @ factors - self.depth).sum())
-            if left < best and factors[0] > 0.0:
-                best = left
+            misfit = float(np.square(columns @ factors - self.depth).sum())
+            if misfit < best and factors[0] > 0.0:
+                best = misfit
                 names = [name for name in ("tilt", "level") if name in self.unknown]
-                found = {"offset": offset} | dict(zip(names, factors[1:], strict=True))
-                position = np.array([found[name] for name in self.unknown]) / self.units
+                values = {"offset": offset} | dict(zip(names, factors[1:], strict=True))
+                position = np.array([values[name] for name in self.unknown]) / self.units
         return position
 
     @property

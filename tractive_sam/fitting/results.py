@@ -173,8 +173,8 @@ class FitResult:
 
     def _texts(self, name: str) -> list[str]:
         """Return the texts of a variable."""
-        found = self.dataset.get(name)
-        return [] if found is None else [str(one) for one in found.values]
+        variable = self.dataset.get(name)
+        return [] if variable is None else [str(text) for text in variable.values]
 
     @property
     def chi2(self) -> float:
@@ -249,9 +249,9 @@ class FitResult:
                 f"{level} to": f"{high:.4g}",
                 "finer mesh / sd": f"{shift / sd:.1g}",
             }
-            known = ("value",) if not math.isfinite(sd) else tuple(texts)
+            shown = ("value",) if not math.isfinite(sd) else tuple(texts)
             rows.append({"parameter": key} | {
-                name: text if name in known and text not in ("nan", "inf") else ""
+                name: text if name in shown and text not in ("nan", "inf") else ""
                 for name, text in texts.items()
             })  # fmt: skip
         return rows
@@ -288,8 +288,8 @@ class FitResult:
         for key in self.keys:
             low, high = self.interval(key)
             level = self.design.fit.level
-            known = f", {level:.0%} from {low:.4g} to {high:.4g}" if low <= high else ""
-            rows[key] = f"{self.values[key]:.4g}{known or ', not determined'}"
+            interval = f", {level:.0%} from {low:.4g} to {high:.4g}" if low <= high else ""
+            rows[key] = f"{self.values[key]:.4g}{interval or ', not determined'}"
         if self.positions:
             numbers = (f"{name} {value:.3g}" for name, value in self.positions.items())
             rows["position (mm, tilt: 1)"] = ", ".join(numbers)
@@ -320,7 +320,7 @@ class FitResult:
             "undetermined": self.undetermined,
             "notes": self.notes,
             "chi2": self.chi2,
-            "chi2_expected": [_number(one) for one in self.chi2_range],
+            "chi2_expected": [_number(limit) for limit in self.chi2_range],
             "positions": self.positions,
             "points": self.points,
             "solves": self.solves,

@@ -107,8 +107,8 @@ def fit(
         if path is not None:
             done.save = lambda: write_fit(path, _unfinished(document, done))
         problem = make_problem(table, done)
-        found = Search(problem, table).run()
-        result = _complete(document, found, next_test)
+        best = Search(problem, table).run()
+        result = _complete(document, best, next_test)
     if path is not None:
         write_fit(path, result)
     return result
@@ -137,8 +137,8 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
 
     def prepared() -> tuple[Series, ...]:
         return tuple(
-            Series.of(f"fit.data[{k}]", one, table.scene, parameters, done, shared)
-            for k, one in enumerate(measured)
+            Series.of(f"fit.data[{k}]", table_of_data, table.scene, parameters, done, shared)
+            for k, table_of_data in enumerate(measured)
         )
 
     prepared()
@@ -164,22 +164,22 @@ def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> 
 
 def _read_all(table: Fit) -> list[Measured]:
     """Read all data sets, and report their faults together."""
-    found: list[Measured] = []
+    measured: list[Measured] = []
     faults: list[Fault] = []
     for k, data in enumerate(table.data):
         try:
-            found.append(read_measured(data, f"fit.data[{k}]"))
+            measured.append(read_measured(data, f"fit.data[{k}]"))
         except FitError as error:
             faults += error.faults
     if faults:
         raise FitError(faults)
-    return found
+    return measured
 
 
 def _check_count(measured: list[Measured], parameters: Parameters) -> None:
     """Raise an error if there are fewer measurements than parameters."""
-    points = sum(one.points for one in measured)
-    positions = sum(len(one.data.nuisance) for one in measured if one.data.profile)
+    points = sum(data_set.points for data_set in measured)
+    positions = sum(len(data_set.data.nuisance) for data_set in measured if data_set.data.profile)
     priors = np.isfinite(parameters.prior[:, 0]).sum()
     if points + priors < len(parameters) + positions:
         sought = f"{len(parameters)} parameters"
@@ -193,41 +193,41 @@ def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
     design = ((), document.to_toml(), "1", "the fit file")
     attributes = {
         "status": "running",
-        "message": f"computations stored: {len(done.known)}; run the fit again to resume it",
+        "message": f"computations stored: {len(done.stored)}; run the fit again to resume it",
         "version": versions()["tractive-sam"],
     }
-    return FitResult(make_dataset({"design": design, **answer_variables(done.known)}, attributes))
+    return FitResult(make_dataset({"design": design, **answer_variables(done.stored)}, attributes))
 
 
-def _intervals_of(found: Estimate, table: Fit) -> Intervals:
+def _intervals_of(best: Estimate, table: Fit) -> Intervals:
     """Return the intervals of all parameters, as the fit wants them."""
-    low, high, sd = found.interval(table.level)
+    low, high, sd = best.interval(table.level)
     curves = []
     if table.intervals == "profile":
         for k in np.flatnonzero(np.isfinite(sd)):
-            low[k], high[k], curve = ProfileLikelihood(found, table, int(k)).interval()
+            low[k], high[k], curve = ProfileLikelihood(best, table, int(k)).interval()
             curves.append(np.column_stack([np.full(len(curve), k), curve]))
     return Intervals(low, high, sd, tuple(curves))
 
 
-def _complete(document: FitDesign, found: Estimate, next_test: bool) -> FitResult:
+def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult:
     """Return the result of a search that ended."""
-    table, problem = document.fit, found.problem
+    table, problem = document.fit, best.problem
     n = len(problem.parameters)
-    intervals, shift = _intervals_of(found, table), np.full(n, np.nan)
-    finer = problem.predict_finer(found.u) if table.mesh_check else None
+    intervals, shift = _intervals_of(best, table), np.full(n, np.nan)
+    finer = problem.predict_finer(best.u) if table.mesh_check else None
     if finer is not None and np.isfinite(finer).all():
-        moved = problem.parameters.values((found.u + found.shift(finer - found.predicted))[:n])
-        shift = moved - problem.parameters.values(found.u)
-    gains = rank_tests(found, table) if next_test else []
-    texts = {"undetermined": describe_undetermined(found), "notes": list_notes(found, table)}
+        moved = problem.parameters.values((best.u + best.shift(finer - best.predicted))[:n])
+        shift = moved - problem.parameters.values(best.u)
+    gains = rank_tests(best, table) if next_test else []
+    texts = {"undetermined": describe_undetermined(best), "notes": list_notes(best, table)}
     variables = {
         "design": ((), document.to_toml(), "1", "the fit file"),
-        **parameter_variables(found, intervals, shift),
-        **point_variables(found, finer),
-        **curve_variables(found, table),
+        **parameter_variables(best, intervals, shift),
+        **point_variables(best, finer),
+        **curve_variables(best, table),
         **text_variables(texts),
         **test_variables(gains),
-        **answer_variables(problem.evaluations.known),
+        **answer_variables(problem.evaluations.stored),
     }
-    return FitResult(make_dataset(variables, attributes_of(found, table)))
+    return FitResult(make_dataset(variables, attributes_of(best, table)))

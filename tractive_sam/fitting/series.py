@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.fitting import prepare
-from tractive_sam.fitting.case import FitCase, Reply, Y, is_one_contact
+from tractive_sam.fitting.case import FitCase, Reply, Y, is_steady
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.derivatives import exact_columns
 from tractive_sam.fitting.design import FitError
@@ -103,7 +103,7 @@ class Series:
                     continue
                 changes = prepare.fixed(first, others, shared.of(first), done.remember)
                 groups.append((rows, {**settings, **changes}))
-                one = is_one_contact(first)
+                one = is_steady(first)
                 exact = exact_columns(first, columns, start.keys) if one else {}
         except SceneError as error:
             raise FitError(one.under(key) for one in error.faults) from None
@@ -154,9 +154,7 @@ class Series:
             places = tuple(float(self.measured.places[row]) for row in rows)
             scene = self.scene_at(values, settings)
             places = (
-                (math.nan,)
-                if is_one_contact(scene)
-                else tuple({repr(at): at for at in places}.values())
+                (math.nan,) if is_steady(scene) else tuple({repr(at): at for at in places}.values())
             )
             found.append(FitCase(scene, self.columns, places, wanted, (number, k)))
         return found

@@ -48,11 +48,11 @@ def _flat(entries: object, before: str = "") -> object:
     """Return entries by dotted key; nested tables are flattened."""
     if not isinstance(entries, Mapping):
         return entries
-    found: dict[str, Any] = {}
+    flat: dict[str, Any] = {}
     for key, value in entries.items():
         inner = _flat(value, f"{before}{key}.") if isinstance(value, Mapping) else None
-        found |= inner if isinstance(inner, dict) else {f"{before}{key}": value}
-    return found
+        flat |= inner if isinstance(inner, dict) else {f"{before}{key}": value}
+    return flat
 
 
 def _as_lists(columns: object) -> object:
@@ -60,7 +60,8 @@ def _as_lists(columns: object) -> object:
     if not isinstance(columns, Mapping):
         return columns
     return {
-        str(name): getattr(one, "tolist", lambda one=one: one)() for name, one in columns.items()
+        str(name): getattr(column, "tolist", lambda column=column: column)()
+        for name, column in columns.items()
     }
 
 
@@ -106,7 +107,7 @@ def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
     """Yield the faults of a column that is to be observed, see `column_of`."""
     table = index_by_name(COLUMNS)
     if name not in table:
-        names = dict.fromkeys(one.name for one in COLUMNS if one.dims in OBSERVABLE)
+        names = dict.fromkeys(quantity.name for quantity in COLUMNS if quantity.dims in OBSERVABLE)
         yield Fault("observe", shorten(name), suggest_name(name, [*names]))
     elif table[name].dims == ("body",) and body is None:
         yield Fault("body", f"nothing, and observe = {shorten(name)}", '"A" or "B"')

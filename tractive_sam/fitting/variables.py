@@ -17,38 +17,38 @@ Variables: TypeAlias = dict[str, tuple]
 """Dimensions, values, unit and description by name."""
 
 
-def parameter_variables(found: Estimate, intervals: Intervals, shift: np.ndarray) -> Variables:
+def parameter_variables(best: Estimate, intervals: Intervals, shift: np.ndarray) -> Variables:
     """Return estimates, intervals, correlation and derivatives.
 
     Parameters
     ----------
-    found : Estimate
+    best : Estimate
         The minimum.
     intervals : Intervals
         Its intervals.
     shift : ndarray, shape (n,)
         Change of the estimates by a finer mesh.
     """
-    parameters, of = found.problem.parameters, ("parameter",)
-    names = _coordinate_names(found.problem)
+    parameters, of = best.problem.parameters, ("parameter",)
+    names = _coordinate_names(best.problem)
     variables: dict[str, tuple] = {
         "parameter": (of, list(parameters.keys), "1", "key of the scene"),
-        "value": (of, parameters.values(found.u), "1", "estimate"),
+        "value": (of, parameters.values(best.u), "1", "estimate"),
         "low": (of, intervals.low, "1", "low end of the interval"),
         "high": (of, intervals.high, "1", "high end of the interval"),
         "sd": (of, intervals.sd, "1", "standard deviation"),
         "start": (of, parameters.start, "1", "first value"),
         "mesh_shift": (of, shift, "1", "change of the estimate by a finer mesh"),
-        "correlation": (("parameter", "other"), found.correlation, "1", "correlation"),
+        "correlation": (("parameter", "other"), best.correlation, "1", "correlation"),
         "coordinate": (("coordinate",), names, "1", "parameters, and positions of profiles"),
-        "jacobian": (("point", "coordinate"), found.jacobian, "1",
+        "jacobian": (("point", "coordinate"), best.jacobian, "1",
                      "derivative of the prediction by ln(value), or value over its scale"),
     }  # fmt: skip
     places = [
-        (f"{one.key} {name}", number)
-        for one, place in zip(found.problem.series, found.problem.positions, strict=True)
-        if one.measured.data.profile
-        for name, number in one.position.values(found.u[place]).items()
+        (f"{series.key} {name}", number)
+        for series, place in zip(best.problem.series, best.problem.positions, strict=True)
+        if series.measured.data.profile
+        for name, number in series.position.values(best.u[place]).items()
     ]
     if places:
         labels, numbers = zip(*places, strict=True)
@@ -64,23 +64,23 @@ def parameter_variables(found: Estimate, intervals: Intervals, shift: np.ndarray
 def _coordinate_names(problem: FitProblem) -> list[str]:
     """Return the names of all unknowns."""
     names = list(problem.parameters.keys)
-    for one in problem.series:
-        if one.measured.data.profile:
-            names += [f"{one.key} {name}" for name in one.measured.data.nuisance]
+    for series in problem.series:
+        if series.measured.data.profile:
+            names += [f"{series.key} {name}" for name in series.measured.data.nuisance]
     return names
 
 
-def point_variables(found: Estimate, finer: np.ndarray | None) -> Variables:
+def point_variables(best: Estimate, finer: np.ndarray | None) -> Variables:
     """Return measured and predicted values, and predictions on a finer mesh."""
-    problem, of = found.problem, ("point",)
+    problem, of = best.problem, ("point",)
     numbers, labels, abscissas, names = [], [], [], []
-    for k, one in enumerate(problem.series):
-        name, places = one.measured.abscissa
-        count = len(one.columns)
-        numbers += [k] * one.measured.points
-        labels += [*one.columns] * len(places)
+    for k, series in enumerate(problem.series):
+        name, places = series.measured.abscissa
+        count = len(series.columns)
+        numbers += [k] * series.measured.points
+        labels += [*series.columns] * len(places)
         abscissas += list(np.repeat(places, count))
-        names += [name] * one.measured.points
+        names += [name] * series.measured.points
     variables: dict[str, tuple] = {
         "series": (of, numbers, "1", "data set, from 0"),
         "observation": (of, labels, "1", "observed column"),
@@ -88,14 +88,14 @@ def point_variables(found: Estimate, finer: np.ndarray | None) -> Variables:
         "abscissa": (of, np.array(abscissas, float), "1", "its value"),
         "observed": (of, problem.observed, "1", "measured value"),
         "noise": (of, problem.noise, "1", "its standard deviation"),
-        "predicted": (of, found.predicted, "1", "prediction"),
-        "residual": (of, found.residuals, "1", "measured less predicted, over the noise"),
-        "band": (of, found.band, "1", "standard deviation of the prediction by the parameters"),
-        "weight": (of, found.weights, "1", "weight by the loss"),
+        "predicted": (of, best.predicted, "1", "prediction"),
+        "residual": (of, best.residuals, "1", "measured less predicted, over the noise"),
+        "band": (of, best.band, "1", "standard deviation of the prediction by the parameters"),
+        "weight": (of, best.weights, "1", "weight by the loss"),
     }
     if finer is not None:
         meaning = "prediction on a finer mesh less prediction"
-        variables["model_error"] = (of, finer - found.predicted, "1", meaning)
+        variables["model_error"] = (of, finer - best.predicted, "1", meaning)
     return variables
 
 
@@ -108,20 +108,20 @@ def text_variables(texts: Mapping[str, list[str]]) -> Variables:
     }
 
 
-def attributes_of(found: Estimate, fit: Fit) -> dict[str, Any]:
+def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
     """Return the attributes of the file: status, chi-square, and cost."""
-    low, high = found.chi2_range(fit.level)
-    solves, rolls, convolutions = found.problem.evaluations.cost
+    low, high = best.chi2_range(fit.level)
+    solves, rolls, convolutions = best.problem.evaluations.cost
     return {
-        "status": DONE if found.iterations < fit.iterations else "not converged",
-        "message": found.message,
-        "chi2": found.chi2,
+        "status": DONE if best.iterations < fit.iterations else "not converged",
+        "message": best.message,
+        "chi2": best.chi2,
         "chi2_low": low,
         "chi2_high": high,
-        "degrees": found.degrees,
-        "scatter": found.scatter,
-        "points": found.problem.observed.size,
-        "iterations": found.iterations,
+        "degrees": best.degrees,
+        "scatter": best.scatter,
+        "points": best.problem.observed.size,
+        "iterations": best.iterations,
         "solves": solves,
         "rolls": rolls,
         "convolutions": convolutions,
@@ -134,9 +134,9 @@ def test_variables(gains: Sequence[Gain]) -> Variables:
     if not gains:
         return {}
     return {
-        "test": (("test",), [one.label for one in gains], "1", "candidate of the next test"),
-        "test_gain": (("test",), [one.gain for one in gains], "1",
+        "test": (("test",), [gain.label for gain in gains], "1", "candidate of the next test"),
+        "test_gain": (("test",), [gain.gain for gain in gains], "1",
                       "fall of the logarithm of the determinant of the covariance"),
-        "test_sd": (("test", "parameter"), [one.deviation for one in gains], "1",
+        "test_sd": (("test", "parameter"), [gain.deviation for gain in gains], "1",
                     "standard deviations after the test"),
     }  # fmt: skip

@@ -13,12 +13,12 @@ SIMPLE = 0.03
 """Difference from a simple number below which an exponent is written as that number."""
 
 
-def describe_undetermined(found: Estimate) -> list[str]:
+def describe_undetermined(best: Estimate) -> list[str]:
     """Return a sentence for each direction in which the data do not determine parameters."""
-    parameters = found.problem.parameters
-    directions = Directions.of(found.weighted)
+    parameters = best.problem.parameters
+    directions = Directions.of(best.weighted)
     rows = _sparse_rows(directions.null.T, directions.involved)
-    decided = "; the priors decide" if len(found.directions.null.T) < len(rows) else ""
+    decided = "; the priors decide" if len(best.directions.null.T) < len(rows) else ""
     texts = []
     for row in rows:
         involved = np.flatnonzero(np.abs(row[: len(parameters)]) > directions.involved)
@@ -57,35 +57,35 @@ def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
             continue
         rows[[done, pivot]] = rows[[pivot, done]]
         rows[done] /= rows[done, column]
-        for other in range(len(rows)):
-            if other != done:
-                rows[other] -= rows[other, column] * rows[done]
+        for row in range(len(rows)):
+            if row != done:
+                rows[row] -= rows[row, column] * rows[done]
         done += 1
     return [row / np.linalg.norm(row) for row in rows]
 
 
-def list_notes(found: Estimate, table: Fit) -> list[str]:
+def list_notes(best: Estimate, table: Fit) -> list[str]:
     """Return the caveats of a fit, as sentences."""
-    parameters = found.problem.parameters
+    parameters = best.problem.parameters
     notes = []
-    if found.iterations >= table.iterations:
+    if best.iterations >= table.iterations:
         notes.append(f"the search ended at {table.iterations} iterations: raise fit.iterations")
-    low, high = found.chi2_range(table.level)
-    if found.chi2 > high:
+    low, high = best.chi2_range(table.level)
+    if best.chi2 > high:
         cure = "the noise is larger than stated, or the model does not describe the data"
-        notes.append(f"chi-square {found.chi2:.3g} is above its expected range: {cure}")
-    if found.chi2 < low:
-        notes.append(f"chi-square {found.chi2:.3g} is below its expected range: less noise")
-    if found.degrees <= 0:
+        notes.append(f"chi-square {best.chi2:.3g} is above its expected range: {cure}")
+    if best.chi2 < low:
+        notes.append(f"chi-square {best.chi2:.3g} is below its expected range: less noise")
+    if best.degrees <= 0:
         notes.append("as many parameters as points: chi-square says nothing about the model")
     for key, value, low_end, high_end in zip(
-        parameters.keys, parameters.values(found.u), parameters.lower, parameters.upper, strict=True
+        parameters.keys, parameters.values(best.u), parameters.lower, parameters.upper, strict=True
     ):
         for bound, name in ((low_end, "lower"), (high_end, "upper")):
             if np.isclose(value, bound, rtol=1e-6, atol=0.0):
                 notes.append(
                     f"{key} is at its {name} bound, {bound:g}: its interval is no interval"
                 )
-    if messages := found.problem.failures:
+    if messages := best.problem.failures:
         notes.append(f"{len(messages)} computations failed during the fit: {messages[-1]}")
     return notes

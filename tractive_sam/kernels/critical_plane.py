@@ -117,15 +117,15 @@ def critical_plane(out, paths, sum_k, product_k):
         if improved > best:
             best = improved
             _copy(last, normal)
-        left = 0
+        waiting = 0
         for c in range(count):
             if values[c] + bend * reach[c] > best * (1.0 + ENOUGH):
-                stack[left] = cells[c]
-                left += 1
-        while left > 0:
-            left -= 1
-            face, u, v, side = stack[left]
-            far = _cell_normal(normal, stack[left])
+                stack[waiting] = cells[c]
+                waiting += 1
+        while waiting > 0:
+            waiting -= 1
+            face, u, v, side = stack[waiting]
+            far = _cell_normal(normal, stack[waiting])
             enough = best * (1.0 + ENOUGH) - bend * far
             value = evaluate_plane(path, normal, sum_k, product_k, room, enough)[0]
             if value <= enough or side <= smallest:
@@ -137,10 +137,10 @@ def critical_plane(out, paths, sum_k, product_k):
                     _copy(last, normal)
             side *= 0.5
             for j in range(4):
-                stack[left, 0], stack[left, 3] = face, side
-                stack[left, 1] = u + side if j % 2 else u - side
-                stack[left, 2] = v + side if j // 2 else v - side
-                left += 1
+                stack[waiting, 0], stack[waiting, 3] = face, side
+                stack[waiting, 1] = u + side if j % 2 else u - side
+                stack[waiting, 2] = v + side if j // 2 else v - side
+                waiting += 1
         out[k] = best
 
 
@@ -168,8 +168,8 @@ def _cell_normal(normal, cell):
     normal[(face + 1) % 3], normal[(face + 2) % 3] = a * normal[face], b * normal[face]
     farthest = 0.0
     for side in (-t, t):
-        other = -side if a * b > 0.0 else side
-        x, y = (a + side) / (1.0 - a * side), (b + other) / (1.0 - b * other)
+        opposite = -side if a * b > 0.0 else side
+        x, y = (a + side) / (1.0 - a * side), (b + opposite) / (1.0 - b * opposite)
         along = 1.0 + a * x + b * y
         # The square of the angle is less than the square of its tangent.
         farthest = max(farthest, square * (1.0 + x * x + y * y) / (along * along) - 1.0)
@@ -253,10 +253,10 @@ def _local_maximum(normal, path, sum_k, product_k, room):
         gain = 0.0
         for _ in range(SHORTENED):
             turn_normal(trial, normal, a, b)
-            there, count, at = evaluate_plane(path, trial, sum_k, product_k, room)
-            gain = there - here
+            value, count, at = evaluate_plane(path, trial, sum_k, product_k, room)
+            gain = value - here
             if gain > 0.0:
-                here = there
+                here = value
                 _copy(normal, trial)
                 break
             a, b = 0.4 * a, 0.4 * b

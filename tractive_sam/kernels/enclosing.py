@@ -6,7 +6,7 @@ import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
 
-MOST = 200
+MAX_STEPS = 200
 """Most steps of a search that ends after some ten."""
 
 
@@ -51,7 +51,7 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
     weights[0], weights[1] = 0.5, 0.5
     for j in range(2, begun):
         count = _add_support(support, weights, count, support[j], points, target, matrix, right)
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         first, radius2 = support[0], 0.0
         for k in range(m):
             centre[k] = 0.0
@@ -96,13 +96,13 @@ def index_of_farthest(squares, centre, points):
     """Set the squared distances from the centre, and return the index of the farthest point."""
     # One coordinate after another, so that several points go at once.
     for k in range(len(points)):
-        own, c = points[k], centre[k]
+        component, c = points[k], centre[k]
         if k == 0:
             for i in range(squares.size):
-                squares[i] = (own[i] - c) ** 2
+                squares[i] = (component[i] - c) ** 2
         else:
             for i in range(squares.size):
-                squares[i] += (own[i] - c) ** 2
+                squares[i] += (component[i] - c) ** 2
     return index_of_largest(squares)
 
 
@@ -154,10 +154,10 @@ def _equidistant_weights(target, support, count, points, matrix, right):
     # Cholesky factors of 2 (p_i - p_0).(p_j - p_0), and the right side.
     for i in range(count - 1):
         a = support[i + 1]
-        own = 0.0
+        square = 0.0
         for k in range(len(points)):
-            own += (points[k, a] - points[k, first]) ** 2
-        value = own
+            square += (points[k, a] - points[k, first]) ** 2
+        value = square
         for j in range(i + 1):
             b = support[j + 1]
             dot = 0.0
@@ -169,7 +169,7 @@ def _equidistant_weights(target, support, count, points, matrix, right):
             if j < i:
                 matrix[i, j] = entry / matrix[j, j]
                 value -= matrix[i, j] * right[j]
-            elif i == last and entry <= 1e-13 * own:
+            elif i == last and entry <= 1e-13 * square:
                 target[count - 1] = 1.0
                 _back_substitute(target, matrix, -matrix[last], last)
                 target[0] = -target[1:count].sum()
@@ -203,7 +203,7 @@ def enclosing_circle(support, weights, points, squares, enough=0.0):
     """
     count, largest = 2, 0.0
     weights[0], weights[1] = 0.5, 0.5
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         x = y = 0.0
         for j in range(count):
             x += weights[j] * points[0, support[j]]

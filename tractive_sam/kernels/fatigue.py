@@ -85,7 +85,7 @@ def dang_van(out, radius, paths, a):
     n = paths.shape[2]
     points, squares, centre = np.empty((5, n)), np.empty(n), np.empty(5)
     support, weights, count = np.empty(7, np.int64), np.empty(7), 0
-    most, pulled, own = np.empty(n), np.empty(n), np.empty(5)
+    bounds, pulled, deviator = np.empty(n), np.empty(n), np.empty(5)
     for k in range(len(paths)):
         path = paths[k]
         deviators(points, path)
@@ -93,12 +93,12 @@ def dang_van(out, radius, paths, a):
         radius[k] = math.sqrt(square)
         for i in range(n):
             pulled[i] = a * (path[0, i] + path[1, i] + path[2, i]) / 3.0
-            most[i] = math.sqrt(squares[i]) + pulled[i]  # tau is at most sqrt(J2)
-        worst, i = -math.inf, index_of_largest(most)
-        while most[i] > worst:
+            bounds[i] = math.sqrt(squares[i]) + pulled[i]  # tau is at most sqrt(J2)
+        worst, i = -math.inf, index_of_largest(bounds)
+        while bounds[i] > worst:
             for c in range(5):
-                own[c] = points[c, i] - centre[c]
-            worst = max(worst, tresca(own) + pulled[i])
-            most[i] = -math.inf
-            i = index_of_largest(most)
+                deviator[c] = points[c, i] - centre[c]
+            worst = max(worst, tresca(deviator) + pulled[i])
+            bounds[i] = -math.inf
+            i = index_of_largest(bounds)
         out[k] = worst

@@ -80,14 +80,14 @@ def _centred(slip, contact, i, ahead, m0, m1):
     nx, ny = contact.shape
     back = 0.5 * ahead if i else 0.0
     far = i + 2 < nx
-    behind, one, two = max(i - 1, 0), min(i + 1, nx - 1), min(i + 2, nx - 1)
+    behind, front, beyond = max(i - 1, 0), min(i + 1, nx - 1), min(i + 2, nx - 1)
     for j in range(ny):
-        parabola = far and contact[one, j] > 0.0 and contact[two, j] > 0.0
+        parabola = far and contact[front, j] > 0.0 and contact[beyond, j] > 0.0
         x = 0.5 * back * (1.0 + back) if parabola else back
         z = -0.5 * back * (1.0 - back) if parabola else 0.0
         y = 1.0 - x - z
-        m0[j] = y * slip[0, i, j] + x * slip[0, behind, j] + z * slip[0, one, j]
-        m1[j] = y * slip[1, i, j] + x * slip[1, behind, j] + z * slip[1, one, j]
+        m0[j] = y * slip[0, i, j] + x * slip[0, behind, j] + z * slip[0, front, j]
+        m1[j] = y * slip[1, i, j] + x * slip[1, behind, j] + z * slip[1, front, j]
 
 
 @compiled
@@ -107,7 +107,7 @@ def centre(slip, contact, out, ahead=1.0):
 
 
 @compiled
-def lead(slip, traction, rows, columns, kept, answer):
+def lead(slip, traction, rows, columns, factor, answer):
     """Scale the slip of leading elements by a share and add their response to the tractions.
 
     Parameters
@@ -116,18 +116,18 @@ def lead(slip, traction, rows, columns, kept, answer):
         Fields; the slip is changed.
     rows, columns : ndarray of int, shape (m,)
         Indices of the leading elements.
-    kept, answer : ndarray, shapes (m,) and (m, 2, 2)
+    factor, answer : ndarray, shapes (m,) and (m, 2, 2)
         The share, and the response to the traction.
     """
     for m in range(rows.size):
         i, j = rows[m], columns[m]
         for c in range(2):
             more = answer[m, c, 0] * traction[0, i, j] + answer[m, c, 1] * traction[1, i, j]
-            slip[c, i, j] = kept[m] * slip[c, i, j] + more
+            slip[c, i, j] = factor[m] * slip[c, i, j] + more
 
 
 @compiled
-def remember(target, kept, contact, ahead, out):
+def remember(target, retained, contact, ahead, out):
     """Compute shares of a bound that relax to targets while the material passes the contact.
 
     Each element keeps a part of the share of the one ahead, which enters the contact with one.
@@ -139,11 +139,11 @@ def remember(target, kept, contact, ahead, out):
             ahead[i, j] = 1.0
             if i + 1 < nx and contact[i + 1, j] > 0.0:
                 ahead[i, j] = out[i + 1, j]
-            out[i, j] = kept[i, j] * ahead[i, j] + (1.0 - kept[i, j]) * target[i, j]
+            out[i, j] = retained[i, j] * ahead[i, j] + (1.0 - retained[i, j]) * target[i, j]
 
 
 @compiled
-def change_of_bound(by_share, by_slip, kept, slip, out):
+def change_of_bound(by_share, by_slip, retained, slip, out):
     """Compute the change of a friction bound, by_share d(share), by a change of the slip.
 
     Along x, d(share) = kept d(share of the element ahead) + by_slip . d(slip). The arrays are
@@ -154,7 +154,7 @@ def change_of_bound(by_share, by_slip, kept, slip, out):
     for i in range(nx - 1, -1, -1):
         for j in range(ny):
             change = by_slip[0, i, j] * slip[0, i, j] + by_slip[1, i, j] * slip[1, i, j]
-            share[j] = kept[i, j] * share[j] + change
+            share[j] = retained[i, j] * share[j] + change
             out[i, j] = by_share[i, j] * share[j]
 
 
@@ -162,9 +162,9 @@ def change_of_bound(by_share, by_slip, kept, slip, out):
 def _share(a0, a1, m0, m1):
     """Return the share of the centre in the opposed direction, 2 a.m/(a² + m²), and a² + m²."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
-    known = square >= 1e-200
-    square = square if known else 1.0
-    agreement = 2.0 * (a0 * m0 + a1 * m1) / square if known else 0.0
+    nonzero = square >= 1e-200
+    square = square if nonzero else 1.0
+    agreement = 2.0 * (a0 * m0 + a1 * m1) / square if nonzero else 0.0
     return min(1.0, max(0.0, 2.0 * agreement - 0.5)), agreement, square
 
 

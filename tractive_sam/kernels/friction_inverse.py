@@ -10,7 +10,7 @@ from tractive_sam.kernels.friction import OPEN, SLIP, STICK
 
 
 @compiled
-def split(state, direction, kappa, stiffness, own, row, smooth, rough):
+def split(state, direction, kappa, stiffness, D, row, smooth, rough):
     """Divide a residual between the two halves of the upwind-sweep preconditioner.
 
     A local term gamma competes with the elastic one, of the size of the element's slip of itself,
@@ -25,19 +25,19 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
     slip would be taken for traction there, too large by mu1²/mu2² (`sweep_upwind`).
     """
     nx, ny = state.shape
-    trace = own[0] + own[2]
+    trace = D[0] + D[2]
     for i in range(nx):
         for j in range(ny):
             sticks, slips = state[i, j] == STICK, state[i, j] == SLIP
             w, k, r0, r1 = stiffness[i, j], kappa[i, j], row[0, i, j], row[1, i, j]
             t0, t1 = -direction[1, i, j], direction[0, i, j]
-            d0, d1 = own[0] * t0 + own[1] * t1, own[1] * t0 + own[2] * t1
+            d0, d1 = D[0] * t0 + D[1] * t1, D[1] * t0 + D[2] * t1
             # Elastic over elastic and local: the circulant cannot know of a local term, and given
             # all of a row that is nearly local it would make far too much of it. Times kappa, so
             # that one division does.
             local = 0.5 * w * k + (1.0 + w) * (1.0 - k)
-            whole = 2.0 * k * (t0 * d0 + t1 * d1) + local
-            part = (1.0 + w) / (k * whole if slips else trace + 0.5 * w)
+            total = 2.0 * k * (t0 * d0 + t1 * d1) + local
+            part = (1.0 + w) / (k * total if slips else trace + 0.5 * w)
             of_stick = trace * part if sticks else 0.0
             of_slip = (t0 * r0 + t1 * r1) * part if slips else 0.0
             rough[i, j] = local * of_slip
@@ -47,7 +47,7 @@ def split(state, direction, kappa, stiffness, own, row, smooth, rough):
 
 
 @compiled
-def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, out):
+def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out):
     """Integrate from the leading edge of every row, where the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
@@ -69,12 +69,12 @@ def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, ou
             b = ahead[1, j] + smooth[1, i, j]
             if state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                d0 = 2.0 * (own[0] * t0 + own[1] * t1)
-                d1 = 2.0 * (own[1] * t0 + own[2] * t1)
+                d0 = 2.0 * (D[0] * t0 + D[1] * t1)
+                d1 = 2.0 * (D[1] * t0 + D[2] * t1)
                 w, k = stiffness[i, j], kappa[i, j]
                 # Implicit, times kappa: if gamma outweighs d, the traction is rough/gamma.
-                whole = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
-                tau = k * (d0 * a + d1 * b + rough[i, j]) / whole
+                total = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
+                tau = k * (d0 * a + d1 * b + rough[i, j]) / total
                 # The known part of the traction along its direction is left out of the sum: it
                 # saves no iterations, and misleads if the coefficients differ much.
                 a, b = tau * t0, tau * t1
@@ -87,7 +87,7 @@ def sweep_upwind(state, direction, kappa, stiffness, own, row, smooth, rough, ou
 
 @compiled
 def prepare_step(
-    state, direction, kappa, across, contact, stiffness, own, ahead, rough, share, behind, front, up
+    state, direction, kappa, across, contact, stiffness, D, ahead, rough, share, behind, front, up
 ):
     """Set the factors of an approximate inverse of the rows of a step (`share_out`, `gather`).
 
@@ -121,16 +121,16 @@ def prepare_step(
             up[0, i, j], up[1, i, j] = 1.0, 0.0
             if state[i, j] == OPEN:
                 continue
-            w, k, d = stiffness[i, j], kappa[i, j], 0.5 * (own[0] + own[2])
+            w, k, d = stiffness[i, j], kappa[i, j], 0.5 * (D[0] + D[2])
             t0, t1 = -direction[1, i, j], direction[0, i, j]
             if state[i, j] == SLIP:
-                d = own[0] * t0 * t0 + 2.0 * own[1] * t0 * t1 + own[2] * t1 * t1
+                d = D[0] * t0 * t0 + 2.0 * D[1] * t0 * t1 + D[2] * t1 * t1
             # A leading element answers with about half the trace that its stiffness is. Times
             # kappa, by which the row is divided.
             gamma = 0.5 * w * k + (1.0 + w) * (1.0 - k)
-            whole = k * d + gamma
-            share[i, j] = k * d / whole
-            rough[i, j] = (1.0 + w) * gamma / (whole * whole)
+            total = k * d + gamma
+            share[i, j] = k * d / total
+            rough[i, j] = (1.0 + w) * gamma / (total * total)
             if state[i, j] != SLIP or ahead <= 0.0:
                 continue
             turned = across[1, 0, i, j] * t0 + across[1, 1, i, j] * t1

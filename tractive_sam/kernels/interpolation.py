@@ -31,8 +31,8 @@ def monotone(out, x, values, at):
         for k in range(1, n - 1):
             slope[k] = 0.0
             if rise[k - 1] * rise[k] > 0.0:
-                one, other = 2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]
-                slope[k] = (one + other) / (one / rise[k - 1] + other / rise[k])
+                back, front = 2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]
+                slope[k] = (back + front) / (back / rise[k - 1] + front / rise[k])
         slope[0] = _end_slope(h[0], h[1], rise[0], rise[1])
         slope[n - 1] = _end_slope(h[n - 2], h[n - 3], rise[n - 2], rise[n - 3])
         k = 0

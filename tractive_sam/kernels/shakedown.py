@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
-from tractive_sam.kernels.enclosing import MOST, index_of_largest
+from tractive_sam.kernels.enclosing import MAX_STEPS, index_of_largest
 from tractive_sam.kernels.fatigue import ROOT3, deviators
 
 
@@ -53,23 +53,23 @@ def shakedown_layer(out, paths):
             j2[k, i] = e[0, i] ** 2 + e[1, i] ** 2 + e[2, i] ** 2 + e[3, i] ** 2 + e[4, i] ** 2
     # With rho_xx = 0 no path has more left.
     fits, at = np.empty(count), np.zeros(count)
-    known = np.zeros(count, np.bool_)
+    computed = np.zeros(count, np.bool_)
     for k in range(count):
         fits[k] = j2[k, index_of_largest(j2[k])]
     room = np.empty(n), np.empty(n), np.empty((2, 2)), np.empty(2)
     r, best, best_r, bound = 0.0, math.inf, 0.0, 0.0
     # A and B of the last bounds with their minimum to the right, and to the left.
     cuts = np.full((2, 2), math.nan)
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         likely = int(np.argmax(np.sqrt(fits) + np.abs(r - at)))
         worst, b = _remaining_shear(p[likely], q[likely], j2[likely], r, room)
-        fits[likely], at[likely], known[likely] = worst, r, True
+        fits[likely], at[likely], computed[likely] = worst, r, True
         for k in range(count):
             # The root of what is left changes by no more than r: this one is not the largest.
             if k == likely or math.sqrt(fits[k]) + abs(r - at[k]) < math.sqrt(max(bound, worst)):
                 continue
             fits[k], mean = _remaining_shear(p[k], q[k], j2[k], r, room)
-            at[k], known[k] = r, True
+            at[k], computed[k] = r, True
             if fits[k] > worst:
                 worst, b = fits[k], mean
         if worst < best:
@@ -82,7 +82,7 @@ def shakedown_layer(out, paths):
         if best - bound <= 1e-12 * best or r == before:
             break
     for k in range(count):
-        if at[k] != best_r or not known[k]:
+        if at[k] != best_r or not computed[k]:
             fits[k], _ = _remaining_shear(p[k], q[k], j2[k], best_r, room)
         out[k] = math.sqrt(fits[k])
     return 2.0 * best_r
@@ -96,7 +96,7 @@ def _remaining_shear(p, q, j2, r, room):
         fixed[i] = j2[i] + 2.0 * r * q[i]
     cuts[:] = math.nan
     c, best, bound, side = 0.0, math.inf, -math.inf, 0
-    for _ in range(MOST):
+    for _ in range(MAX_STEPS):
         for i in range(p.size):
             values[i] = fixed[i] - 2.0 * c * p[i]
         i = index_of_largest(values)
@@ -107,23 +107,23 @@ def _remaining_shear(p, q, j2, r, room):
         c, bound = _lowest_upper_bound(cuts[side], cuts[1 - side])
         if best - bound <= 1e-14 * abs(best) or c == before:
             break
-    mean, one, other = means[side], -cuts[side, 1], -cuts[1 - side, 1]
-    if one not in (c, other) and not math.isnan(other):
-        share = (c - one) / (other - one)  # by which c is the mean p, too
+    mean, place, place_beyond = means[side], -cuts[side, 1], -cuts[1 - side, 1]
+    if place not in (c, place_beyond) and not math.isnan(place_beyond):
+        share = (c - place) / (place_beyond - place)  # by which c is the mean p, too
         mean = (1.0 - share) * mean + share * means[1 - side]
     return max(best + r * r, 0.0), mean  # rounding may leave less than none
 
 
 @compiled(inner=True)
-def _lowest_upper_bound(one, other):
+def _lowest_upper_bound(first, second):
     """Return the place and value of the minimum of the larger of two parabolas A + 2 B r + r².
 
     It lies at the minimum of one of them, or at their intersection.
     """
-    a, b = one
-    if math.isnan(other[1]) or other[1] == b:
+    a, b = first
+    if math.isnan(second[1]) or second[1] == b:
         return -b, a - b * b
-    c, d = other
+    c, d = second
     if a - b * b >= c - 2.0 * d * b + b * b:
         return -b, a - b * b
     if c - d * d >= a - 2.0 * b * d + d * d:

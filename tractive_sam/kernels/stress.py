@@ -265,7 +265,7 @@ def far_integrals(x, y, z, dx, dy, nx, ny):
         psi_xx = 1 / (R T) - x^2 (R + T) / (R^3 T^2),  psi_xy = -x y (R + T) / (R^3 T^2)
         chi_xxy = y / (R T^2) - x^2 y (2 R + T) / (R^3 T^3),  T = R + z.
     """
-    xxx = xxy = xyy = yyy = xxz = xyz = yyz = xz = yz = one = 0.0
+    xxx = xxy = xyy = yyy = xxz = xyz = yyz = xz = yz = total = 0.0
     psi_xx = psi_xy = chi_xxy = chi_xyy = 0.0
     zz = z * z
     for i in range(nx):
@@ -291,7 +291,7 @@ def far_integrals(x, y, z, dx, dy, nx, ny):
             yyz += s * vv
             xz += s * u
             yz += s * v
-            one += s
+            total += s
             p = w * rt
             g = (r + t) * over_r * over_r * over_t
             psi_xx += p * (1.0 - uu * g)
@@ -312,7 +312,7 @@ def far_integrals(x, y, z, dx, dy, nx, ny):
         yyz * za,
         xz * zza,
         yz * zza,
-        one * zza * z,
+        total * zza * z,
         psi_xx * area,
         psi_xy * area,
         chi_xxy * area,

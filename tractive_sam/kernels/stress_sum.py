@@ -129,8 +129,8 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
     stress, load = np.empty((1, 6, count)), (corner, sums, sides, blocks, widest)
     for m in range(len(points)):
         stress[:] = 0.0
-        own = signs[m : m + 1], poisson[m : m + 1]
-        _sum_around(stress, points[m], around[m], *own, *load)
+        of_body = signs[m : m + 1], poisson[m : m + 1]
+        _sum_around(stress, points[m], around[m], *of_body, *load)
         for component in range(6):
             for n in range(count):
                 out[component, m, n] = stress[0, component, n]
@@ -203,30 +203,30 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
     for i in range(0, nx, blocks_x):
         for j in range(0, ny, blocks_y):
             waiting[0, 0], waiting[0, 1], waiting[0, 2], waiting[0, 3] = i, j, blocks_x, blocks_y
-            left = 1
-            while left > 0:
-                a, b, m, n = waiting[left - 1]
+            count_waiting = 1
+            while count_waiting > 0:
+                a, b, m, n = waiting[count_waiting - 1]
                 x = (corner[0] - around[0]) * per_depth + (a + 0.5 * m) * dx
                 y = (corner[1] - around[1]) * per_depth + (b + 0.5 * n) * dy
-                most = widest * math.sqrt(x * x + y * y + 1.0)
-                split_x, split_y = m > 1 and m * dx > most, n > 1 and n * dy > most
+                longest = widest * math.sqrt(x * x + y * y + 1.0)
+                split_x, split_y = m > 1 and m * dx > longest, n > 1 and n * dy > longest
                 if split_x or split_y:
                     if split_x and not (split_y and n * dy > m * dx):
                         m //= 2
                         a += m
-                        waiting[left - 1, 2] = m
+                        waiting[count_waiting - 1, 2] = m
                     else:
                         n //= 2
                         b += n
-                        waiting[left - 1, 3] = n
-                    waiting[left, 0], waiting[left, 1] = a, b
-                    waiting[left, 2], waiting[left, 3] = m, n
-                    left += 1
+                        waiting[count_waiting - 1, 3] = n
+                    waiting[count_waiting, 0], waiting[count_waiting, 1] = a, b
+                    waiting[count_waiting, 2], waiting[count_waiting, 3] = m, n
+                    count_waiting += 1
                     continue
-                left -= 1
+                count_waiting -= 1
                 if not _set_at_nodes(at_nodes, sums, a, b, m, n):
                     continue
-                pieces_x, pieces_y = math.ceil(m * dx / most), math.ceil(n * dy / most)
+                pieces_x, pieces_y = math.ceil(m * dx / longest), math.ceil(n * dy / longest)
                 share = dx * dy / (pieces_x * pieces_y)
                 for k in range(2 * pieces_x):
                     at_x = x + m * dx * _node(k, pieces_x)
@@ -266,15 +266,15 @@ def _set_at_nodes(out, sums, a, b, m, n):
             right = sums[a + m, b + n, load, by] - sums[a, b + n, load, by]
             right -= sums[a + m, b, load, by] - sums[a, b, load, by]
             out[load, by // 2, by % 2] = right
-        whole, by_i, by_j = out[load, 0, 0], out[load, 0, 1], out[load, 1, 0]
+        total, by_i, by_j = out[load, 0, 0], out[load, 0, 1], out[load, 1, 0]
         by_both = out[load, 1, 1]
-        loaded = loaded or abs(whole) > NOTHING * abs(sums[a + m, b + n, load, 0])
-        lean_x, lean_y = (by_i - x * whole) / node_x, (by_j - y * whole) / node_y
-        twist = (by_both - x * by_j - y * by_i + x * y * whole) / (node_x * node_y)
-        out[load, 0, 0] = 0.25 * (whole - lean_x - lean_y + twist)
-        out[load, 0, 1] = 0.25 * (whole - lean_x + lean_y - twist)
-        out[load, 1, 0] = 0.25 * (whole + lean_x - lean_y - twist)
-        out[load, 1, 1] = 0.25 * (whole + lean_x + lean_y + twist)
+        loaded = loaded or abs(total) > NOTHING * abs(sums[a + m, b + n, load, 0])
+        lean_x, lean_y = (by_i - x * total) / node_x, (by_j - y * total) / node_y
+        twist = (by_both - x * by_j - y * by_i + x * y * total) / (node_x * node_y)
+        out[load, 0, 0] = 0.25 * (total - lean_x - lean_y + twist)
+        out[load, 0, 1] = 0.25 * (total - lean_x + lean_y - twist)
+        out[load, 1, 0] = 0.25 * (total + lean_x - lean_y - twist)
+        out[load, 1, 1] = 0.25 * (total + lean_x + lean_y + twist)
     return loaded
 
 
@@ -292,7 +292,7 @@ def _add_forces(out, places, forces, count, sign, nu):
     The integrands of `stress.far_integrals`, each with its force. In single precision, from what
     the points are near: a millionth of the stress is less than what blocks take from it.
     """
-    one, three = np.float32(1.0), np.float32(3.0)
+    unit, three = np.float32(1.0), np.float32(3.0)
     f, k, sign = 0.5 / math.pi, np.float32(1.0 - 2.0 * nu), np.float32(sign)
     for n in range(places.shape[0]):
         x, y, z = places[n, 0], places[n, 1], places[n, 2]
@@ -304,7 +304,7 @@ def _add_forces(out, places, forces, count, sign, nu):
             rr = uu + vv + z * z
             r = math.sqrt(rr)
             t = r + z
-            rt = one / (r * t)
+            rt = unit / (r * t)
             over_r, over_t = t * rt, r * rt
             over_r3 = over_r * over_r * over_r
             s = three * over_r3 * over_r * over_r * (u * p_x + v * p_y + z * p_n)
@@ -312,7 +312,7 @@ def _add_forces(out, places, forces, count, sign, nu):
             h = rt * over_t * (r + r + t) * over_r * over_r * over_t
             chi_xxy = v * (rt * over_t - uu * h)
             chi_xyy = u * (rt * over_t - vv * h)
-            psi_xx = rt * (one - uu * g)
+            psi_xx = rt * (unit - uu * g)
             xx += k * (p_x * chi_xyy + p_y * (v * over_r3 - chi_xxy) + p_n * (z * over_r3 - psi_xx))
             xx -= uu * s
             yy += k * (p_x * (u * over_r3 - chi_xyy) + p_y * chi_xxy + p_n * psi_xx) - vv * s

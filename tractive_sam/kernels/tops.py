@@ -116,7 +116,7 @@ def stencil(at):
 
 
 @compiled
-def climb(at, barred, best, values, of, highest, least, floor, first):
+def climb(at, barred, best, values, of, highest, threshold, floor, first):
     """Take a Newton step towards the maxima of functions, on several paths.
 
     The step leads to the top of the parabola through the values; uphill if the function curves
@@ -137,7 +137,7 @@ def climb(at, barred, best, values, of, highest, least, floor, first):
         Index of the function of each path.
     highest : ndarray, shape (m,)
         Bound of the value that a path can reach: it is abandoned if another one has reached more.
-    least : ndarray, shape (m,)
+    threshold : ndarray, shape (m,)
         A path is low if its value is below this.
     floor : float
         Least depth.
@@ -154,7 +154,7 @@ def climb(at, barred, best, values, of, highest, least, floor, first):
     for m in range(count):
         here, on_floor = values[m, 0], at[m, 2] <= floor
         gain = _step(at[m], values[m], floor)
-        low, settled = on_floor and here < least[m], gain < SETTLED * here
+        low, settled = on_floor and here < threshold[m], gain < SETTLED * here
         stays = low and at[m, 2] <= floor  # beside the start the path down may be free
         falls = first and values[m, 6] - values[m, 3] > STEEP * here
         if (low and falls) or (stays and (barred[m] or settled)):
@@ -231,13 +231,13 @@ def _uphill(step, gradient, hessian):
     while True:
         a, d, f = hessian[0, 0] - lower, hessian[1, 1] - lower, hessian[2, 2] - lower
         minor = a * d - b * b
-        whole = f * minor - a * e * e + 2.0 * b * c * e - d * c * c
+        determinant = f * minor - a * e * e + 2.0 * b * c * e - d * c * c
         # All leading minors alternate, and no curvature is next to nothing.
-        if a < 0.0 < minor and whole < -FLATTEST * size**3:
+        if a < 0.0 < minor and determinant < -FLATTEST * size**3:
             break
         lower = max(2.0 * lower, 0.1 * size)
     u, v, w = gradient
     # By the adjoint of the Hessian.
-    step[0] = -((d * f - e * e) * u + (c * e - b * f) * v + (b * e - c * d) * w) / whole
-    step[1] = -((c * e - b * f) * u + (a * f - c * c) * v + (b * c - a * e) * w) / whole
-    step[2] = -((b * e - c * d) * u + (b * c - a * e) * v + (a * d - b * b) * w) / whole
+    step[0] = -((d * f - e * e) * u + (c * e - b * f) * v + (b * e - c * d) * w) / determinant
+    step[1] = -((c * e - b * f) * u + (a * f - c * c) * v + (b * c - a * e) * w) / determinant
+    step[2] = -((b * e - c * d) * u + (b * c - a * e) * v + (a * d - b * b) * w) / determinant

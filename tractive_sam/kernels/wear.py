@@ -58,8 +58,8 @@ def chart(speed, pressure, borders, limit, coefficients):
     ndarray
         k, dimensionless: worn volume times hardness over load and sliding distance.
     """
-    found = np.empty(speed.shape)
-    at, over, of = speed.ravel(), pressure.ravel(), found.ravel()
+    charted = np.empty(speed.shape)
+    at, over, of = speed.ravel(), pressure.ravel(), charted.ravel()
     for n in range(of.size):
         if over[n] > limit:
             of[n] = coefficients[3]
@@ -69,4 +69,4 @@ def chart(speed, pressure, borders, limit, coefficients):
             of[n] = coefficients[1]
         else:
             of[n] = coefficients[2]
-    return found
+    return charted

@@ -8,7 +8,7 @@ from keyword import kwlist
 
 import numpy as np
 
-from tractive_sam.lookup.coordinates import CONTACT, LEAST, NAMES, POLE, RATIO, SPIN
+from tractive_sam.lookup.coordinates import CONTACT, MIN_RADIUS, NAMES, POLE, RATIO, SPIN
 from tractive_sam.lookup.creep_table import MARGIN, CreepTable
 from tractive_sam.lookup.table_checks import is_identifier
 
@@ -89,7 +89,7 @@ def _describe(table: CreepTable) -> dict[str, str]:
         "LOW": f"{low:.6g}",
         "HIGH": f"{high:.6g}",
         "SPIN": _number(SPIN),
-        "LEAST": _number(LEAST),
+        "MIN_RADIUS": _number(MIN_RADIUS),
         "POLE": _number(POLE),
         "PI": _number(np.pi),
         "N": str(len(table.law.varying)),
@@ -99,7 +99,7 @@ def _describe(table: CreepTable) -> dict[str, str]:
 def _define_arrays(table: CreepTable) -> str:
     """Return the definitions of the nodes and coefficients of a table."""
     axes, varies = table.law.axes, table.law.varying
-    data = _numbers(table.law.coefficients[..., table.law.kept, :])
+    data = _numbers(table.law.coefficients[..., table.law.derivative_indices, :])
     parts = [f"static const double @NAME@_nodes_{k}[] = {{{_numbers(axes[k])}}};\n" for k in varies]
     listed = ", ".join(f"@NAME@_nodes_{k}" for k in varies)
     parts += [

@@ -44,7 +44,7 @@ CONTACT = ("a", "b", "load", "mu", "shear")
 SPIN = 0.5
 """Weight of scaled spin relative to scaled creepages."""
 
-LEAST, POLE = 1e-9, 1e-6
+MIN_RADIUS, POLE = 1e-9, 1e-6
 """Smallest r over r_0 and smallest cosine of the tilt at which slopes are evaluated."""
 
 
@@ -96,7 +96,7 @@ class Coordinates:
     full: np.ndarray
 
     @classmethod
-    def of(cls, w: np.ndarray, ratio: np.ndarray, whole: bool = False) -> "Coordinates":
+    def of(cls, w: np.ndarray, ratio: np.ndarray, full_range: bool = False) -> "Coordinates":
         """Return the coordinates of scaled creepages (3, P); one of the three may be infinite.
 
         Parameters
@@ -105,7 +105,7 @@ class Coordinates:
             Scaled creepages.
         ratio : ndarray, shape (P,)
             a/b.
-        whole : bool
+        full_range : bool
             Whether the table has all headings and tilts, without symmetries.
 
         Raises
@@ -117,7 +117,7 @@ class Coordinates:
         if not np.isfinite(w).all():
             w, full = _directions(w)
         signs = np.ones_like(w)
-        if not whole:
+        if not full_range:
             signs = np.where(w[2] < 0.0, MIRROR[:, None], signs)
             signs = np.where(w[0] < 0.0, REVERSED[:, None] * signs, signs)
         # + 0 removes -0, for which atan2 would give a heading of pi.
@@ -143,15 +143,15 @@ class Coordinates:
         """Heading, tilt and u, shifted from rest and pure spin, at which slopes are undefined."""
         heading, tilt, u = self.points
         limit = 0.5 * np.pi - POLE
-        return heading, np.minimum(np.maximum(tilt, -limit), limit), np.maximum(u, LEAST)
+        return heading, np.minimum(np.maximum(tilt, -limit), limit), np.maximum(u, MIN_RADIUS)
 
     @property
     def by_creepages(self) -> np.ndarray:
         """Derivatives of (heading, tilt, u) by the given w, shape (3, 3, P); zero in full slip."""
         (heading, tilt, _), r0 = self.points, self.r0
         *_, t, r = self._polar
-        t, rest = np.maximum(t, POLE * r), r <= LEAST * r0
-        r, t = np.where(rest, LEAST * r0, r), np.where(rest, LEAST * r0, t)
+        t, rest = np.maximum(t, POLE * r), r <= MIN_RADIUS * r0
+        r, t = np.where(rest, MIN_RADIUS * r0, r), np.where(rest, MIN_RADIUS * r0, t)
         ch, sh = np.cos(heading), np.sin(heading)
         ct, st = np.cos(tilt), np.sin(tilt)
         none = np.zeros_like(r)

@@ -224,7 +224,7 @@ class CreepTable:
         load: ArrayLike | None = None,
         mu: ArrayLike | None = None,
         shear: ArrayLike | None = None,
-        **others: ArrayLike | None,
+        **further: ArrayLike | None,
     ) -> Forces:
         """Return the forces of contacts; all arguments broadcast.
 
@@ -251,9 +251,9 @@ class CreepTable:
             If a creepage is nan, a property of the contact is not positive and finite, an axis is
             missing or unknown, or a value is outside the table.
         """
-        given = self._contact({"a": a, "b": b, "load": load, "mu": mu, "shear": shear})
-        along = self._along(others)
-        numbers = (xi_x, xi_y, spin, *given, *along.values())
+        contact = self._contact({"a": a, "b": b, "load": load, "mu": mu, "shear": shear})
+        along = self._along(further)
+        numbers = (xi_x, xi_y, spin, *contact, *along.values())
         arguments = numbers, tuple(along)
         if all(isinstance(value, float | int) for value in numbers):
             point = self.single_point.locate(numbers[:3], numbers[3:8], along)
@@ -316,25 +316,25 @@ class CreepTable:
         at = (*(points[name] for name in self.names), *coordinates.points)
         return Scaled(at, coordinates, by_creepage, unit, shape)
 
-    def _contact(self, given: dict[str, Any]) -> list[Any]:
+    def _contact(self, properties: dict[str, Any]) -> list[Any]:
         """Return a, b, load, mu and shear, given or of the scene of the table."""
-        for name, value in given.items():
+        for name, value in properties.items():
             if self.contact is None and value is None:
                 raise ValueError(f"{name}: missing; a table of any contact needs it")
             if self.contact is not None and value is not None:
                 raise ValueError(f"{name}: fixed by the scene of the table; remove the argument")
-        return [*(given if self.contact is None else self.contact).values()]
+        return [*(properties if self.contact is None else self.contact).values()]
 
-    def _along(self, others: dict[str, Any]) -> dict[str, Any]:
+    def _along(self, further: dict[str, Any]) -> dict[str, Any]:
         """Return the values on all axes except a/b and creepages."""
         axes = {k: v for k, v in zip(self.names, self.law.axes, strict=False) if k != RATIO}
-        for name in others:
+        for name in further:
             if name not in axes:
                 allowed = ", ".join(axes) or "none"
                 raise ValueError(f"{name}: no axis of the table; its axes: {allowed}")
         values = {}
         for name, nodes in axes.items():
-            values[name] = others.get(name)
+            values[name] = further.get(name)
             if values[name] is None:
                 if len(nodes) > 1:
                     low, high = nodes[0], nodes[-1]

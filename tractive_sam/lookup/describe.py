@@ -16,7 +16,7 @@ def describe_table(
     axes: Mapping[str, np.ndarray],
     about: Mapping[str, Any],
     apart: Sequence[str],
-    whole: bool,
+    full_range: bool,
     contact: Mapping[str, float] | None,
 ) -> Description:
     """Describe the range of a table, its errors, and its use.
@@ -42,7 +42,7 @@ def describe_table(
         ("elsewhere", "tractive-sam table FILE, with --header, --fmu, --text or --figure"),
     ]
     return Description((
-        Section("Table of creep forces", describe_range(contact, whole)),
+        Section("Table of creep forces", describe_range(contact, full_range)),
         Section("Nodes", [*nodes, ("total", str(total))]),
         Section("Errors", _describe_errors(about)),
         Section("Made by", made),
@@ -50,7 +50,7 @@ def describe_table(
     ))  # fmt: skip
 
 
-def describe_range(contact: Mapping[str, float] | None, whole: bool) -> list[tuple[str, str]]:
+def describe_range(contact: Mapping[str, float] | None, full_range: bool) -> list[tuple[str, str]]:
     """Describe the contacts and the creepages of a table."""
     contacts = "any Hertz contact of equal materials, with isotropic friction"
     quarter = "a quarter of all; the others follow by two symmetries"
@@ -58,7 +58,10 @@ def describe_range(contact: Mapping[str, float] | None, whole: bool) -> list[tup
         a, b, load, mu, shear = (contact[key] for key in CONTACT)
         scales = f"a = {a:.4g} mm, b = {b:.4g} mm, P = {load:.4g} N, mu = {mu:g}"
         contacts = f"one scene; scaled by {scales}, G = {shear:.4g} MPa"
-    return [("contacts", contacts), ("creepages", "all headings and tilts" if whole else quarter)]
+    return [
+        ("contacts", contacts),
+        ("creepages", "all headings and tilts" if full_range else quarter),
+    ]
 
 
 def describe_axis(name: str, nodes: np.ndarray, apart: bool) -> tuple[str, str]:

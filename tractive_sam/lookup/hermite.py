@@ -64,7 +64,7 @@ class Hermite:
         return tuple(k for k, nodes in enumerate(self.axes) if len(nodes) > 1)
 
     @cached_property
-    def kept(self) -> list[int]:
+    def derivative_indices(self) -> list[int]:
         """Indices of the derivatives by axes with several nodes."""
         fixed = sum(1 << (len(self.axes) - 1 - k) for k in range(len(self.axes))
                     if k not in self.varying)  # fmt: skip
@@ -75,7 +75,7 @@ class Hermite:
         """Derivatives by axes with several nodes, shape (nodes, 2**n, m)."""
         shape = self.coefficients.shape
         return np.ascontiguousarray(
-            self.coefficients.reshape(-1, *shape[-2:])[:, self.kept]
+            self.coefficients.reshape(-1, *shape[-2:])[:, self.derivative_indices]
         )  # fmt: skip
 
     @cached_property
@@ -103,8 +103,8 @@ class Hermite:
         values = np.zeros((len(by), nodes.shape[-1], at.shape[1]))
         for place, axis in enumerate(by):
             if axis is None or axis in self.varying:
-                weights = [slope[k] if axis == other else value[k]
-                           for k, other in enumerate(self.varying)]  # fmt: skip
+                weights = [slope[k] if axis == varying_axis else value[k]
+                           for k, varying_axis in enumerate(self.varying)]  # fmt: skip
                 values[place] = np.einsum("pcd,pcdm->mp", _multiply_axes(weights), nodes)
         return values
 

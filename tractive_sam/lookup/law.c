@@ -92,9 +92,9 @@ int @NAME@(@ARGUMENTS@,
         double by[3][3], slope[3][3] = {{0.0}};
         const double most = 0.5 * @PI@ - @POLE@;
         at[@N@ - 2] = tilt > most ? most : tilt < -most ? -most : tilt;
-        at[@N@ - 1] = u < @LEAST@ ? @LEAST@ : u;
+        at[@N@ - 1] = u < @MIN_RADIUS@ ? @MIN_RADIUS@ : u;
         if (t < @POLE@ * r) t = @POLE@ * r;
-        if (r <= @LEAST@ * r0) r = t = @LEAST@ * r0;
+        if (r <= @MIN_RADIUS@ * r0) r = t = @MIN_RADIUS@ * r0;
         stretch = r0 / (r + r0) / (r + r0);
         by[0][0] = -sh / t;
         by[0][1] = ch / t;

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tractive_sam.lookup.coordinates import LEAST, NAMES, POLE, RATIO, SPIN, unit_radius
+from tractive_sam.lookup.coordinates import MIN_RADIUS, NAMES, POLE, RATIO, SPIN, unit_radius
 from tractive_sam.lookup.hermite import Hermite
 
 
@@ -52,11 +52,13 @@ class SinglePointLaw:
         Axes besides creepages.
     apart : tuple of str
         Axes without interpolation.
-    whole : bool
+    full_range : bool
         Whether the table has all creepages.
     """
 
-    def __init__(self, law: Hermite, names: tuple[str, ...], apart: tuple[str, ...], whole: bool):
+    def __init__(
+        self, law: Hermite, names: tuple[str, ...], apart: tuple[str, ...], full_range: bool
+    ):
         self._varying = law.varying
         self._nodes = [law.axes[k].tolist() for k in law.varying]
         self._strides, self._corners = law.strides.tolist(), law.corners
@@ -66,7 +68,7 @@ class SinglePointLaw:
             name: (float(nodes[0]), float(nodes[-1]))
             for name, nodes in zip(names, law.axes, strict=False)
         }
-        self._apart, self._whole = apart, whole
+        self._apart, self._full_range = apart, full_range
 
     def locate(
         self,
@@ -96,8 +98,8 @@ class SinglePointLaw:
         w1, w2, w3 = (xi * unit for xi, unit in zip(creepages, scales, strict=True))
         if not isfinite(w1 + w2 + w3):
             return None
-        mirrored = w3 < 0.0 and not self._whole
-        reverse = -1.0 if w1 < 0.0 and not self._whole else 1.0
+        mirrored = w3 < 0.0 and not self._full_range
+        reverse = -1.0 if w1 < 0.0 and not self._full_range else 1.0
         mirror = -1.0 if mirrored else 1.0
         # Adding 0 turns -0 into 0: for -0, atan2 would return a heading of pi.
         x, y, kappa = reverse * w1 + 0.0, mirror * w2 + 0.0, mirror * w3 * SPIN
@@ -122,12 +124,12 @@ class SinglePointLaw:
         """Return the derivatives of forces by creepages, shape (3, 3); see `Coordinates`."""
         first = len(point.at) - len(NAMES)
         heading, tilt, u = point.at[first:]
-        most = 0.5 * pi - POLE
+        limit = 0.5 * pi - POLE
         r, r0 = point.r, point.r0
         tangent = max(point.tangent, POLE * r)
-        if r <= LEAST * r0:
-            r = tangent = LEAST * r0
-        at = (*point.at[:first], heading, min(max(tilt, -most), most), max(u, LEAST))
+        if r <= MIN_RADIUS * r0:
+            r = tangent = MIN_RADIUS * r0
+        at = (*point.at[:first], heading, min(max(tilt, -limit), limit), max(u, MIN_RADIUS))
         ch, sh, ct, st = cos(heading), sin(heading), cos(tilt), sin(tilt)
         stretch = r0 / (r + r0) ** 2
         by_creepages = np.array(
@@ -140,8 +142,8 @@ class SinglePointLaw:
         slopes = np.array([self._law(at, first + k) for k in range(len(NAMES))])
         signs = np.array(point.signs)
         rows = (signs * point.unit)[:, None] * (slopes.T @ by_creepages)
-        found: np.ndarray = rows * (signs * point.scale)
-        return found
+        gradient: np.ndarray = rows * (signs * point.scale)
+        return gradient
 
     def _law(self, at: tuple[float, ...], by: int | None = None) -> list[float]:
         """Return the interpolated values at a position, or their derivatives by an axis."""
@@ -160,8 +162,8 @@ class SinglePointLaw:
         n, m = (isqrt(half.size) for half in (left, right))
         product = left.reshape(n, 1, n, 1) * right.reshape(1, m, 1, m)
         nodes = self._data[first + self._corners].reshape(-1, self._data.shape[-1])
-        found: list[float] = (product.reshape(-1) @ nodes).tolist()
-        return found
+        values: list[float] = (product.reshape(-1) @ nodes).tolist()
+        return values
 
 
 def _cubics(t: float, width: float) -> tuple[float, float, float, float]:
@@ -179,10 +181,10 @@ def _slopes(t: float, width: float) -> tuple[float, float, float, float]:
     return -rise, rest * (1.0 - 3.0 * t), rise, t * (3.0 * t - 2.0)
 
 
-def _kronecker(matrix: list[float], other: tuple[float, float, float, float]) -> list[float]:
+def _kronecker(matrix: list[float], factors: tuple[float, float, float, float]) -> list[float]:
     """Return the Kronecker product of a square matrix and a 2 x 2 matrix, row by row."""
     n = isqrt(len(matrix))
-    a, b, c, d = other
+    a, b, c, d = factors
     product: list[float] = []
     for k in range(0, n * n, n):
         row = matrix[k : k + n]

@@ -19,7 +19,7 @@ def table_faults(
     bars: Any,
     between: Sequence[Any],
     apart: Sequence[str] = (),
-    whole: bool = False,
+    full_range: bool = False,
     contact: Mapping[str, float] | None = None,
     gradient_bars: Any = None,
 ) -> Iterator[str]:
@@ -28,7 +28,7 @@ def table_faults(
     Arrays are only checked if names and axes have no faults.
     """
     every = (*names, *NAMES)
-    faults = [*_name_faults(names, apart, contact), *_axis_faults(every, axes, whole)]
+    faults = [*_name_faults(names, apart, contact), *_axis_faults(every, axes, full_range)]
     yield from faults
     if faults:
         return
@@ -67,14 +67,14 @@ def _name_faults(
             yield f"{name}: {value}; allowed: a positive and finite number"
 
 
-def _axis_faults(every: Sequence[str], axes: Sequence[Any], whole: bool) -> Iterator[str]:
+def _axis_faults(every: Sequence[str], axes: Sequence[Any], full_range: bool) -> Iterator[str]:
     """Yield the faults of the nodes of the axes."""
     if len(axes) != len(every):
         yield f"axes: {len(axes)} arrays; allowed: {len(every)}, one of each name"
         return
     quarter = 0.5 * math.pi
     ends = {"heading": (-quarter, quarter), "tilt": (0.0, quarter), "u": (0.0, 1.0)}
-    if whole:
+    if full_range:
         ends |= {"heading": (-math.pi, math.pi), "tilt": (-quarter, quarter)}
     for name, nodes in zip(every, axes, strict=True):
         if not (_is_numeric(nodes) and nodes.ndim == 1 and nodes.size):

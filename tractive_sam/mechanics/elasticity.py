@@ -328,9 +328,9 @@ class _ElementIntegrals:
     def at(self, nx: int, ny: int) -> np.ndarray:
         """Return the integrals at offsets up to (nx - 1, ny - 1) elements, mm, (6, nx, ny)."""
         table = self._table
-        known_x, known_y = table.shape[1:]
-        if nx > known_x or ny > known_y:
-            table = quadrant(max(nx, known_x), max(ny, known_y), *self._sides)
+        stored_x, stored_y = table.shape[1:]
+        if nx > stored_x or ny > stored_y:
+            table = quadrant(max(nx, stored_x), max(ny, stored_y), *self._sides)
             self._table = table
         return table[:, :nx, :ny]
 

@@ -277,12 +277,14 @@ class FallingCoulomb(Coulomb):
                 f"{type(self.sliding).__name__}.at returned the share {share[wrong][0]:g} at "
                 f"{(self.speed * size)[wrong][0]:g} mm/s; allowed: at least 0"
             )
-        kept = np.zeros_like(share)
+        retained = np.zeros_like(share)
         if self.memory > 0.0:
-            share, by_speed, kept = self._with_memory(pressure, size, share, by_speed, x, y, second)
+            share, by_speed, retained = self._with_memory(
+                pressure, size, share, by_speed, x, y, second
+            )
         bound, by_share = self._capped(pressure, share, self._factor(x, y))
         along = slip / np.where(size > 0.0, size, 1.0)
-        return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, kept))
+        return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, retained))
 
     def by_mu(self, bound: Bound, change: np.ndarray) -> np.ndarray:
         """Return the derivative of a bound along a change of the coefficients at rest.
@@ -339,25 +341,27 @@ class FallingCoulomb(Coulomb):
         To second order the memory over an element follows from a constant speed, exp(-slid/d_c); to
         first order from an implicit step.
         """
-        kept, by_kept = self._kept(size, float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0, second)
+        retained, by_retained = self._retained_share(
+            size, float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0, second
+        )
         share, ahead = np.empty_like(target), np.empty_like(target)
-        friction.remember(target, kept, pressure, ahead, share)
-        by_speed = (1.0 - kept) * by_speed + (ahead - target) * by_kept
+        friction.remember(target, retained, pressure, ahead, share)
+        by_speed = (1.0 - retained) * by_speed + (ahead - target) * by_retained
         # Material that enters the contact has the share of rest.
         enters = np.ones(pressure.shape, bool)
         enters[:-1] = pressure[1:] <= 0.0
-        return share, by_speed, np.where(enters, 0.0, kept)
+        return share, by_speed, np.where(enters, 0.0, retained)
 
-    def _kept(
+    def _retained_share(
         self, size: np.ndarray, distance: float, second: bool
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the retained part of a share over a rolling distance, mm, and its derivative."""
         time = distance / self.speed
         slides = self.speed * size > self.background
         slid = time * np.maximum(self.speed * size, self.background) / self.memory
-        kept = np.exp(-slid) if second else 1.0 / (1.0 + slid)
-        by_slid = -kept if second else -(kept**2)
-        return kept, np.where(slides, by_slid * time / self.memory, 0.0)
+        retained = np.exp(-slid) if second else 1.0 / (1.0 + slid)
+        by_slid = -retained if second else -(retained**2)
+        return retained, np.where(slides, by_slid * time / self.memory, 0.0)
 
     def _factor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
         """Return the factor on friction by temperature and lateral position."""
@@ -424,12 +428,12 @@ class FallingCoulombInStep(FallingCoulomb):
         past = self.past
         if past is None:
             return super()._with_memory(pressure, size, target, by_speed, x, y, second)
-        kept, by_kept = self._kept(size, past.distance, second)
+        retained, by_retained = self._retained_share(size, past.distance, second)
         before = past.share
         if before.shape != pressure.shape:
             before = _interpolate(before, (past.x, past.y), (x, y))
-        by_speed = (1.0 - kept) * by_speed + (before - target) * by_kept
-        share = kept * before + (1.0 - kept) * target
+        by_speed = (1.0 - retained) * by_speed + (before - target) * by_retained
+        share = retained * before + (1.0 - retained) * target
         return share, by_speed, np.zeros_like(share)
 
     def _capped(

@@ -308,7 +308,7 @@ class Woehler(Law):
     cycles: float
     exponent: float
     knee: bool = False
-    most_per_cycle: ClassVar[float] = 1e9
+    max_per_cycle: ClassVar[float] = 1e9
     """Upper limit of the damage of a cycle, to avoid overflow: failure is in the first cycle."""
 
     def damage(self, utilisation: np.ndarray) -> np.ndarray:
@@ -316,7 +316,7 @@ class Woehler(Law):
         loaded = utilisation > (1.0 if self.knee else 0.0)
         log = np.log(np.where(loaded, utilisation, 1.0))
         damage = self.exponent * log - np.log(self.cycles)
-        return np.where(loaded, np.exp(np.minimum(damage, np.log(self.most_per_cycle))), 0.0)
+        return np.where(loaded, np.exp(np.minimum(damage, np.log(self.max_per_cycle))), 0.0)
 
     def relative_error(self, utilisation_error: float) -> float:
         """Return the largest relative error of the damage from the error e of the utilisation.

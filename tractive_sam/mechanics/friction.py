@@ -433,7 +433,7 @@ class Linearisation:
         self,
         rows: np.ndarray,
         inverse: Callable[[np.ndarray], np.ndarray],
-        own: tuple[float, float, float],
+        self_influence: tuple[float, float, float],
         stiffness: np.ndarray,
     ) -> np.ndarray:
         """Return a step that nearly solves the equations, by an upwind sweep.
@@ -450,12 +450,12 @@ class Linearisation:
             Right-hand sides, see `rows`.
         inverse : callable
             Circulant inverse of the displacement A per length of an element.
-        own : tuple of float
+        self_influence : tuple of float
             Entries (11, 12, 22) of the slip of an element by a unit traction on it.
         stiffness : ndarray, shape (n_x, n_y)
             Local term of leading stick elements (`FrictionSlip.stiffness`).
         """
-        here = self.state, self.direction, self.kappa, stiffness, own
+        here = self.state, self.direction, self.kappa, stiffness, self_influence
         smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
         friction_inverse.split(*here, rows, smooth, rough)
         out = np.empty_like(rows)
@@ -463,13 +463,13 @@ class Linearisation:
         return out
 
     def inverse_of_step(
-        self, own: tuple[float, float, float], stiffness: np.ndarray
+        self, self_displacement: tuple[float, float, float], stiffness: np.ndarray
     ) -> "InverseOfStep":
         """Return the approximate inverse of equations in the displacement A, not its difference.
 
         Parameters
         ----------
-        own : tuple of float
+        self_displacement : tuple of float
             Entries (11, 12, 22) of the displacement of an element by a unit traction on it.
         stiffness : ndarray, shape (n_x, n_y)
             Local term of leading stick elements (`FrictionSlip.stiffness`).
@@ -484,7 +484,7 @@ class Linearisation:
             self.across,
             self.contact,
             stiffness,
-            own,
+            self_displacement,
             float(self.staggered),
             rough,
             share,

@@ -43,8 +43,8 @@ class Law:
 def describe(law: object) -> str:
     """Return the name of a law and its parameters; the default `repr` would print an address."""
     if type(law).__repr__ is object.__repr__:
-        given = ", ".join(f"{name}={value!r}" for name, value in _parameters(law).items())
-        return f"{type(law).__name__}({given})"
+        parameters = ", ".join(f"{name}={value!r}" for name, value in _parameters(law).items())
+        return f"{type(law).__name__}({parameters})"
     return " ".join(repr(law).split())  # numpy breaks lines within arrays
 
 

@@ -108,14 +108,14 @@ def hertz_line(
     """
     if (load_per_length is None) == (pressure is None):
         raise ValueError("give exactly one of load_per_length and pressure")
-    given = [value for value in (load_per_length, pressure) if value is not None]
-    for value in (e_star, radius, *given):
+    prescribed = [value for value in (load_per_length, pressure) if value is not None]
+    for value in (e_star, radius, *prescribed):
         if not 0 < value < math.inf:
             what = "modulus, radius and load or pressure"
             raise ValueError(f"{what} must be positive and finite, not {value}")
     if pressure is not None:
         a = 2 * radius * pressure / e_star
         return HertzLine(a, pressure, radius, 0.5 * math.pi * a * pressure)
-    (load,) = given
+    (load,) = prescribed
     a = math.sqrt(4 * load * radius / (math.pi * e_star))
     return HertzLine(a, e_star * a / (2 * radius), radius, load)

@@ -99,8 +99,8 @@ class SpectralHalfSpaces(HalfSpaces):
         ky, across = _waves(offsets[1], dy, self.length, height, "y" in ODD.get(component, ""))
         small = 1e-3 * kx[1], 1e-3 * ky[1]  # long waves have a limit, which may have a direction
         x, y = kx[:, None].copy(), ky[None, :].copy()
-        found = self._rest(below, component, x, y, height)
-        found[0, 0] = (
+        values = self._rest(below, component, x, y, height)
+        values[0, 0] = (
             0.5
             * (
                 self._rest(below, component, np.full((1, 1), small[0]), np.zeros((1, 1)), height)
@@ -108,7 +108,7 @@ class SpectralHalfSpaces(HalfSpaces):
             ).item()
         )
         sign = -1.0 if component in ODD else 1.0
-        return sign * (along @ found @ across.T)
+        return sign * (along @ values @ across.T)
 
     def _rest(
         self, below: HalfSpaces, component: str, kx: np.ndarray, ky: np.ndarray, height: float
@@ -117,9 +117,9 @@ class SpectralHalfSpaces(HalfSpaces):
         with np.errstate(divide="ignore", invalid="ignore"):  # the wave number 0 has no response
             at_surface = self.surface.response(component, kx, ky)
             far = below.response(component, kx, ky) - at_surface
-            found = self.spectrum(component, kx, ky) - at_surface
-            found = found - far * np.exp(-height * np.hypot(kx, ky))
-        return np.array(found.imag if component in ("xz", "yz") else found.real)
+            values = self.spectrum(component, kx, ky) - at_surface
+            values = values - far * np.exp(-height * np.hypot(kx, ky))
+        return np.array(values.imag if component in ("xz", "yz") else values.real)
 
 
 def _waves(
@@ -158,7 +158,9 @@ def _raised(
     for at_x, of_x in zip(points, weights, strict=True):
         for at_y, of_y in zip(points, weights, strict=True):
             place = (x + 0.5 * dx * at_x)[:, None], (y + 0.5 * dy * at_y)[None, :]
-            kernels = (_kernel(one, component, *place, height) for one in (below, surface))
+            kernels = (
+                _kernel(spectrum, component, *place, height) for spectrum in (below, surface)
+            )
             far, near = kernels
             table += 0.25 * of_x * of_y * (far - near)
     return dx * dy * table

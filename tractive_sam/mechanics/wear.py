@@ -253,8 +253,8 @@ class Energy(WearLaw):
         work = np.maximum(along + across, 0.0)
         first, second = self.per_work
         # Negative work along one axis must not leave the bounds of positive work along both.
-        least, most = sorted(self.per_work)
-        return np.clip(first * along + second * across, least * work, most * work)
+        lower, upper = sorted(self.per_work)
+        return np.clip(first * along + second * across, lower * work, upper * work)
 
 
 @dataclass(frozen=True)
@@ -296,8 +296,8 @@ class ArchardByWork(WearLaw):
         first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
         squared = work * (first**2 * along + second**2 * across)
         # Negative work along one axis must not leave the bounds of positive work along both.
-        least, most = sorted((first, second))
-        rate = np.sqrt(np.clip(squared, (least * work) ** 2, (most * work) ** 2))
+        lower, upper = sorted((first, second))
+        rate = np.sqrt(np.clip(squared, (lower * work) ** 2, (upper * work) ** 2))
         if self.friction is None:
             return rate
         return rate / self.friction.friction_factor(pressure, slip, self.length)

@@ -26,4 +26,4 @@ from .stress_plane import StressPlane as StressPlane
 from .strip_layers import StripLayers as StripLayers
 from .surface import surface_stress as surface_stress
 from .threads import cores as cores
-from .threads import one_blas_thread as one_blas_thread
+from .threads import single_blas_thread as single_blas_thread

@@ -44,11 +44,11 @@ class Advection:
             A distance within this part of an element of a full number is rounded; knots move by
             half of it.
         """
-        whole = round(distance)
-        if abs(distance - whole) <= rounding:
-            return cls(whole, 0.0)
-        whole = int(np.floor(distance))
-        return cls(whole, distance - whole)
+        elements = round(distance)
+        if abs(distance - elements) <= rounding:
+            return cls(elements, 0.0)
+        elements = int(np.floor(distance))
+        return cls(elements, distance - elements)
 
     @property
     def length(self) -> float:
@@ -158,11 +158,11 @@ class Advection:
             wide[..., self.elements + k :, :][..., :count, :] for k in range(4)
         )
 
-        def leaving(back: np.ndarray, now: np.ndarray, front: np.ndarray) -> np.ndarray:
-            behind, along = now - back, front - now
+        def leaving(back: np.ndarray, values: np.ndarray, front: np.ndarray) -> np.ndarray:
+            behind, along = values - back, front - values
             product, size = behind * along, behind + along
             slope = np.divide(2.0 * product, size, out=np.zeros_like(size), where=product > 0.0)
-            return f * (now - 0.5 * (1.0 - f) * slope)
+            return f * (values - 0.5 * (1.0 - f) * slope)
 
         return here + leaving(here, ahead, beyond) - leaving(before, here, ahead)
 

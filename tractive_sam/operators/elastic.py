@@ -215,23 +215,23 @@ class Operators:
         drag = [per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz")]
         return self._with_pressure(drag, self._displacement_per_dx())
 
-    def _with_pressure(self, drag: list[np.ndarray], own: np.ndarray) -> Convolution:
+    def _with_pressure(self, drag: list[np.ndarray], tangential: np.ndarray) -> Convolution:
         """Return the convolution of pressure and tractions.
 
         Parameters
         ----------
         drag : list of ndarray
             Spectra of the tangential response along x and y to the pressure.
-        own : ndarray
+        tangential : ndarray
             Spectra (11, 12, 22) of the tangential response to the tractions, in the scaled frame.
         """
-        F, (t11, t12, t22) = self.frame.matrix, own
+        F, (t11, t12, t22) = self.frame.matrix, tangential
         # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
         lift = [-1j * self._per_gap * self._displacement(k).imag for k in ("xz", "yz")]
         lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
         drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)
-        return self._convolution(np.stack([one + 0j for one in rows]), spectral.full_3x3, 3)
+        return self._convolution(np.stack([row + 0j for row in rows]), spectral.full_3x3, 3)
 
 
 def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:

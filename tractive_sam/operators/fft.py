@@ -173,12 +173,12 @@ class PlanCache(Generic[Plan]):
     ----------
     make : callable
         Function that makes a plan; its arguments are hashable.
-    most : int
+    size : int
         Number of plans stored, over all threads.
     """
 
-    def __init__(self, make: Callable[..., Plan], most: int) -> None:
-        @lru_cache(maxsize=most)
+    def __init__(self, make: Callable[..., Plan], size: int) -> None:
+        @lru_cache(maxsize=size)
         def of_thread(_thread: int, *arguments) -> Plan:
             _wait_for_planner()
             try:

@@ -127,11 +127,11 @@ class SurfaceHeat:
         dx, dy = (*grid.sides, np.inf)[:2]
         self._period = period = padded_length(nx), padded_length(ny)
         x, y = dx * np.arange(1 - nx, nx), np.zeros(1) if ny == 1 else dy * np.arange(ny)
-        known = temperature_coefficients(x, y, dx, dy, speed, kappa, lam, until)
+        coefficients = temperature_coefficients(x, y, dx, dy, speed, kappa, lam, until)
         table, i = np.zeros(period), np.arange(1 - nx, nx) % period[0]
-        table[i, :ny] = known
+        table[i, :ny] = coefficients
         if ny > 1:
-            table[i, 1 - ny :] = known[:, :0:-1]
+            table[i, 1 - ny :] = coefficients[:, :0:-1]
         self._spectrum = spectrum(table)
         self._apply = Convolution(self._spectrum[None], spectral.scale, 1, grid.elements, period)
 
@@ -139,8 +139,8 @@ class SurfaceHeat:
         """Temperature, K, of a flux in mW/mm², both of shape (n_x, n_y)."""
         return self._apply(flux[None])[0]
 
-    def inverse_with(self, other: "SurfaceHeat") -> Convolution:
+    def inverse_with(self, body: "SurfaceHeat") -> Convolution:
         """Return the circulant inverse of the sum of two operators, a preconditioner."""
-        both = self._spectrum + other._spectrum
+        both = self._spectrum + body._spectrum
         inverse = 1.0 / (both * np.prod(self._period) ** 2)
         return Convolution(inverse[None], spectral.scale, 1, self._apply.shape[1:], self._period)

@@ -152,7 +152,7 @@ class HeatMemory:
         """
         slowest, mesh = len(past) - 2, self.shape[1:]
         share = self.exponentials.rates[slowest + 1 : -1] / self.exponentials.rates[slowest]
-        slower = [past[-1] + one * (past[slowest] - past[-1]) for one in share]
+        slower = [past[-1] + fraction * (past[slowest] - past[-1]) for fraction in share]
         return widen_field(np.array([*past[:-1], *slower, past[-1]]), mesh)
 
     def after_shock(self, past: np.ndarray, heat: np.ndarray) -> np.ndarray:
@@ -174,7 +174,7 @@ class HeatMemory:
         shift, *aside = self.grid.sides
         reaches = [(self._speed * time + spread) / shift, *(spread / side for side in aside)]
         # By powers of two, so that steps of different lengths have few plans.
-        more = [int(2 ** np.ceil(np.log2(max(one, 1.0)))) for one in reaches] + [0]
+        more = [int(2 ** np.ceil(np.log2(max(reach, 1.0)))) for reach in reaches] + [0]
         nx, ny = (n + padding for n, padding in zip(self.shape[1:], more, strict=False))
         return fast_length(nx), fast_length(ny)
 
@@ -233,16 +233,16 @@ class HeatStep:
         """Return the fields after the step, given the flux in it, mW/mm², shape (n_x, n_y)."""
         memory, time = self._memory, self._time
         plan = transform(1, memory.shape[1:], self._padded)
-        given = time * plan.forward(widen_field(flux, memory.shape[1:])[None])[0]
-        found = np.empty_like(self._past)
+        heat = time * plan.forward(widen_field(flux, memory.shape[1:])[None])[0]
+        past = np.empty_like(self._past)
         for j, rate in enumerate(memory.exponentials.rates):
             power = (rate + self._waves) * time
             power[np.abs(power) < 1e-12] = 1e-12
             spectrum = plan.forward(self._past[j][None])[0]
             spectrum *= self._decay[j] * self._spread
-            spectrum += _symmetric(-np.expm1(-power) / power) * given
-            found[j] = plan.backward()[0] / np.prod(self._padded) * memory.fade
-        return found
+            spectrum += _symmetric(-np.expm1(-power) / power) * heat
+            past[j] = plan.backward()[0] / np.prod(self._padded) * memory.fade
+        return past
 
 
 def _symmetric(factors: np.ndarray) -> np.ndarray:

@@ -151,7 +151,7 @@ class SteadyRolling(Kinematics):
         return partial(
             law.approximate_inverse,
             inverse=operators.tangential_inverse,
-            own=operators.self_influence,
+            self_influence=operators.self_influence,
             stiffness=stiffness,
         )
 
@@ -209,8 +209,8 @@ class RollingStep(Kinematics):
 
         The map combines the circulant inverse with the local terms.
         """
-        found = law.inverse_of_step(operators.self_displacement, stiffness)
-        return partial(found, inverse=operators.tangential_inverse)
+        inverse_of_step = law.inverse_of_step(operators.self_displacement, stiffness)
+        return partial(inverse_of_step, inverse=operators.tangential_inverse)
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
         """Return the weight of slip, small if elements displace each other (`Kinematics`).

@@ -34,7 +34,7 @@ def _free_memory() -> float:
 
 def memory_of_groups(root: Path = GROUPS, members: Path = Path("/proc/self/cgroup")) -> float:
     """Return the memory left to the control groups of the process, bytes."""
-    left = [math.inf]
+    free = [math.inf]
     with suppress(OSError, ValueError):
         for line in members.read_text().splitlines():
             _, kinds, name = line.split(":", 2)
@@ -46,31 +46,31 @@ def memory_of_groups(root: Path = GROUPS, members: Path = Path("/proc/self/cgrou
             else:
                 continue
             inner = Path(name.lstrip("/"))
-            left += [_memory_of_group(base / group, *names) for group in (inner, *inner.parents)]
-    return min(left)
+            free += [_memory_of_group(base / group, *names) for group in (inner, *inner.parents)]
+    return min(free)
 
 
 def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
     """Return the memory left to one control group, bytes."""
     try:
-        most, used = (float((group / name).read_text()) for name in (limit, usage))
+        limit_bytes, used = (float((group / name).read_text()) for name in (limit, usage))
     except (OSError, ValueError):  # no control group, or "max"
         return math.inf
     with suppress(OSError, ValueError):
         stat = dict(line.split() for line in (group / "memory.stat").read_text().splitlines())
         used -= float(stat.get(cache, 0.0))  # the system frees the cache when it needs memory
-    return most - used
+    return limit_bytes - used
 
 
 def _memory_of_limit() -> float:
     """Return the memory left by ``ulimit -v``, bytes."""
     if resource is None:
         return math.inf
-    most, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if most == resource.RLIM_INFINITY:
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
         return math.inf
     with suppress(OSError, ValueError):
         return (
-            most - float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+            limit - float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         )
-    return float(most)
+    return float(limit)

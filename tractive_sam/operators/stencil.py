@@ -249,8 +249,8 @@ class FrictionSlip:
     @cached_property
     def _met(self) -> tuple[np.ndarray, np.ndarray]:
         """Factors of slip and tractions of the leading elements in `sticking`."""
-        kept = 1.0 / (1.0 + self._stiffness)
-        return kept, kept[:, None, None] * self._answer
+        factor = 1.0 / (1.0 + self._stiffness)
+        return factor, factor[:, None, None] * self._answer
 
     def _share(self, traction: np.ndarray) -> np.ndarray:
         """Return the traction of the leading elements over their bound, shape (2, m)."""

@@ -15,7 +15,7 @@ from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.load_extent import reach
 from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 
-KEPT = 64 * 2**20
+MAX_BYTES = 64 * 2**20
 """Most memory of the transforms that are stored for further layers, bytes."""
 
 ROUND = 8
@@ -46,14 +46,14 @@ class _Transforms:
         """Store a copy of transforms, if there is room for it."""
         with self._lock:
             of_mesh = self._meshes.setdefault(mesh, {})
-            while self._size() + transforms.nbytes > KEPT and len(self._meshes) > 1:
+            while self._size() + transforms.nbytes > MAX_BYTES and len(self._meshes) > 1:
                 self._meshes.popitem(last=False)
-            if self._size() + transforms.nbytes <= KEPT:
+            if self._size() + transforms.nbytes <= MAX_BYTES:
                 of_mesh[depth] = transforms.copy()
 
     def _size(self) -> int:
         """Return the size of the cached transforms, bytes."""
-        return sum(one.nbytes for of_mesh in self._meshes.values() for one in of_mesh.values())
+        return sum(layer.nbytes for of_mesh in self._meshes.values() for layer in of_mesh.values())
 
 
 _transforms = _Transforms()
@@ -67,7 +67,7 @@ class StressLayers:
     its error is rounding, about 1e-15 of the tractions at any depth. The stress of a layer is not
     stored, so that memory does not grow with the number of layers. Bodies under one contact share
     the integrals over an element, which do not depend on Poisson's ratio, and their transforms; up
-    to `KEPT` bytes of these serve other tractions on the same mesh.
+    to `MAX_BYTES` bytes of these serve other tractions on the same mesh.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class StressLayers:
         loaded = np.any(tractions, axis=0)
         # No offset from a loaded element is longer than half a period.
         farthest = (reach(np.any(loaded, axis=k)) for k in (1, 0))
-        self._padded = tuple(padded_length(-(-(most + 1) // ROUND) * ROUND) for most in farthest)
+        self._padded = tuple(padded_length(-(-(far + 1) // ROUND) * ROUND) for far in farthest)
         px, py = self._padded
         spectra = transform(3, lattice.shape, self._padded).forward(tractions)
         self._loads = spectra * (0.5 / (np.pi * px * py))

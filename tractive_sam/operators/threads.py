@@ -11,12 +11,12 @@ from threadpoolctl import ThreadpoolController
 LARGE = 2**19
 """Numbers of a padded array from which threads pay; below, they cost more than they bring."""
 
-MOST = 4
+MAX_THREADS = 4
 """Threads of a large transform; memory feeds no more of them."""
 
 
 def threads_for_transform(padded: tuple[int, int]) -> int:
-    """Return the number of threads for a transform: all usable cores, up to `MOST`.
+    """Return the number of threads for a transform: all usable cores, up to `MAX_THREADS`.
 
     The environment variable OMP_NUM_THREADS limits it, as in most libraries.
     """
@@ -24,7 +24,7 @@ def threads_for_transform(padded: tuple[int, int]) -> int:
         return 1
     bound = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     allowed = int(bound) if bound.isdigit() else cores()
-    return max(1, min(MOST, allowed))
+    return max(1, min(MAX_THREADS, allowed))
 
 
 def cores() -> int:
@@ -35,7 +35,7 @@ def cores() -> int:
 
 
 @contextmanager
-def one_blas_thread() -> Iterator[None]:
+def single_blas_thread() -> Iterator[None]:
     """Limit BLAS to one thread within the block or function.
 
     Its vectors are too short here for more, and threads that wait for work take cores from others.

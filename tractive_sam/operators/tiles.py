@@ -66,7 +66,7 @@ class Convolver(Protocol):
         """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
 
 
-class WholeConvolution:
+class UntiledConvolution:
     """The convolution on a mesh with spectra that fit the cache (`Convolver`).
 
     Parameters
@@ -92,9 +92,9 @@ class WholeConvolution:
 class RowBuffer(NamedTuple):
     """Rows of one block: as numbers in, transformed along y, and as numbers out."""
 
-    given: np.ndarray
+    inputs: np.ndarray
     spectra: np.ndarray
-    found: np.ndarray
+    outputs: np.ndarray
     forward: Any
     backward: Any
 
@@ -102,12 +102,12 @@ class RowBuffer(NamedTuple):
     def create(cls, rows: int, py: int, single: bool) -> "RowBuffer":
         """Return a buffer for a number of rows of the padded length p_y; its padding stays zero."""
         real, spectral = _kinds(single)
-        given, found = (pyfftw.zeros_aligned((rows, py), dtype=real) for _ in range(2))
+        inputs, outputs = (pyfftw.zeros_aligned((rows, py), dtype=real) for _ in range(2))
         spectra = pyfftw.zeros_aligned((rows, py // 2 + 1), dtype=spectral)
-        forward = plan(given, spectra, 1, "FFTW_FORWARD")
-        backward = plan(spectra, found, 1, "FFTW_BACKWARD")
-        given[:] = 0.0  # planning wrote into it
-        return cls(given, spectra, found, forward, backward)
+        forward = plan(inputs, spectra, 1, "FFTW_FORWARD")
+        backward = plan(spectra, outputs, 1, "FFTW_BACKWARD")
+        inputs[:] = 0.0  # planning wrote into it
+        return cls(inputs, spectra, outputs, forward, backward)
 
 
 class ColumnBuffer(NamedTuple):
@@ -157,7 +157,7 @@ class Worker:
         """Transform rows (fields n_x, n_y) along y."""
         for a, b in self._blocks:
             buffer = self._rows[b - a]
-            buffer.given[:, : fields.shape[1]] = fields[a:b]
+            buffer.inputs[:, : fields.shape[1]] = fields[a:b]
             buffer.forward.execute()
             self._spectra[a:b] = buffer.spectra
 
@@ -178,7 +178,7 @@ class Worker:
             buffer = self._rows[b - a]
             buffer.spectra[:] = self._spectra[a:b]
             buffer.backward.execute()
-            out[a:b] = buffer.found[:, : out.shape[1]]
+            out[a:b] = buffer.outputs[:, : out.shape[1]]
 
 
 class TiledConvolution:
@@ -207,11 +207,11 @@ class TiledConvolution:
         for _ in ("forward", "backward"):
             count_transform(self._fields, self._padded)
         out = np.empty(fields.shape, fields.dtype)
-        given, found = (each.reshape(-1, fields.shape[-1]) for each in (fields, out))
+        inputs, results = (each.reshape(-1, fields.shape[-1]) for each in (fields, out))
         phases: tuple[Callable[[Worker], None], ...] = (
-            lambda worker: worker.transform_rows(given),
+            lambda worker: worker.transform_rows(inputs),
             lambda worker: worker.convolve_columns(kernels, product),
-            lambda worker: worker.restore_rows(found),
+            lambda worker: worker.restore_rows(results),
         )
         if len(self._workers) == 1:
             for phase in phases:
@@ -234,7 +234,7 @@ def _create(
 ) -> Convolver:
     """Return the convolution for a mesh: tiled if its spectra do not fit the cache."""
     tiled = len(tile_edges(fields, padded)) > 2
-    return (TiledConvolution if tiled else WholeConvolution)(fields, shape, padded, single)
+    return (TiledConvolution if tiled else UntiledConvolution)(fields, shape, padded, single)
 
 
 convolver = PlanCache(_create, 32)

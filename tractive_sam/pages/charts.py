@@ -44,21 +44,21 @@ def charts(history: History, measured: Measurements | None = None) -> list[dict[
     if len(history) < 2 and measured is None:
         return []
     free = {
-        name: one
-        for name, one in history.columns.items()
-        if _of_cycle(history, one).role not in HIDDEN and not one.error_of
-        if not (one.is_profile or "position" in one.dims)
+        name: column
+        for name, column in history.columns.items()
+        if _of_cycle(history, column).role not in HIDDEN and not column.error_of
+        if not (column.is_profile or "position" in column.dims)
     }
     groups: list[tuple[str, dict[str, Quantity]]] = []
     for name in [name for name in free if PREFIX + name in free]:
         pair = {key: free.pop(key) for key in (name, PREFIX + name)}
         groups.append((chart_title(pair[name]), pair))
     for title, keys in TOGETHER:
-        names = [name for name, one in free.items() if name in keys or one.role in keys]
+        names = [name for name, column in free.items() if name in keys or column.role in keys]
         groups.append((title, {name: free.pop(name) for name in names}))
-    groups += [(chart_title(one), {name: one}) for name, one in free.items()]
-    found = [_chart(history, title, list(group.values()), measured) for title, group in groups]
-    return sorted((chart for chart in found if chart["lines"]), key=lambda chart: chart["aside"])
+    groups += [(chart_title(column), {name: column}) for name, column in free.items()]
+    listed = [_chart(history, title, list(group.values()), measured) for title, group in groups]
+    return sorted((chart for chart in listed if chart["lines"]), key=lambda chart: chart["aside"])
 
 
 def _noise(history: History, name: str, share: float = 1e-6) -> float:
@@ -69,9 +69,9 @@ def _noise(history: History, name: str, share: float = 1e-6) -> float:
     return ({"Qx": load, "Qy": load, "Mz": load * arm} | ratios).get(name.removeprefix(PREFIX), 0.0)
 
 
-def _of_cycle(history: History, one: Quantity) -> Quantity:
+def _of_cycle(history: History, column: Quantity) -> Quantity:
     """Return the column of the cycle for a column of its blocks; others unchanged."""
-    return history.columns.get(one.name.removeprefix(PREFIX), one)
+    return history.columns.get(column.name.removeprefix(PREFIX), column)
 
 
 def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
@@ -97,48 +97,50 @@ def _chart(
     history: History, title: str, group: list[Quantity], measured: Measurements | None
 ) -> dict[str, Any]:
     """Return a chart: its title, the label of its axis, its lines, and whether it is last."""
-    units = [format_unit(one.unit) for one in group]
+    units = [format_unit(column.unit) for column in group]
     label = as_html(", ".join(dict.fromkeys(filter(None, units))))
-    names = {_of_cycle(history, one).name for one in group}
+    names = {_of_cycle(history, column).name for column in group}
     if len(names) == 1 and (symbol := html_symbol(group[0].symbol)):
         label = fill("$symbol ($label)", symbol=symbol, label=label) if label else symbol
     return {
         "title": as_html(title),
         "label": label,
-        "lines": [line for one in group for line in _lines(history, one, len(group), measured)],
+        "lines": [
+            line for column in group for line in _lines(history, column, len(group), measured)
+        ],
         "aside": names <= SOLVER and bool(group),
     }
 
 
 def _lines(
-    history: History, one: Quantity, several: int, measured: Measurements | None
+    history: History, quantity: Quantity, several: int, measured: Measurements | None
 ) -> Iterator[dict[str, Any]]:
     """Yield the lines of a column that changes or was measured, one for each body and axis."""
-    values, noise = history[one.name], _noise(history, one.name)
+    values, noise = history[quantity.name], _noise(history, quantity.name)
     labels = {**LABELS, "block": history.block_names}
-    for place in product(*(labels[dim] for dim in one.dims)):
-        place_of = zip(one.dims, place, strict=True)
+    for place in product(*(labels[dim] for dim in quantity.dims)):
+        place_of = zip(quantity.dims, place, strict=True)
         at: Any = (..., *(labels[dim].index(k) for dim, k in place_of))
         line = values[at].astype(float)
-        known = line[np.isfinite(line)]
-        column = " ".join((one.name, *place))
+        finite = line[np.isfinite(line)]
+        column = " ".join((quantity.name, *place))
         compared = measured is not None and column in measured.columns
-        constant = known.size < 2 or np.ptp(known) <= max(noise, 1e-9 * np.abs(known).max())
+        constant = finite.size < 2 or np.ptp(finite) <= max(noise, 1e-9 * np.abs(finite).max())
         if constant and not compared:
             continue
-        if one.place_of and jumps(known):
+        if quantity.place_of and jumps(finite):
             continue
-        name = html_symbol(one.symbol) or as_html(one.name)
-        kind = one.role.removeprefix("stress_") if one.role.startswith("stress_") else ""
+        name = html_symbol(quantity.symbol) or as_html(quantity.name)
+        kind = quantity.role.removeprefix("stress_") if quantity.role.startswith("stress_") else ""
         named = [as_html(f"body {k}" if k in BODIES else k) for k in place]
-        if PREFIX + one.name in history.columns:
+        if PREFIX + quantity.name in history.columns:
             named = [Html("cycle"), *named]
         elif kind:
             named.append(as_html(kind))
-        elif "block" not in one.dims and (several > 1 or not place):
+        elif "block" not in quantity.dims and (several > 1 or not place):
             named = [name, *named]
         chart_line = {"name": Html(", ".join(named)), "values": pack_array(line)}
-        bars = history.values.get(f"{one.name}_error")
+        bars = history.values.get(f"{quantity.name}_error")
         if bars is not None and np.isfinite(bars[at]).any():
             chart_line["bars"] = pack_array(bars[at])
         if measured is not None and compared:

@@ -84,11 +84,11 @@ def page_data(
         ],
         "course": pack_array(history[along.name]),
         "charts": charts(history, measured),
-        "leftOut": list(_left_out(history, saved, surface)),
+        "leftOut": list(_omissions(history, saved, surface)),
     }
 
 
-def _left_out(history: History, saved: np.ndarray, surface: "_Window | None") -> Iterator[str]:
+def _omissions(history: History, saved: np.ndarray, surface: "_Window | None") -> Iterator[str]:
     """Yield notes on data that the page omits or shows in another form."""
     if len(saved) < len(history.saved):
         yield f"{len(saved)} of {len(history.saved)} stored records are shown here"
@@ -110,8 +110,8 @@ def _blocks(history: History) -> list[tuple[str, History]]:
 def _scale(history: History) -> dict[str, Any]:
     """Return the half widths and the pressure by which figures divide."""
     scale = Scale.from_history(history)
-    known = {"a": scale.a, "b": scale.b, "p": scale.p}
-    return {name: value if np.isfinite(value) else None for name, value in known.items()} | {
+    values = {"a": scale.a, "b": scale.b, "p": scale.p}
+    return {name: value if np.isfinite(value) else None for name, value in values.items()} | {
         "hertz": scale.hertz
     }
 
@@ -217,13 +217,13 @@ def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict
     if history.grid.directions == 1 or not rows:
         return None
     names = {"wear_profile_A": "A", "wear_profile_B": "B", "wear_profile": "both"}
-    found = {name: 1e3 * history[name][rows] for name in names if name in history.columns}
-    known = {name: depth for name, depth in found.items() if np.isfinite(depth).any()}
-    worn = np.any([np.nan_to_num(depth).any(axis=0) for depth in known.values()], axis=0)
+    depths = {name: 1e3 * history[name][rows] for name in names if name in history.columns}
+    worn_profiles = {name: depth for name, depth in depths.items() if np.isfinite(depth).any()}
+    worn = np.any([np.nan_to_num(depth).any(axis=0) for depth in worn_profiles.values()], axis=0)
     if not worn.any():
         return None
     track = _side(worn, limits.margin)
-    lines = {names[name]: pack_array(depth[:, track]) for name, depth in known.items()}
+    lines = {names[name]: pack_array(depth[:, track]) for name, depth in worn_profiles.items()}
     return {"y": pack_array(history.y[track]), "lines": lines}
 
 
@@ -239,13 +239,13 @@ def _stress(
     """
     history = blocks[0]
     count = len(history.planes) * len(states) * (1 + len(COMPONENTS))
-    found = []
+    maps = []
     planes = [] if history.scene.subsurface is None else map(str, history.scene.subsurface.planes)
     order = {plane: k for k, plane in enumerate(planes)}
-    for body, plane in sorted(history.planes, key=lambda one: order.get(one[1], len(order))):
+    for body, plane in sorted(history.planes, key=lambda pair: order.get(pair[1], len(order))):
         interrupt.raise_if_interrupted()
         each = (block.stress(body, plane, at) for at in saved for block in blocks)
-        rows = [_on_mesh(one, history.grid) for one in each]
+        rows = [_on_mesh(stress, history.grid) for stress in each]
         (first, along), (second, across) = rows[0].axes.items()
         if min(along.size, across.size) < 2:
             continue  # a plane across a line contact is only a line
@@ -260,7 +260,7 @@ def _stress(
         named = {"von Mises": [row.von_mises[part].T for row in rows]}
         for name in COMPONENTS:
             named[name] = [row.components[name][part].T for row in rows]
-        found.append(
+        maps.append(
             {
                 "body": body,
                 "plane": plane,
@@ -270,7 +270,7 @@ def _stress(
                 "components": {name: pack_array(values) for name, values in named.items()},
             }
         )
-    return found
+    return maps
 
 
 def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
@@ -284,7 +284,7 @@ def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
         if size > places.size:
             steps = np.arange(size) - (size - places.size) // 2
             axes[name] = places[0] + (places[1] - places[0]) * steps
-    wide = {name: widen_field(one, shape, np.nan) for name, one in stress.components.items()}
+    wide = {name: widen_field(field, shape, np.nan) for name, field in stress.components.items()}
     return replace(stress, axes=axes, components=wide)
 
 
@@ -309,8 +309,8 @@ def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
         {
             "name": printable_text(name),
             "value": printable_text(value),
-            "unit": printable_text(format_unit(one.unit)),
-            "about": printable_text(one.long_name),
+            "unit": printable_text(format_unit(quantity.unit)),
+            "about": printable_text(quantity.long_name),
         }
-        for name, value, one in format_values(history, row)
+        for name, value, quantity in format_values(history, row)
     ]

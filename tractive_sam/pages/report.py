@@ -88,7 +88,7 @@ def _page(history: History, measured: Measurements | None) -> str:
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)
     named = [f"{name} {number}" for name, number in history.versions.items()]
-    found = _escape_script(json.dumps(data, allow_nan=False))
+    json_text = _escape_script(json.dumps(data, allow_nan=False))
     style = f"\n{parts['style.css']}{parts['report.css']}\n"
     # plotly sets attributes of style and fills an empty element of style: neither runs anything.
     return fill(
@@ -106,7 +106,7 @@ def _page(history: History, measured: Measurements | None) -> str:
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
         unused=[_unused(name) for name in set(re.findall(_GUARDED_STYLE, script))],
-        data=Html(found),
+        data=Html(json_text),
         script=Html(parts["report.js"]),
     )
 
@@ -162,12 +162,14 @@ def _notes(history: History) -> list[str]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         Scene(**history.scene.entries())
-    return list(dict.fromkeys(str(one.message) for one in caught))
+    return list(dict.fromkeys(str(warning.message) for warning in caught))
 
 
-def _scene(history: History, most: int = 20_000) -> str:
-    """Return the scene as TOML; only the first `most` characters are shown."""
+def _scene(history: History, limit: int = 20_000) -> str:
+    """Return the scene as TOML; only the first `limit` characters are shown."""
     text = history.scene.to_toml()
     return (
-        text if len(text) <= most else f"{text[:most]}\n... and {len(text) - most} characters more"
+        text
+        if len(text) <= limit
+        else f"{text[:limit]}\n... and {len(text) - limit} characters more"
     )

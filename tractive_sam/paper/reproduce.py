@@ -71,8 +71,8 @@ def reproduce(
     began, chapters, statements = perf_counter(), [], list[Statement]()
     for number, about in enumerate(CHAPTERS):
         report = partial(progress, number)
-        found = about.find(Work(size, results, report))
-        findings = _store_findings(found, figures, format, statements, report)
+        computed = about.find(Work(size, results, report))
+        findings = _store_findings(computed, figures, format, statements, report)
         chapters.append((about, chapter(number, about, findings)))
     seconds = perf_counter() - began
     entries = [asdict(statement) for statement in statements]

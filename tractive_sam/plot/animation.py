@@ -78,8 +78,8 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
             draw(chart, envelope)
             pictures.append(_rasterize(figure))
     memory, duration = BytesIO(), int(1000 / rate)
-    first, *others = pictures
-    first.save(memory, "gif", save_all=True, append_images=others, duration=duration, loop=0)
+    first, *further = pictures
+    first.save(memory, "gif", save_all=True, append_images=further, duration=duration, loop=0)
     return write_file(path, memory.getbuffer())
 
 
@@ -90,9 +90,9 @@ def _rasterize(figure: Figure, dpi: int = 110) -> Image.Image:
     return Image.open(memory).convert("RGB")
 
 
-def _views(history: History, most: int = 100) -> Iterator[ContactView]:
+def _views(history: History, max_frames: int = 100) -> Iterator[ContactView]:
     """Yield the stored contacts; of many records some are omitted, as all pictures need memory."""
-    for at in select_evenly(history.saved, most):
+    for at in select_evenly(history.saved, max_frames):
         interrupt.raise_if_interrupted()
         yield ContactView.from_source(history, at)
 

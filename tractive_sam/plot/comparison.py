@@ -45,9 +45,9 @@ def compare(
     """
     if not histories:
         raise ValueError("nothing to draw: at least one history is needed")
-    known = set.intersection(*(set(history.of_dims()) for history in histories.values()))
-    if name not in known:
-        raise ValueError(f"name: one of {', '.join(sorted(known))} is needed, not {name!r}")
+    common = set.intersection(*(set(history.of_dims()) for history in histories.values()))
+    if name not in common:
+        raise ValueError(f"name: one of {', '.join(sorted(common))} is needed, not {name!r}")
     quantity, factor = _common_quantity(name, histories), 1.0
     label = format_with_unit(quantity.long_name, quantity.unit)
     if name == "wear_max":
@@ -70,8 +70,8 @@ def _common_quantity(name: str, histories: Mapping[str, History]) -> Quantity:
     if len(coordinates) > 1:
         different = " and ".join(sorted(coordinates))
         raise ValueError(f"histories along one coordinate are needed, not along {different}")
-    first, *others = {history.columns[name] for history in histories.values()}
-    if others:
+    first, *conflicting = {history.columns[name] for history in histories.values()}
+    if conflicting:
         raise ValueError(
             f"{name} of line contacts is per length, and of other contacts it is not; compare "
             "histories of one kind"

@@ -152,7 +152,7 @@ class ContactView:
         return x, y
 
 
-def select_evenly(saved: np.ndarray, most: int = 8) -> np.ndarray:
+def select_evenly(saved: np.ndarray, count: int = 8) -> np.ndarray:
     """Return at most that many of the values, the first and the last among them.
 
     Examples
@@ -160,9 +160,9 @@ def select_evenly(saved: np.ndarray, most: int = 8) -> np.ndarray:
     >>> plot.select_evenly(np.arange(100), 4).tolist()
     [0, 33, 66, 99]
     """
-    if len(saved) <= most:
+    if len(saved) <= count:
         return saved
-    return saved[np.linspace(0, len(saved) - 1, most).round().astype(int)]
+    return saved[np.linspace(0, len(saved) - 1, count).round().astype(int)]
 
 
 Source: TypeAlias = "ContactView | State | History"

@@ -87,8 +87,8 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
     lower.axhspan(-1.96, 1.96, color=LOOK.grey, alpha=0.15, linewidth=0)
     lower.axhline(0.0, color=LOOK.grey, linewidth=0.8)
     lower.plot(places, curve.residual, "s", color=LOOK.vermillion, markersize=size)
-    most = max(2.5, 1.2 * np.abs(curve.residual).max())
-    lower.set(xlabel=curve.x.label, ylabel="residual / noise", ylim=(-most, most))
+    limit = max(2.5, 1.2 * np.abs(curve.residual).max())
+    lower.set(xlabel=curve.x.label, ylabel="residual / noise", ylim=(-limit, limit))
     if _spans_decades(places):
         lower.set_xscale("log")
     if _spans_decades(points - curve.noise):

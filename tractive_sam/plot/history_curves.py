@@ -246,9 +246,9 @@ def draw_column(
         Style of the line.
     """
     values = (history[name][:, BODIES.index(body)] if body else history[name]) / divisor
-    places, known = history[history.coordinate.name], np.isfinite(values)
-    if not (known[1:] & known[:-1]).any():  # single records, as those with stored fields
-        places, values, style = places[known], values[known], {"marker": "o", **style}
+    places, finite = history[history.coordinate.name], np.isfinite(values)
+    if not (finite[1:] & finite[:-1]).any():  # single records, as those with stored fields
+        places, values, style = places[finite], values[finite], {"marker": "o", **style}
     (line,) = axes.plot(places, values, clip_on=False, **style)
     if measured := current_options().measured:
         column = f"{name} {body}".strip()

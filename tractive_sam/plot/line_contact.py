@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from tractive_sam.description import math_label
 from tractive_sam.plot.contact_view import ContactView, Source, select_evenly
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.needs import ONE_ROW, check_touching, has_traction
+from tractive_sam.plot.needs import SINGLE_ROW, check_touching, has_traction
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import LOOK, apply_style, history_title, new_axes, set_title
@@ -64,7 +64,7 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
     return figure
 
 
-@contact_figure("slip", needs=[ONE_ROW], shown=has_traction)
+@contact_figure("slip", needs=[SINGLE_ROW], shown=has_traction)
 def line_slip(view: ContactView) -> Figure:
     """Slip of A over B in a line contact over x: over the rolling speed, or of a shift in the step.
 
@@ -113,7 +113,7 @@ def line_pressures(history: History) -> Figure:
 
 def rolling_axes(quantity: str, *views: ContactView, margin: float = 0.08) -> tuple[Figure, Axes]:
     """Return a figure and its axes over x around the contacts, with a margin in half widths a."""
-    ONE_ROW.check(views[0])
+    SINGLE_ROW.check(views[0])
     check_touching(views)
     inside = np.concatenate([view.x_over_a[view.contact.touching[:, 0]] for view in views])
     figure, axes = new_axes(1.25, 0.7, views[0].describe(quantity))

@@ -111,8 +111,8 @@ class MapFrame:
     def apply_to(self, axes: Axes, xlabel: str, ylabel: str) -> None:
         """Set the limits, the aspect, the ticks and the labels of axes."""
         for axis, length in ((axes.xaxis, self.width), (axes.yaxis, self.height)):
-            most = min(5, int(length / (current_options().font_scale * TICK_SPACE)))
-            axis.set_major_locator(MaxNLocator(max(most, 2), steps=[1, 2, 5, 10], min_n_ticks=3))
+            count = min(5, int(length / (current_options().font_scale * TICK_SPACE)))
+            axis.set_major_locator(MaxNLocator(max(count, 2), steps=[1, 2, 5, 10], min_n_ticks=3))
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
         axes.set_aspect("auto" if self.stretch_note else "equal")
         axes.set(xlabel=xlabel, ylabel=ylabel)

@@ -71,10 +71,10 @@ class Measurements(ShortArrays):
         coordinate = history.coordinate.name
         if coordinate not in self.columns:
             raise ValueError(f"measured points: the column {coordinate} is missing; add it")
-        known = [*history.of_dims(), *(f"{n} {b}" for n in history.of_dims("body") for b in BODIES)]
+        names = [*history.of_dims(), *(f"{n} {b}" for n in history.of_dims("body") for b in BODIES)]
         for name in self.columns:
-            if name not in known:
-                allowed = ", ".join(sorted(known))
+            if name not in names:
+                allowed = ", ".join(sorted(names))
                 raise ValueError(f"measured points: the column {name} is unknown; use {allowed}")
 
     def compared(self, history: History) -> list[str]:

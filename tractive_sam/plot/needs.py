@@ -44,7 +44,7 @@ WIDE = Need(
 )
 """Need of maps, and of functions of y."""
 
-ONE_ROW = Need(
+SINGLE_ROW = Need(
     lambda subject: len(subject.y) == 1,
     "a single row of elements; this is no line contact: use pressure, traction or stick_slip_map",
 )

@@ -41,9 +41,9 @@ class PlaneSection:
     scale: Scale | None
 
     def __post_init__(self) -> None:
-        known = (*CRITERIA, *self.stress.components)
-        if self.criterion is None and self.quantity not in known:
-            raise ValueError(f"quantity: one of {', '.join(known)}; not {self.quantity!r}")
+        allowed = (*CRITERIA, *self.stress.components)
+        if self.criterion is None and self.quantity not in allowed:
+            raise ValueError(f"quantity: one of {', '.join(allowed)}; not {self.quantity!r}")
         if min(self.values.shape) < 2:
             raise ValueError("a plane needs at least 2 depths, and 2 points along it")
 

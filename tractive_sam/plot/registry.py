@@ -19,7 +19,7 @@ import numpy as np
 
 from tractive_sam.plot.contact_view import ContactView, Source
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.needs import ONE_ROW, Need, refuse
+from tractive_sam.plot.needs import SINGLE_ROW, Need, refuse
 from tractive_sam.plot.style import apply_style
 from tractive_sam.results import COORDINATE, PREFIX, History
 
@@ -112,8 +112,8 @@ class FigureEntry:
 
     def _differs_by_block(self, subject: ContactView | History) -> bool:
         """Return whether the columns are joint columns of several blocks."""
-        found = (column for name in self.columns for column in _find_columns(subject, name))
-        return any(PREFIX + column in subject.columns for column in found)
+        matching = (column for name in self.columns for column in _find_columns(subject, name))
+        return any(PREFIX + column in subject.columns for column in matching)
 
 
 def _find_columns(subject: ContactView | History, name: str) -> list[str]:
@@ -279,14 +279,14 @@ def _add(
     """Add an entry; a function that is defined again replaces its earlier one."""
 
     def draw(subject: ContactView | History, *args: Any, **options: Any) -> Figure:
-        chosen = line if line and ONE_ROW.holds(subject) else function
+        chosen = line if line and SINGLE_ROW.holds(subject) else function
         return chosen(subject, *args, **options)
 
     entry = FigureEntry(name, function, apply_style(draw), **settings)
     if not entry.origin.startswith(__package__):
         register_package_figures()  # their names are reserved
-    other = entries.setdefault(name, entry)
-    if other.origin != entry.origin:
-        raise ValueError(f"figure {name} of {entry.origin}: {other.origin} has this name")
+    registered = entries.setdefault(name, entry)
+    if registered.origin != entry.origin:
+        raise ValueError(f"figure {name} of {entry.origin}: {registered.origin} has this name")
     entries[name] = entry
     return entry

@@ -170,8 +170,8 @@ def _draw_planes(
     """Return the figure of one plane in one body or both."""
     bodies, planes = {stress.body for stress in stresses}, {stress.plane for stress in stresses}
     if len(planes) != 1 or len(bodies) < len(stresses):
-        given = ", ".join(f"{stress.plane} of {stress.body}" for stress in stresses) or "nothing"
-        raise ValueError(f"stresses of one plane are needed, one for each body; not {given}")
+        named = ", ".join(f"{stress.plane} of {stress.body}" for stress in stresses) or "nothing"
+        raise ValueError(f"stresses of one plane are needed, one for each body; not {named}")
     if view is not None and scale is None:
         scale = view.scale if view.scale.relative else None
     elif view is not None and scale is not None:
@@ -319,10 +319,10 @@ def _add_colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: Pla
     width, height = figure.get_size_inches().tolist()
     box = axes.get_position(original=True)
     bar_axes = add_bar_axes(figure, box.x1 * width, box.y0 * height, box.height * height)
-    most, levels = (
+    max_ticks, levels = (
         int(bar_axes.get_position().height * height / TICK_SPACE),
         np.asarray(filled.levels),
     )
-    every = 1 + (len(levels) - 2) // most
+    every = 1 + (len(levels) - 2) // max_ticks
     first = int(np.argmin(np.abs(levels))) % every  # zero has a tick
     figure.colorbar(filled, cax=bar_axes, label=section.symbol, ticks=levels[first::every])

@@ -133,12 +133,12 @@ def line_colours(number: int) -> list[tuple[float, float, float]]:
     """Return different colours: first the set of colours of lines, then darker and lighter sets."""
     rounds = -(-number // len(LOOK.lines))
     ends = [(0.0 if turn % 2 else 1.0, turn / (turn + 1.2)) for turn in range(rounds)]
-    found = []
+    colours = []
     for end, share in ends:
         for colour in LOOK.lines:
             red, green, blue = ((1.0 - share) * part + share * end for part in to_rgb(colour))
-            found.append((red, green, blue))
-    return found[:number]
+            colours.append((red, green, blue))
+    return colours[:number]
 
 
 def format_title(title: str, *notes: str) -> str:

@@ -33,12 +33,12 @@ def wheel_on_rail(view: ContactView) -> Figure:
     >>> plot.wheel_on_rail(ts.solve(ts.Scene.builtin("wheel-rail").with_set(settings)))
     <Figure size ...>
     """
-    found = view.contact.scene.wheel_rail
+    wheel_rail = view.contact.scene.wheel_rail
     figure, axes = new_axes(1.0, 0.6)
-    points, _ = found.wheel.silhouette(found.wheel.profile.s)
+    points, _ = wheel_rail.wheel.silhouette(wheel_rail.wheel.profile.s)
     axes.plot(points[:, 1], -points[:, 2], label="wheel")
-    _draw_profile(axes, found.rail, label="rail")
-    for patch in found.patches:
+    _draw_profile(axes, wheel_rail.rail, label="rail")
+    for patch in wheel_rail.patches:
         y, z = patch.origin[1:]
         ends = 12.0 * patch.normal[1:]
         label = f"{np.degrees(patch.angle):.1f}°"
@@ -124,8 +124,8 @@ def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     <Figure size ...>
     """
     figure, axes = new_axes(1.0, 0.6)
-    most = min(-locus.y[0], locus.y[-1])
-    amplitudes = np.linspace(most / points, most, points)
+    largest = min(-locus.y[0], locus.y[-1])
+    amplitudes = np.linspace(largest / points, largest, points)
     axes.plot(amplitudes, [locus.conicity(a) for a in amplitudes], label="harmonic")
     klingel = [locus.klingel_conicity(a) for a in amplitudes]
     axes.plot(amplitudes, klingel, "--", label="Klingel's motion")

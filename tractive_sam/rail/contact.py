@@ -71,8 +71,8 @@ def _top(rail: Profile) -> float:
 
 def _steepness(wheel: Wheel, rail: Profile, s: float) -> float:
     """Return the angle of the wheel minus the angle of the rail below it, rad."""
-    found = Clearance.measure(wheel, rail, np.array([s]))
-    return float(found.angles[0, 0] - found.angles[1, 0])
+    clearance = Clearance.measure(wheel, rail, np.array([s]))
+    return float(clearance.angles[0, 0] - clearance.angles[1, 0])
 
 
 def contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
@@ -96,12 +96,12 @@ def contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearanc
         If they miss each other, or the contact is beyond the top of the flange or at an end of a
         profile.
     """
-    found = Clearance.measure(wheel, rail, wheel.profile.s)
-    _check_contact(found, wheel)
-    inner = found.gap[1:-1]
-    limit = found.gap.min() + window + 1e-3  # the minimum between nodes may be a little lower
-    low = (inner <= found.gap[:-2]) & (inner < found.gap[2:]) & (inner <= limit)
-    nodes = np.flatnonzero(low) + 1 if window else [int(np.argmin(found.gap))]
+    clearance = Clearance.measure(wheel, rail, wheel.profile.s)
+    _check_contact(clearance, wheel)
+    inner = clearance.gap[1:-1]
+    limit = clearance.gap.min() + window + 1e-3  # the minimum between nodes may be a little lower
+    low = (inner <= clearance.gap[:-2]) & (inner < clearance.gap[2:]) & (inner <= limit)
+    nodes = np.flatnonzero(low) + 1 if window else [int(np.argmin(clearance.gap))]
     touching = Clearance.measure(
         wheel, rail, np.array([_equal_angles(wheel, rail, int(k)) for k in nodes])
     )
@@ -152,28 +152,28 @@ def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-11) -> float:
     return float(scipy.optimize.newton(difference, right.roll, x1=right.roll + 1e-5, tol=tolerance))
 
 
-def _check_contact(found: Clearance, wheel: Wheel, flange_top: float = 2.0) -> None:
+def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) -> None:
     """Raise an error unless the wheel rests on the rail with its tread or the face of its flange.
 
     Parameters
     ----------
-    found : Clearance
+    clearance : Clearance
         At the nodes of the wheel profile.
     wheel : Wheel
         The wheel.
     flange_top : float
         Height of the top of the flange, mm; its face ends there (EN 13715).
     """
-    if not np.isfinite(found.gap).any():
+    if not np.isfinite(clearance.gap).any():
         raise NoContactError("the wheel does not meet the rail: check y, inner and gauge")
-    k = int(np.argmin(found.gap))
+    k = int(np.argmin(clearance.gap))
     height = wheel.profile.points[:, 1]
     if height[k] > height.max() - flange_top or k <= np.argmax(height):
         raise NoContactError(
             "the wheel has derailed: the top of its flange is on the rail; reduce y or yaw"
         )
-    measured = np.isfinite(found.gap[max(k - 1, 0) : k + 2])
-    if k == found.gap.size - 1 or not measured.all():
+    measured = np.isfinite(clearance.gap[max(k - 1, 0) : k + 2])
+    if k == clearance.gap.size - 1 or not measured.all():
         raise NoContactError(
             "the contact is at an end of a profile: extend the profile, or check y, inner and gauge"
         )
@@ -355,10 +355,10 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
     """
     wheel = wheel.at_contact(lowest_gap(wheel, rail))
     coarse = Clearance.measure(wheel, rail, wheel.profile.s)
-    found = coarse.refined(wheel, rail, window=0.6)
+    clearance = coarse.refined(wheel, rail, window=0.6)
 
     def excess(depth: float) -> float:
-        return sum(one.force(e_star) for one in _overlaps(found, wheel, depth)) - load
+        return sum(overlap.force(e_star) for overlap in _overlaps(clearance, wheel, depth)) - load
 
     deepest = 1e-3
     while excess(deepest) < 0.0 and deepest < 0.5:
@@ -368,14 +368,14 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
             f"the load of {load:g} N presses the wheel more than 0.5 mm deep; lower the load"
         )
     depth = float(scipy.optimize.brentq(excess, 1e-9, deepest, xtol=1e-9))
-    overlaps = _overlaps(found, wheel, depth)
+    overlaps = _overlaps(clearance, wheel, depth)
     between = [-np.inf]
-    for one, other in pairwise(overlaps):
-        ends = slice(one.part.stop - 1, other.part.start + 1)
-        between.append(float(found.points[ends, 1][np.argmax(found.gap[ends])]))
+    for before, after in pairwise(overlaps):
+        ends = slice(before.part.stop - 1, after.part.start + 1)
+        between.append(float(clearance.points[ends, 1][np.argmax(clearance.gap[ends])]))
     between.append(np.inf)
     pairs = sorted(zip(overlaps, pairwise(between), strict=True), key=lambda p: -p[0].force(e_star))
-    return [one.patch(wheel, rail, limits) for one, limits in pairs]
+    return [overlap.patch(wheel, rail, limits) for overlap, limits in pairs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -435,14 +435,16 @@ class _Overlap:
         return Patch(wheel, rail, origin, self.angle, half, float(np.ptp(angles)), (first, last))
 
 
-def _overlaps(found: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
+def _overlaps(clearance: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
     """Return the regions of overlap of a wheel at a depth, mm, below the first touch."""
-    overlap = depth - found.gap
+    overlap = depth - clearance.gap
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (overlap > 0.0).astype(int), [0]))))
     parts = [part for first, last in edges.reshape(-1, 2) for part in _divide(overlap, first, last)]
-    radius = [wheel.radius + float(wheel.profile.at(found.s[part])[:, 1].mean()) for part in parts]
+    radius = [
+        wheel.radius + float(wheel.profile.at(clearance.s[part])[:, 1].mean()) for part in parts
+    ]
     return [
-        _Overlap(found, part, overlap[part], r)
+        _Overlap(clearance, part, overlap[part], r)
         for part, r in zip(parts, radius, strict=True)
         if part.stop - part.start > 1
     ]

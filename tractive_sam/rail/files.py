@@ -161,11 +161,11 @@ def _outward(points: Array, kind: Kind) -> Array:
 def _check_size(points: Array, kind: Kind) -> None:
     """Raise an error if lengths are probably in another unit."""
     width, limits = float(np.ptp(points[:, 0])), {"wheel": (60.0, 200.0), "rail": (25.0, 120.0)}
-    least, most = limits[kind]
-    if not least <= width <= most:
-        units = [u for u, f in UNITS.items() if least <= width * f <= most]
+    lower, upper = limits[kind]
+    if not lower <= width <= upper:
+        units = [u for u, f in UNITS.items() if lower <= width * f <= upper]
         hint = f"; its unit is probably {units[0]}: give unit" if units else ""
-        raise ValueError(f"a {kind} {width:.4g} mm wide; allowed: {least:g} to {most:g} mm{hint}")
+        raise ValueError(f"a {kind} {width:.4g} mm wide; allowed: {lower:g} to {upper:g} mm{hint}")
 
 
 def _check_crossing(points: Array) -> None:

@@ -134,11 +134,11 @@ class ContactLocus:
 
     def _check_amplitude(self, amplitude: float) -> None:
         """Raise a ValueError unless an amplitude, mm, is positive and within the positions."""
-        most = min(-self.y[0], self.y[-1])
-        if not 0.0 < amplitude <= most:
+        largest = min(-self.y[0], self.y[-1])
+        if not 0.0 < amplitude <= largest:
             raise ValueError(
-                f"amplitude {amplitude:g} mm; allowed: above 0 and up to {most:g}, the positions "
-                "of the locus on both sides"
+                f"amplitude {amplitude:g} mm; allowed: above 0 and up to {largest:g}, the "
+                "positions of the locus on both sides"
             )
 
     def columns(self) -> dict[str, Array]:
@@ -151,8 +151,8 @@ class ContactLocus:
                 f"contact_angle_{side}": np.degrees(self.angle[k]),
                 f"rolling_radius_{side}": self.radius[k],
             }
-        found = {"y": self.y, "roll": 1e3 * self.roll, **sides}
-        return {**found, "radius_difference": self.radius_difference, "jump": self.jumps * 1.0}
+        columns = {"y": self.y, "roll": 1e3 * self.roll, **sides}
+        return {**columns, "radius_difference": self.radius_difference, "jump": self.jumps * 1.0}
 
 
 def find_locus(
@@ -176,27 +176,27 @@ def find_locus(
     NoContactError
         See `contact_points`.
     """
-    found, rolls, angle = [], [], wheel.roll
+    pairs, rolls, angle = [], [], wheel.roll
     ordered = sorted(map(float, positions))
     for y in ordered:
         placed = replace(wheel, y=y, roll=angle)
         angle = free_roll(placed, rail) if roll is None else roll
         rolls.append(angle)
         placed = replace(placed, roll=angle)
-        found.append([contact_points(one, rail) for one in (placed, placed.mirrored())])
-    sides = [[pair[k] for pair in found] for k in (0, 1)]
-    wheel_s = np.array([[one.s[0] for one in side] for side in sides])
-    rail_s = np.array([[one.rail_s[0] for one in side] for side in sides])
+        pairs.append([contact_points(side, rail) for side in (placed, placed.mirrored())])
+    sides = [[pair[k] for pair in pairs] for k in (0, 1)]
+    wheel_s = np.array([[contact.s[0] for contact in side] for side in sides])
+    rail_s = np.array([[contact.rail_s[0] for contact in side] for side in sides])
     at_wheel, places = wheel.profile.at(wheel_s), np.array(ordered)
     moved = np.abs(np.diff(wheel_s, axis=1, prepend=wheel_s[:, :1])).max(axis=0)
     step = np.diff(places, prepend=places[:1])
     return ContactLocus(
         places,
         np.array(rolls),
-        np.array([[one.points[0] for one in side] for side in sides]),
+        np.array([[contact.points[0] for contact in side] for side in sides]),
         at_wheel,
         rail.at(rail_s),
-        np.array([[one.angles[0, 0] for one in side] for side in sides]),
+        np.array([[contact.angles[0, 0] for contact in side] for side in sides]),
         wheel.radius + at_wheel[..., 1],
         moved > 4.0 * step + 1.0,
         wheel.radius,

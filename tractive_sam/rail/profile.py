@@ -119,8 +119,8 @@ class Profile:
         run = slice(first, last + 1)
         s = np.interp(np.asarray(v), positions[run], self.s[run])
         for _ in range(3):
-            found = (self.at(s) - np.asarray(origin)) @ axis
-            s = s - (found - v) / np.maximum(self.at(s, 1) @ axis, 0.05)
+            coordinate = (self.at(s) - np.asarray(origin)) @ axis
+            s = s - (coordinate - v) / np.maximum(self.at(s, 1) @ axis, 0.05)
             s = np.clip(s, self.s[first], self.s[last])
         return np.asarray(s)
 

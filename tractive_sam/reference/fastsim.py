@@ -66,7 +66,7 @@ def fastsim(
     300
     """
     C11, C22, C23, _ = creep_coefficients(a / b, poisson)
-    L1, L2 = (8.0 * a / (3.0 * shear * one) for one in (C11, C22))
+    L1, L2 = (8.0 * a / (3.0 * shear * coefficient) for coefficient in (C11, C22))
     L3 = math.pi * a * math.sqrt(a / b) / (4.0 * shear * C23)
     along, strips = elements
     y = b * ((2.0 * np.arange(strips) + 1.0) / strips - 1.0)

@@ -134,6 +134,6 @@ def _log_coefficients() -> CubicSpline:
 def _parabola_weights(poisson: float) -> list[float]:
     """Return the Lagrange weights of the tabulated Poisson's ratios."""
     return [
-        math.prod((poisson - other) / (node - other) for other in POISSON_RATIOS if other != node)
+        math.prod((poisson - ratio) / (node - ratio) for ratio in POISSON_RATIOS if ratio != node)
         for node in POISSON_RATIOS
     ]

@@ -75,12 +75,12 @@ def full_slip_with_spin(
 
 
 def _angles_around(
-    pole: np.ndarray, distance: float, points: int, most: int
+    pole: np.ndarray, distance: float, points: int, max_points: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the angles at which rays from a pole meet the unit disc, and their weights."""
     if distance < 1.0:
         # Near the edge the integrand has a peak as wide as the distance of the pole from it.
-        count = int(min(most, points * (1.0 + 0.3 / (1.0 - distance))))
+        count = int(min(max_points, points * (1.0 + 0.3 / (1.0 - distance))))
         return np.arange(count) * (2.0 * math.pi / count), np.full(count, 2.0 * math.pi / count)
     nodes, weights = np.polynomial.legendre.leggauss(points)
     half = math.asin(min(1.0, 1.0 / distance))

@@ -41,7 +41,7 @@ def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, An
         "stresses_of_blocks": tuple(
             _stresses_by_plane(with_fields, k) for k, _ in enumerate(scene.duty)
         ),
-        "own_fields": {k: v for record in with_fields for k, v in record.own_fields.items()},
+        "user_fields": {k: v for record in with_fields for k, v in record.user_fields.items()},
     }
 
 

@@ -152,7 +152,7 @@ _SCALARS = (
     _of_step("stretch", "1", "index of the interval between two knots, from 0", format="g"),
 )
 
-_OTHERS = (
+_ARRAYS = (
     Quantity("p_max_at", "mm", "position (x, y) of the peak contact pressure",
              attrgetter("p_max_at"), ("axis",), place_of="p_max"),
     Quantity("wear_profile", "mm", "wear depth behind the contact, both bodies together; for "
@@ -209,11 +209,11 @@ _FATIGUE_WITH_ERROR_BAR = (
 STRESSES = tuple(column.name for column in _STRESSES[:-1])
 """Columns of the largest stress in each body."""
 
-_BY_NAME = index_by_name((*_SCALARS, *_OTHERS))
+_BY_NAME = index_by_name((*_SCALARS, *_ARRAYS))
 
 COLUMNS = (
     *_SCALARS,
-    *_OTHERS,
+    *_ARRAYS,
     *_STRESSES[:-1],
     *FATIGUE_COLUMNS,
     *(
@@ -277,15 +277,17 @@ def _in_place_of(package: Quantity, replacing: Mapping[str, Quantity]) -> Quanti
     )
 
 
-def columns(scene: Scene, own: Iterable[Quantity] = ()) -> dict[str, Quantity]:
+def columns(scene: Scene, user_columns: Iterable[Quantity] = ()) -> dict[str, Quantity]:
     """Return the columns of the history of a scene by name, including user-defined ones."""
-    own = list(own)
-    replacing = {column.role: column for column in own if column.role not in ("", COORDINATE)}
-    coordinates = [column for column in own if column.role == COORDINATE]
+    user_columns = list(user_columns)
+    replacing = {
+        column.role: column for column in user_columns if column.role not in ("", COORDINATE)
+    }
+    coordinates = [column for column in user_columns if column.role == COORDINATE]
     chosen = [column for column in coordinates if column.applies(scene)] + [
         _in_place_of(column, replacing)
         for column in COLUMNS
         if column.applies(scene) and not (coordinates and column.role == COORDINATE)
     ]
-    chosen += [column for column in own if not column.role and column.applies(scene)]
+    chosen += [column for column in user_columns if not column.role and column.applies(scene)]
     return index_by_name(column.with_units_of(scene) for column in chosen)

@@ -25,7 +25,7 @@ def cycle_record(
     revolutions: Sequence[int],
     process_values: Mapping[str, Any],
     scene: Scene,
-    own: Iterable[Quantity] = (),
+    user_columns: Iterable[Quantity] = (),
 ) -> Record:
     """Combine the records of the blocks into the record of a cycle.
 
@@ -39,11 +39,11 @@ def cycle_record(
         Values that only the process of the cycle computes.
     scene : Scene
         Scene of the cycle.
-    own : iterable of Quantity
+    user_columns : iterable of Quantity
         User-defined columns.
     """
     weights = np.array(revolutions, float) / sum(revolutions)
-    names = columns_of(scene, [*own, *_replacing_columns(records[0])])
+    names = columns_of(scene, [*user_columns, *_replacing_columns(records[0])])
     values = dict(process_values)
     for name, quantity in names.items():
         if name not in values:
@@ -59,7 +59,7 @@ def cycle_record(
     stress = [
         replace(plane, block=k) for k, record in enumerate(records) for plane in record.stress
     ]
-    return Record(values, names, fields, tuple(stress), own_fields=records[0].own_fields)
+    return Record(values, names, fields, tuple(stress), user_fields=records[0].user_fields)
 
 
 def block_quantity(quantity: Quantity) -> Quantity:

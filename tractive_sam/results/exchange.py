@@ -65,7 +65,7 @@ def to_dataset(history: Recorded) -> "xarray.Dataset":
         for name, column in history.columns.items()
         if column is not along
     }
-    quantities = {**storable_fields(history.scene), **history.own_fields}
+    quantities = {**storable_fields(history.scene), **history.user_fields}
     for name, rows in history.fields.items():
         blocks = () if not history.block_names else (len(history.block_names),)
         values = np.empty((len(rows), *blocks, *history.grid.elements))

@@ -7,6 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
+from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import text_table
 from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Frame
@@ -38,6 +39,7 @@ DERIVED = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves",
 """Numbers of `History.to_dict` that are not columns."""
 
 
+@renamed_attributes(own_fields="user_fields")
 @dataclass(frozen=True, eq=False)
 class History:
     """All records of a computation, under the names of `results.column_table`.
@@ -79,7 +81,7 @@ class History:
     datum : str
         Origin of the approach: "vertex", the first touch of the unworn bodies, or "node", the
         nearest element, in results files of earlier versions.
-    own_fields : mapping of str to Quantity
+    user_fields : mapping of str to Quantity
         Descriptions of user-defined fields.
 
     Examples
@@ -108,7 +110,7 @@ class History:
     stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
     measured: str = ""
     datum: str = "vertex"
-    own_fields: Mapping[str, Quantity] = field(default_factory=dict)
+    user_fields: Mapping[str, Quantity] = field(default_factory=dict)
 
     @classmethod
     def of_records(

@@ -30,7 +30,7 @@ class Record:
         Stress on the planes of the scene, stored with the fields; for a duty cycle of all blocks.
     cycles : tuple of BodyFatigue
         Fatigue of each body that [fatigue] names, stored with the fields.
-    own_fields : mapping of str to Quantity
+    user_fields : mapping of str to Quantity
         Descriptions of user-defined fields.
     """
 
@@ -39,7 +39,7 @@ class Record:
     fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     stress: tuple[PlaneStress, ...] = ()
     cycles: tuple[BodyFatigue, ...] = ()
-    own_fields: Mapping[str, Quantity] = field(default_factory=dict)
+    user_fields: Mapping[str, Quantity] = field(default_factory=dict)
 
     @classmethod
     def of(
@@ -47,10 +47,10 @@ class Record:
         contact: State,
         process_values: Mapping[str, Any],
         *,
-        own: Iterable[Quantity] = (),
+        user_columns: Iterable[Quantity] = (),
         with_fields: bool = True,
         stress: Iterable[PlaneStress] = (),
-        own_fields: Mapping[Quantity, np.ndarray] | None = None,
+        user_fields: Mapping[Quantity, np.ndarray] | None = None,
     ) -> "Record":
         """Make the record of a contact.
 
@@ -61,16 +61,16 @@ class Record:
         process_values : mapping of str to object
             Values that the process computes; they take precedence. Columns without a function of
             the contact are nan without them.
-        own : iterable of Quantity
+        user_columns : iterable of Quantity
             Columns in addition to `COLUMNS`.
         with_fields : bool
             Whether to store the fields.
         stress : iterable of PlaneStress
             Stress on planes.
-        own_fields : mapping of Quantity to ndarray, optional
+        user_fields : mapping of Quantity to ndarray, optional
             Fields in addition to `FIELDS`, shape (n_x, n_y).
         """
-        names = columns(contact.scene, own)
+        names = columns(contact.scene, user_columns)
         values = {
             name: process_values[name] if name in process_values else _read(column, contact)
             for name, column in names.items()
@@ -80,16 +80,16 @@ class Record:
         warm = {}
         if contact.heat is not None:
             warm = {name: quantity.read(contact) for name, quantity in HEAT_FIELDS.items()}
-        own_values = {quantity.name: values for quantity, values in (own_fields or {}).items()}
+        user_values = {quantity.name: values for quantity, values in (user_fields or {}).items()}
         quantities = {
-            quantity.name: quantity.with_units_of(contact.scene) for quantity in own_fields or {}
+            quantity.name: quantity.with_units_of(contact.scene) for quantity in user_fields or {}
         }
         return cls(
             values,
             names,
-            restart_fields(contact) | warm | own_values,
+            restart_fields(contact) | warm | user_values,
             tuple(stress),
-            own_fields=quantities,
+            user_fields=quantities,
         )
 
     @property

@@ -57,7 +57,7 @@ class Recorded(Protocol):
         """Fields of the records that have them."""
 
     @property
-    def own_fields(self) -> Mapping[str, Quantity]:
+    def user_fields(self) -> Mapping[str, Quantity]:
         """Descriptions of the fields of user-defined observers."""
 
     @property

@@ -332,8 +332,8 @@ class State:
         if not total:
             return 0.0
         # Few elements are sorted, unless the load is on many pressures that are much smaller.
-        for least in (0.9, 0.5, 0.0):
-            pressures = self.pressure[self.pressure > least * peak]
+        for fraction in (0.9, 0.5, 0.0):
+            pressures = self.pressure[self.pressure > fraction * peak]
             if pressures.sum() > 0.05 * total:
                 break
         pressures = np.sort(pressures)[::-1]

@@ -93,7 +93,7 @@ class WornProfiles:
     def new(self) -> dict[str, Profile]:
         """New profiles of "wheel" and "rail", in their own frames."""
         wheel, rail = required(self.scene.wheel, "wheel"), required(self.scene.rail, "rail")
-        return {"wheel": wheel.curve, "rail": rail.own_curve}
+        return {"wheel": wheel.curve, "rail": rail.unplaced_curve}
 
     def write(self, folder: str | PathLike[str]) -> list[Path]:
         """Write worn profiles (.prw, .prr) and the depths of all steps (.csv) into a folder.

@@ -106,17 +106,17 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
     solves = 0
     while True:
         jump = _roll if step.length == 1 else jump_on
-        now, error = jump(model, last, step.length, response)
-        solves += now.solves
-        now = attribute_wear(last, now)
+        end, error = jump(model, last, step.length, response)
+        solves += end.solves
+        end = attribute_wear(last, end)
         if control.accepts(error) or step.length == 1:
-            now = process.observe(replace(now, responses=responses), last)
-            error = max([error, *(observer.missed(model) for observer in now.observed.values())])
-        off_grid = now.off_grid and not model.scene.has_fixed_domain
-        if control.accepts(error) or step.length == 1 or off_grid:
-            if not now.observed:  # the contact has left the mesh
-                now = process.observe(now, last)
-            return replace(now, solves=solves, jump=control.next(step, error))
+            end = process.observe(replace(end, responses=responses), last)
+            error = max([error, *(observer.missed(model) for observer in end.observed.values())])
+        is_outgrown = end.is_outgrown and not model.scene.has_fixed_domain
+        if control.accepts(error) or step.length == 1 or is_outgrown:
+            if not end.observed:  # the contact has left the mesh
+                end = process.observe(end, last)
+            return replace(end, solves=solves, jump=control.next(step, error))
         step = control.shorter(step, error)
 
 
@@ -231,16 +231,16 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
     profile = here.profile + here.rate if last.revolution else here.profile
     revolution = last.revolution + 1
     grown = _growth(expected, last)
-    now = passage_at(model, revolution, profile, last.contacts, _lag(model), grown)
-    if not now.converged:
-        return now, np.inf
+    end = passage_at(model, revolution, profile, last.contacts, _lag(model), grown)
+    if not end.converged:
+        return end, np.inf
     # A pass needs no formula: the error belongs to the next, longer jump. The rate computed at the
     # true profile is moved to the profile that the formula predicts.
-    rate = now.gained + response @ (predicted - profile)
+    rate = end.gained + response @ (predicted - profile)
     error = _relative_correction(model, formula.correction(response, predicted, rate), profile)
     # Unworn bodies cannot be extrapolated: nothing wears in their contact.
-    course = (here, *now.course) if last.revolution else now.course
-    return replace(now, course=course), error
+    course = (here, *end.course) if last.revolution else end.course
+    return replace(end, course=course), error
 
 
 def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
@@ -252,29 +252,29 @@ def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tup
     )
     profile, expected, response = _predict(last, formula, response)
     lag = _lag(model)
-    now = passage_at(model, revolution, profile, last.contacts, lag, _growth(expected, last))
+    end = passage_at(model, revolution, profile, last.contacts, lag, _growth(expected, last))
     solves, error = 0, np.inf
     for repeats in range(1 + REPEATS):
-        solves += now.solves
-        if not now.converged:
-            return replace(now, solves=solves), np.inf
-        fitting = formula.with_new_rows(response, open_, profile, now.gained)
-        correction = fitting.correction(response, profile, now.gained)
+        solves += end.solves
+        if not end.converged:
+            return replace(end, solves=solves), np.inf
+        fitting = formula.with_new_rows(response, open_, profile, end.gained)
+        correction = fitting.correction(response, profile, end.gained)
         if repeats == 0:
             error = _relative_correction(model, correction, profile)
-        correction += fitting.third_order_correction(response, now.gained + response @ correction)
+        correction += fitting.third_order_correction(response, end.gained + response @ correction)
         corrected = np.maximum(profile + correction, here.profile)  # wear cannot decrease
         # The contact is solved again after the correction only if a rate changes by much: then the
         # response of the contact before does not predict the change.
         change = response @ correction
-        smooth = np.abs(change).max() <= ROUGHNESS * now.gained.max()
+        smooth = np.abs(change).max() <= ROUGHNESS * end.gained.max()
         if error > 1.0 or smooth or repeats == REPEATS:
             break
-        profile, expected = corrected, np.maximum(now.gained + change, 0.0)
-        now = passage_at(model, revolution, profile, now.contacts, lag, _growth(expected, now))
-        response = mean_wear_response(model, now)
-    reached = ProfilePoint(revolution, corrected, now.gained + change)
-    return replace(now, solves=solves, course=(here, reached)), error
+        profile, expected = corrected, np.maximum(end.gained + change, 0.0)
+        end = passage_at(model, revolution, profile, end.contacts, lag, _growth(expected, end))
+        response = mean_wear_response(model, end)
+    reached = ProfilePoint(revolution, corrected, end.gained + change)
+    return replace(end, solves=solves, course=(here, reached)), error
 
 
 def _growth(expected: np.ndarray, last: Passage) -> np.ndarray:

@@ -89,13 +89,13 @@ class BodyDamage:
         elsewhere. So the largest damage is found for more and for less damage everywhere, also at
         the worn depth of the blocks in their order.
         """
-        now, error = self.fatigue, self.error
+        fatigue, error = self.fatigue, self.error
         if self.offset is None:
-            return float(error[_remaining(now)].max(initial=0.0))
-        top, _ = now.damage_max
+            return float(error[_remaining(fatigue)].max(initial=0.0))
+        top, _ = fatigue.damage_max
         bounds = (
-            now.with_damage(now.zeta, np.maximum(now.damage + sign * error, 0.0), worn)
-            for worn in (now.worn, np.maximum(now.worn + self.offset, 0.0))
+            fatigue.with_damage(fatigue.zeta, np.maximum(fatigue.damage + sign * error, 0.0), worn)
+            for worn in (fatigue.worn, np.maximum(fatigue.worn + self.offset, 0.0))
             for sign in (-1.0, 1.0)
         )
         return max(abs(bound.damage_max[0] - top) for bound in bounds)
@@ -171,17 +171,17 @@ def widen_body(damage: BodyDamage, y: np.ndarray) -> BodyDamage:
     """Return the damage on a mesh with more rows; the new rows are undamaged."""
     names = ("damage", "utilisation")
     wider = {name: widen_rows(getattr(damage.fatigue, name), y.size) for name in names}
-    now = replace(damage.fatigue, y=y, worn=widen_field(damage.fatigue.worn, y.shape), **wider)
+    fatigue = replace(damage.fatigue, y=y, worn=widen_field(damage.fatigue.worn, y.shape), **wider)
     wider = {
         name: widen_rows(getattr(damage, name), y.size)
         for name in ("utilisation", "utilisation_before", "error")
     }
-    return replace(damage, fatigue=now, rate=widen_field(damage.rate, y.shape), **wider)
+    return replace(damage, fatigue=fatigue, rate=widen_field(damage.rate, y.shape), **wider)
 
 
 def after_jump(
     last: BodyDamage,
-    now: BodyFatigue,
+    fatigue: BodyFatigue,
     used: np.ndarray,
     worn: np.ndarray,
     rate: np.ndarray,
@@ -193,39 +193,39 @@ def after_jump(
 ) -> BodyDamage:
     """Return the damage after a jump; `jump` is its length and the length of the one before."""
     zeta, before = last.fatigue.zeta, last.fatigue
-    now = now.with_damage(zeta, before.damage, worn)
+    fatigue = fatigue.with_damage(zeta, before.damage, worn)
     offset = None if order is None else order.offset
     later = replace(last, utilisation=used, utilisation_before=last.utilisation, rate=rate)
-    later = replace(later, fatigue=now, missed=0.0, offset=offset)
+    later = replace(later, fatigue=fatigue, missed=0.0, offset=offset)
     if life is None:
         return later
     if not last.passes:  # a flat body passes the contact only once
-        each = [life.damage(interpolate_over_depth(now.depth, block, zeta)) for block in used]
-        return replace(later, fatigue=now.with_damage(zeta, np.max(each, axis=0), 0.0 * worn))
+        each = [life.damage(interpolate_over_depth(fatigue.depth, block, zeta)) for block in used]
+        return replace(later, fatigue=fatigue.with_damage(zeta, np.max(each, axis=0), 0.0 * worn))
     added, missed = _damage_of_jump(last, later, shares, jump, life)
-    now = now.with_damage(zeta, before.damage + last.passes * added, worn)
+    fatigue = fatigue.with_damage(zeta, before.damage + last.passes * added, worn)
     missed *= last.passes
-    initiation, (top, _), (was, _) = last.initiation, now.damage_max, before.damage_max
+    initiation, (top, _), (was, _) = last.initiation, fatigue.damage_max, before.damage_max
     if math.isnan(initiation) and top >= 1.0:
         initiation = revolution + jump[0] * (1.0 - was) / (top - was)
     # At the material depths: the extrapolated damage at the surface may exceed all of them.
-    remaining = np.where(_remaining(now), now.damage, 0.0)
+    remaining = np.where(_remaining(fatigue), fatigue.damage, 0.0)
     near = remaining >= BodyDamage.near_largest * remaining.max()
     largest = float(missed[near].max(initial=0.0))
     if order is not None:  # shorter jumps do not reduce this error
         missed = missed + last.passes * _block_order_error(last, later, order, jump[0], life)
     return replace(
         later,
-        fatigue=now,
+        fatigue=fatigue,
         initiation=initiation,
         error=last.error + missed,
         missed=largest / top if top > 0.0 else 0.0,
     )
 
 
-def _remaining(now: BodyFatigue) -> np.ndarray:
+def _remaining(fatigue: BodyFatigue) -> np.ndarray:
     """Return a mask of the material that is not worn off, (n_y, m)."""
-    return now.zeta >= now.worn[:, None]
+    return fatigue.zeta >= fatigue.worn[:, None]
 
 
 def _damage_of_jump(
@@ -236,7 +236,7 @@ def _damage_of_jump(
     life: Woehler,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return damage (n_y, m) of one pass a revolution over a jump, and its estimated error."""
-    before, now, (length, last) = previous.fatigue, later.fatigue, jump
+    before, after, (length, last) = previous.fatigue, later.fatigue, jump
     zeta, depth = before.zeta, before.depth
 
     def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
@@ -244,7 +244,7 @@ def _damage_of_jump(
         per_pass = _per_pass(life, shares, depth, used, np.maximum(deep, 0.0))
         return np.where(deep >= 0.0, per_pass, 0.0)
 
-    end = damage(later.utilisation, now.worn)
+    end = damage(later.utilisation, after.worn)
     if length == 1:
         return end, np.zeros_like(end)
     first, second = previous.utilisation, later.utilisation
@@ -255,13 +255,15 @@ def _damage_of_jump(
         bend *= length / (last * (length + last))
     # One part for each material depth that the fastest row loses: the damage of material ends
     # when wear removes it, and no Gauss rule holds across that. More than 400 take too long.
-    steps = np.searchsorted(zeta, now.worn) - np.searchsorted(zeta, before.worn)
+    steps = np.searchsorted(zeta, after.worn) - np.searchsorted(zeta, before.worn)
     parts = int(min(max(1, steps.max()), 400))
     total, missed = np.zeros_like(end), np.zeros_like(end)
     for part in range(parts):
         for node, weight in zip(NODES, WEIGHTS, strict=True):
             t = (part + node) / parts
-            worn = _interpolate_profile(before.worn, previous.rate, now.worn, later.rate, t, length)
+            worn = _interpolate_profile(
+                before.worn, previous.rate, after.worn, later.rate, t, length
+            )
             even = (1.0 - t) * first + t * second
             here = damage(np.maximum(even + t * (t - 1.0) * bend, 0.0), worn)
             total += weight * length / parts * here

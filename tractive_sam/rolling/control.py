@@ -51,20 +51,20 @@ class ErrorControl:
 
     def shorter(self, step: Trial, error: float) -> Trial:
         """Return the trial after one that was refused for its error (given over the tolerance)."""
-        length = self._whole(min(step.length * self._change(error), step.length - self.unit))
+        length = self._round(min(step.length * self._change(error), step.length - self.unit))
         return Trial(length, length, refused=True)
 
     def next(self, step: Trial, error: float) -> float:
         """Return the length of the next step, after one was accepted; no longer after a refusal."""
         change = self._change(error)
-        return self._whole(step.length * (min(change, 1.0) if step.refused else change))
+        return self._round(step.length * (min(change, 1.0) if step.refused else change))
 
     def _change(self, error: float) -> float:
         """Return the factor on the step length for an error."""
         change = SAFETY * max(error, 1e-9) ** (-1.0 / self.order)
         return min(max(change, SHORTEST_CUT), LONGEST_GROWTH)
 
-    def _whole(self, length: float) -> float:
+    def _round(self, length: float) -> float:
         """Return the length rounded down to a multiple of the unit."""
         return max(1, int(length / self.unit)) * self.unit
 

@@ -86,8 +86,8 @@ class Damage(Observer):
             worn, rate = passage.worn_depths(body)
             zeta = material_depths(cycle.depth, WORN * semi_axes(longest)[0])
             none = np.zeros((cycle.y.size, zeta.size))
-            now = cycle.with_damage(zeta, none, worn)
-            bodies[body] = BodyDamage(now, used, used, rate, turns.per_count[body], none)
+            fatigue = cycle.with_damage(zeta, none, worn)
+            bodies[body] = BodyDamage(fatigue, used, used, rate, turns.per_count[body], none)
         return Damage(passage.revolution, passage.revolution, bodies)
 
     def after(self, passage: Passage, model: Model) -> "Damage":
@@ -197,11 +197,11 @@ class Damage(Observer):
             )
             worn, rate = passage.worn_depths(body)
             top, unknown = used.max(axis=0), np.full(used.shape[1:], np.nan)
-            now = BodyFatigue(
+            fatigue = BodyFatigue(
                 body, grid.y, depth, top, unknown, unknown, None, math.nan if k is None else k
             ).with_damage(zeta, damage, worn)
             bodies[body] = BodyDamage(
-                now,
+                fatigue,
                 used,
                 before,
                 rate,

@@ -78,7 +78,7 @@ class Forecast:
         self.left = steps * float(np.mean([solves for solves, _ in self._spent]))
 
     @property
-    def seconds_left(self) -> float:
+    def remaining_seconds(self) -> float:
         """Estimated remaining time, from the time of the last records; the first one compiles."""
         if not self._spent:
             return 0.0

@@ -310,21 +310,21 @@ def _lasting_part(model: Model, contact: State) -> Turns:
     return turns if shares is None else replace(turns, share=dict(zip("AB", shares, strict=True)))
 
 
-def attribute_wear(last: Passage, now: Passage) -> Passage:
+def attribute_wear(last: Passage, passage: Passage) -> Passage:
     """Return the next passage with the wear of each body by each block since the last one.
 
     The profile determines the total. It is shared in proportion to the rates; over a jump to the
     mean of the rates at its ends.
     """
     if last.parts is None:
-        return now
+        return passage
     by = last.gained_by_block
-    if now.revolution > last.revolution + 1:
-        by = by + now.gained_by_block
+    if passage.revolution > last.revolution + 1:
+        by = by + passage.gained_by_block
     total, rows = by.sum(), by.sum(axis=(0, 1))
     share = by.sum(axis=2, keepdims=True) / total if total else np.zeros((*by.shape[:2], 1))
     share = np.where(rows > 0.0, by / np.where(rows > 0.0, rows, 1.0), share)
-    return replace(now, parts=last.parts + share * (now.entering - last.entering))
+    return replace(passage, parts=last.parts + share * (passage.entering - last.entering))
 
 
 def next_passage(model: Model, last: Passage) -> Passage:
@@ -333,8 +333,8 @@ def next_passage(model: Model, last: Passage) -> Passage:
     entering = last.turns[k].next(last.entering, last.leaving)
     tolerance, revolution = model.scene.solver.tolerance, last.revolution + 1
     rolled = model.block_at(revolution)
-    now = passage_at(model, revolution, entering, last.contacts, tolerance, rolled=rolled)
-    return attribute_wear(last, now)
+    passage = passage_at(model, revolution, entering, last.contacts, tolerance, rolled=rolled)
+    return attribute_wear(last, passage)
 
 
 def passage_at(

@@ -121,7 +121,7 @@ class Step(ABC):
         return all(contact.converged for contact in self.contacts)
 
     @property
-    def off_grid(self) -> bool:
+    def is_outgrown(self) -> bool:
         """Whether the contact has reached the edge of the mesh."""
         return self.contact.status is Status.OFF_GRID
 
@@ -369,7 +369,7 @@ class Process(ABC, Generic[AnyStep]):
         while True:
             for advanced in process.advance(last):
                 step = advanced if advanced.observed else process.observe(advanced, last)
-                if step.off_grid and not self.model.scene.has_fixed_domain and growths < GROWTHS:
+                if step.is_outgrown and not self.model.scene.has_fixed_domain and growths < GROWTHS:
                     growths += 1
                     wider = enlarge(process.model.grid, step.contact.at_edge)
                     process, last = process.on(wider), last.on(wider)
@@ -440,7 +440,7 @@ class Process(ABC, Generic[AnyStep]):
                 arrays = seen.record_fields(block)
                 of_fields |= {quantity: arrays[quantity.name] for quantity in seen.fields}
                 stress += seen.record_stress(block)
-        user_defined = {"own": columns, "own_fields": of_fields}
+        user_defined = {"user_columns": columns, "user_fields": of_fields}
         return Record.of(contact, values, **user_defined, with_fields=store, stress=stress)
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
@@ -454,7 +454,9 @@ class Process(ABC, Generic[AnyStep]):
             The largest half widths of the contact in all records, mm.
         """
         contact = step.contact
-        shortfalls = [one.shortfall for one in step.observed.values() if one.shortfall]
+        shortfalls = [
+            observer.shortfall for observer in step.observed.values() if observer.shortfall
+        ]
         if step.converged and shortfalls:
             return str(Status.INACCURATE), shortfalls[0]
         remarks = "".join(observer.remark(self.model) for observer in step.observed.values())

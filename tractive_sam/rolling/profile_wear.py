@@ -71,7 +71,7 @@ class WornStep(Step):
         most = left[0] if schedule.adaptive or schedule.fixed else 1
         deepest = scene.wear.largest_step if schedule.adaptive else np.inf
         worn = [(position.share, patch) for position in positions for patch in position.worn]
-        nodes = scene.wheel.curve.s, scene.rail.own_curve.s
+        nodes = scene.wheel.curve.s, scene.rail.unplaced_curve.s
         change, jump = implicit_step(worn, nodes, int(most), deepest)
         return cls(revolution, depths, positions, mesh, change, jump)
 
@@ -99,7 +99,7 @@ class WornStep(Step):
         return self.mesh
 
     @property
-    def off_grid(self) -> bool:
+    def is_outgrown(self) -> bool:
         """Whether the contact has reached the edge of the mesh.
 
         The mesh of each contact has grown with it.
@@ -161,7 +161,8 @@ class ProfileWear(Process[WornStep]):
         observers = self._recording(step)
         own = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
         records = [
-            Record.of(one.contact, one.values, own=own, with_fields=False) for one in step.positions
+            Record.of(one.contact, one.values, user_columns=own, with_fields=False)
+            for one in step.positions
         ]
         # Depths are those at the nodes of the profiles; the meshes of the contacts differ.
         across = np.full(step.mesh.elements[1], np.nan)
@@ -241,7 +242,7 @@ class ProfileWear(Process[WornStep]):
     def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
         """Arc lengths of the nodes of both new profiles, mm."""
         scene = self.model.scene
-        return scene.wheel.curve.s, scene.rail.own_curve.s
+        return scene.wheel.curve.s, scene.rail.unplaced_curve.s
 
     def _step(self, revolution: int, depths: Depths, starts: Mapping[int, State]) -> WornStep:
         """Return the step with worn profiles.

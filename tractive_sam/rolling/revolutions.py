@@ -157,8 +157,8 @@ class DutyCycle(Revolutions):
         values[ROLLED.name] = -1 if step.rolled is None else step.rolled
         each = [records[k] for k in spectrum.places]
         of_observers = [column for seen in self._recording(step) for column in seen.columns]
-        own = (*recorder.columns, *self.columns, *of_observers, PARTS, ROLLED, SHARE)
-        record = cycle_record(each, spectrum.each, values, self.model.scene, own)
+        user_columns = (*recorder.columns, *self.columns, *of_observers, PARTS, ROLLED, SHARE)
+        record = cycle_record(each, spectrum.each, values, self.model.scene, user_columns)
         return replace(record, cycles=self._cycles(step) if record.fields else ())
 
     @classmethod
@@ -166,7 +166,8 @@ class DutyCycle(Revolutions):
         """Return the stored contacts, one for each different block: equal blocks share one."""
         spectrum = scene.spectrum
         return tuple(
-            stored.contact(one, spectrum.places.index(k)) for k, one in enumerate(spectrum.scenes)
+            stored.contact(scene, spectrum.places.index(k))
+            for k, scene in enumerate(spectrum.scenes)
         )
 
     @classmethod

@@ -148,10 +148,10 @@ class Transient(Process[Moment]):
     def _jump(self, last: Moment) -> Moment:
         """Take a step without distance to the other side of a jump."""
         stretch, at = last.stretch, last.distance
-        now, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
+        values, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
         if not self.courses.rolls:
             shifts = self.courses.jump(stretch)
-        inputs = self._input(0.0, now, shifts, at)
+        inputs = self._input(0.0, values, shifts, at)
         return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
     def _along(self, last: Moment) -> Iterator[Moment]:
@@ -166,26 +166,26 @@ class Transient(Process[Moment]):
         usual = longest if not adaptive else min(longest, unit * (1 if courses.rolls else 100))
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
-            now = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
-            between = self._between(last, now, saves) if now.converged else []
+            moment = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
+            between = self._between(last, moment, saves) if moment.converged else []
             if between and not between[-1].converged:
                 yield between[-1]
                 return
             yield from between
-            yield replace(now, earlier=between[-1].result if between else None)
-            last = now
+            yield replace(moment, earlier=between[-1].result if between else None)
+            last = moment
 
-    def _met(self, now: Moment, saves: tuple[float, ...], unit: float) -> Moment:
+    def _met(self, moment: Moment, saves: tuple[float, ...], unit: float) -> Moment:
         """Return the moment, moved to a distance to save if only rounding differs."""
-        near = [s for s in saves if abs(s - now.distance) <= CLOSE * unit]
-        at_knot = now.distance in self.courses.knots
-        return replace(now, distance=near[0]) if near and not at_knot else now
+        near = [s for s in saves if abs(s - moment.distance) <= CLOSE * unit]
+        at_knot = moment.distance in self.courses.knots
+        return replace(moment, distance=near[0]) if near and not at_knot else moment
 
-    def _between(self, last: Moment, now: Moment, saves: tuple[float, ...]) -> list[Moment]:
+    def _between(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
         """Return the moments to save between two steps, up to the first that is not solved."""
         moments: list[Moment] = []
-        for place in (s for s in saves if last.distance < s < now.distance):
-            moment, _ = self._tried(last, place, None, now)
+        for place in (s for s in saves if last.distance < s < end.distance):
+            moment, _ = self._tried(last, place, None, end)
             earlier = moments[-1].result if moments else None
             moment = replace(moment, earlier=earlier, continues=False)
             moments.append(moment)
@@ -215,16 +215,16 @@ class Transient(Process[Moment]):
             at = here + step.length
             if abs(stop - at) <= CLOSE * wish:
                 at = stop
-            now, error = self._tried(last, at, control if adaptive else None)
+            moment, error = self._tried(last, at, control if adaptive else None)
             solves += 1
             shortest = step.length <= 1.000001 * control.control.unit
-            unsolved = not now.contact.converged and now.result.deep <= 1.0
+            unsolved = not moment.contact.converged and moment.result.deep <= 1.0
             if error <= 1.0 or shortest or unsolved:
                 break
             step = control.shorter(step, error)
         after = control.next(step, error) if adaptive else wish
         after = after if at < end else 0.0
-        return replace(now, wish=after, solves=solves)
+        return replace(moment, wish=after, solves=solves)
 
     def _tried(
         self, last: Moment, at: float, control: Stops | None, beyond: Moment | None = None
@@ -243,14 +243,14 @@ class Transient(Process[Moment]):
             End of a longer step, from which the initial guess is interpolated.
         """
         courses, stretch, contact = self.courses, last.stretch, last.contact
-        then, now = courses.at(last.distance, stretch), courses.at(at, stretch)
+        begin, end = courses.at(last.distance, stretch), courses.at(at, stretch)
         length = at - last.distance
         share = 0.5 if courses.rolls else 1.0
         creepages = tuple(
-            share * (then[key] + now[key]) if courses.rolls else now[key] - then[key]
+            share * (begin[key] + end[key]) if courses.rolls else end[key] - begin[key]
             for key in CREEPAGES
         )
-        inputs = self._input(length if courses.rolls else 0.0, now, creepages, at, then)
+        inputs = self._input(length if courses.rolls else 0.0, end, creepages, at, begin)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
         earlier = last.before
         if beyond is not None:

@@ -55,12 +55,12 @@ def solve_pass(
             status=Status.OUT_OF_ITERATIONS,
             note=f"the wear within revolution {revolution} did not settle: its residual is "
             f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
-            f"wear.{_given_key(model)} or the creepage",
+            f"wear.{_key_of_wear(model)} or the creepage",
         )
     return replace(contact, cost=cost), solves
 
 
-def _given_key(model: Model) -> str:
+def _key_of_wear(model: Model) -> str:
     """Return the key by which the scene sets the amount of wear."""
     wear = model.scene.wear
     if not wear.together or wear.named_law:

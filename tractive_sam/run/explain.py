@@ -202,15 +202,15 @@ def _fatigue_applications(model: Model) -> float:
     return depths * work.fatigue * planes
 
 
-def seconds_per_application(model: Model, most: int = 2**18, enough: float = 0.02) -> float:
+def seconds_per_application(model: Model, max_elements: int = 2**18, enough: float = 0.02) -> float:
     """Measure the CPU time of one elastic response and of the work around it, in seconds.
 
-    A mesh of at most `most` elements stands for a larger one; its time is scaled by the work of the
-    transforms. Measuring takes about `enough` seconds. Other programs do not change CPU time, but
-    interrupt some responses: the shortest one counts.
+    A mesh of at most `max_elements` elements stands for a larger one; its time is scaled by the
+    work of the transforms. Measuring takes about `enough` seconds. Other programs do not change CPU
+    time, but interrupt some responses: the shortest one counts.
     """
     fields, operators = memory.fields_per_operator(model), model.operators
-    shape = timed_shape(model.grid.elements, most)
+    shape = timed_shape(model.grid.elements, max_elements)
     operators = operators.on(operators.lattice.with_shape(shape))
     operator = {1: operators.normal, 2: operators.slip}.get(fields) or operators.coupled
     values, times = np.ones(operator.shape), []
@@ -229,8 +229,8 @@ def transform_work(shape: tuple[int, int]) -> float:
     return elements * np.log2(4.0 * elements)
 
 
-def timed_shape(shape: tuple[int, int], most: int) -> tuple[int, int]:
+def timed_shape(shape: tuple[int, int], max_elements: int) -> tuple[int, int]:
     """Return the shape of the part of a mesh that is timed: similar sides, few elements."""
-    share = np.sqrt(min(1.0, most / np.prod(shape, dtype=float)))
+    share = np.sqrt(min(1.0, max_elements / np.prod(shape, dtype=float)))
     nx, ny = (min(n, max(3, round(share * n))) for n in shape)
-    return min(nx, max(3, most // ny)), min(ny, max(3, most // nx))
+    return min(nx, max(3, max_elements // ny)), min(ny, max(3, max_elements // nx))

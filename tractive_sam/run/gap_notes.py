@@ -45,7 +45,7 @@ def gap_notes(model: Model) -> Iterator[str]:
 
 def unresolved_note(model: Model, map_: Roughness) -> str:
     """Describe the part of a map that the mesh does not resolve, and the cost to resolve it."""
-    grid, parts, finer = model.grid, map_.left_out(model.grid), map_.resolving(model.grid)
+    grid, parts, finer = model.grid, map_.unresolved_parts(model.grid), map_.resolving(model.grid)
     axes = [k for k, n in enumerate(grid.elements) if n > 1]
     sides, shortest = (grid.dx, grid.dy), (finer.dx, finer.dy)
     samples = " x ".join(f"{max(parts[k].samples, 0.0):.2g}" for k in axes)

@@ -18,7 +18,7 @@ from tractive_sam.contact import (
     solve_on_fitted_mesh,
 )
 from tractive_sam.extras import check_extra
-from tractive_sam.operators import one_blas_thread
+from tractive_sam.operators import single_blas_thread
 from tractive_sam.optional import xarray
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import process_of, start_passage
@@ -34,7 +34,7 @@ CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 """Entries that change the rigid slip alone: operators are made, and a scene is checked, once."""
 
 
-@one_blas_thread()
+@single_blas_thread()
 def solve_many(
     scene: Scene,
     over: Mapping[str | tuple[str, ...], Sequence[Any]] | Mapping[str, Sequence[Any]],
@@ -192,13 +192,13 @@ def _check_values(scene: Scene, over: Mapping[str | tuple[str, ...], Sequence[An
     if not isinstance(over, Mapping) or not over:
         raise SceneError([Fault("over", shorten(over), allowed)])
     axes, faults = list[_Axis](), list[Fault]()
-    for given, values in over.items():
-        keys = given if isinstance(given, tuple) else (given,)
+    for key_or_keys, values in over.items():
+        keys = key_or_keys if isinstance(key_or_keys, tuple) else (key_or_keys,)
         label = ", ".join(map(str, keys))
         if isinstance(values, str | Mapping) or not np.iterable(values) or not list(values):
             faults.append(Fault(f"over.{label}", shorten(values), "a list of at least one value"))
             continue
-        rows = [tuple(row) if isinstance(given, tuple) else (row,) for row in values]
+        rows = [tuple(row) if isinstance(key_or_keys, tuple) else (row,) for row in values]
         if any(len(row) != len(keys) for row in rows):
             cure = f"rows of {len(keys)} values, one for each key"
             faults.append(Fault(f"over.{label}", shorten(values), cure))
@@ -248,8 +248,8 @@ def _add_values(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault)
     """Add the other values that led to a fault; not if the case sets only the faulty key."""
     if len(case) == 1 and any(key in fault.key for key in case):
         return fault
-    others = {key: value for key, value in (first | case).items() if key not in fault.key}
-    note = ", ".join(f"{key} = {shorten(value)}" for key, value in others.items())
+    further = {key: value for key, value in (first | case).items() if key not in fault.key}
+    note = ", ".join(f"{key} = {shorten(value)}" for key, value in further.items())
     return replace(fault, given=f"{fault.given} with {note}") if note else fault
 
 
@@ -258,10 +258,10 @@ def _solve_cases(
 ) -> Iterator[tuple[tuple[int, ...], Model, State]]:
     """Yield every case: its place, model and contact; neighbours follow one another."""
     moving = [axis for axis in axes if set(axis.keys) <= set(CREEPAGES)]
-    others = [axis for axis in axes if axis not in moving]
-    places = list(neighbouring_places(tuple(len(axis.rows) for axis in others)))
+    fixed = [axis for axis in axes if axis not in moving]
+    places = list(neighbouring_places(tuple(len(axis.rows) for axis in fixed)))
     start = None
-    scenes = _scenes_of_cases(scene, axes, [_changes(others, place) for place in places])
+    scenes = _scenes_of_cases(scene, axes, [_changes(fixed, place) for place in places])
     for outer, changed in zip(places, scenes, strict=True):
         chosen = Model(changed, read_measured_gap(changed))
         memory.check_solve(chosen)
@@ -272,7 +272,7 @@ def _solve_cases(
             under = with_creepages(chosen, _changes(moving, inner))
             model, contact = solve_from_nearby(under, start)  # the mesh may be wider
             start = contact if contact.converged else None
-            at = dict(zip((axis.name for axis in (*others, *moving)), outer + inner, strict=True))
+            at = dict(zip((axis.name for axis in (*fixed, *moving)), outer + inner, strict=True))
             yield tuple(at[axis.name] for axis in axes), model, contact
 
 
@@ -342,10 +342,10 @@ class SequentialRuns:
         self._model: Model | None = None
         self._contact: State | None = None
 
-    @one_blas_thread()
+    @single_blas_thread()
     def roll(self, scene: Scene) -> History:
         """Return the history of a scene, as `roll` does without a file."""
-        if not _is_one_contact(scene):
+        if not _is_steady(scene):
             return roll(scene, progress=False)
         began = perf_counter()
         chosen = self._model_of(scene)
@@ -364,7 +364,7 @@ class SequentialRuns:
         return Model(scene, read_measured_gap(scene))
 
 
-def _is_one_contact(scene: Scene) -> bool:
+def _is_steady(scene: Scene) -> bool:
     """Return whether nothing is rolled or refined."""
     tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum
     return all(table is None for table in tables)

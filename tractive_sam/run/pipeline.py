@@ -19,7 +19,7 @@ from tractive_sam.contact import (
     jacobian_of,
     solve_on_fitted_mesh,
 )
-from tractive_sam.operators import one_blas_thread
+from tractive_sam.operators import single_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import Observer, Step, StoredStep
 from tractive_sam.run import argument_checks, memory, refined_runs
@@ -40,7 +40,7 @@ from tractive_sam.solvers import Solver
 from tractive_sam.store import open_history, results_writer
 
 
-@one_blas_thread()
+@single_blas_thread()
 def solve(
     scene: Scene,
     *,
@@ -146,7 +146,7 @@ def _warn_or_raise(contact: State, throw: bool) -> State:
     return contact
 
 
-@one_blas_thread()
+@single_blas_thread()
 def roll(
     scene: Scene,
     path: str | PathLike | None = None,
@@ -229,7 +229,7 @@ def roll(
     argument_checks.check_scene(scene)
     if resume and path is None:
         raise ValueError("resume: there is no file to resume from; set path to a results file")
-    own = argument_checks.check_columns(columns, laws)
+    user_columns = argument_checks.check_columns(columns, laws)
     worn, started = (
         (None, "") if start is None else (worn_bodies(start, scene), describe_origin(start))
     )
@@ -240,13 +240,13 @@ def roll(
         if before is not None and len(before):
             worn, started = check_start_of_file(before, path, started), before.started
         gap = read_measured_gap(scene)
-        stored = None if before is None else last_step(before, path, scene, laws, own, gap)
+        stored = None if before is None else last_step(before, path, scene, laws, user_columns, gap)
         model_of = partial(
             argument_checks.model_of(laws, solver, worn),
             profiles=argument_checks.read_profiles(scene),
             datum="vertex" if stored is None else stored[1].history.datum,
         )
-        about = (own, began, started, tuple(observers))
+        about = (user_columns, began, started, tuple(observers))
         run = Recording(scene, gap, model_of, path, replaced, called, *about)
         return _begin(run) if stored is None else _continue(run, path, *stored)
 

@@ -23,7 +23,7 @@ DELAY = 2.0
 class Bar(Protocol):
     """A progress bar in a terminal or a notebook."""
 
-    def show(self, text: str, done: float, total: float | None, left: str) -> None:
+    def show(self, text: str, done: float, total: float | None, remaining: str) -> None:
         """Show how much is done of a total, if that is known, and the time left."""
 
     def close(self) -> None:
@@ -96,8 +96,8 @@ class _RollProgress:
             text = f"{along.name} {place} of {end}"
             if self.scene.has("wear"):
                 text += f", wear {1e3 * wear:.3g} µm"
-            left = format_time_left(forecast.seconds_left)
-            self.bar.show(text, forecast.done, forecast.done + forecast.left, left)
+            remaining = format_remaining_time(forecast.remaining_seconds)
+            self.bar.show(text, forecast.done, forecast.done + forecast.left, remaining)
 
 
 @contextmanager
@@ -138,7 +138,7 @@ def _solving(mesh: tuple[int, int], residual: float) -> str:
     return f"{' x '.join(map(str, mesh))} elements, residual {residual:.1g}"
 
 
-def format_time_left(seconds: float) -> str:
+def format_remaining_time(seconds: float) -> str:
     """Format a time as "1:05" or "2:00:00"."""
     minutes, seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
@@ -174,9 +174,9 @@ class _Terminal:
         )
         self._task = self._bar.add_task("", total=None, left="")
 
-    def show(self, text: str, done: float, total: float | None, left: str) -> None:
+    def show(self, text: str, done: float, total: float | None, duration: str) -> None:
         """Update the bar: text, done and total work, and the remaining time as text."""
-        remaining = f"left {left}" if left else ""
+        remaining = f"left {duration}" if duration else ""
         self._bar.update(self._task, description=text, completed=done, total=total, left=remaining)
         self._bar.start()
 
@@ -192,13 +192,13 @@ class _Notebook:
         self._shown: Any = None
         self._last = 0.0
 
-    def show(self, text: str, done: float, total: float | None, left: str) -> None:
+    def show(self, text: str, done: float, total: float | None, remaining: str) -> None:
         """Update the bar: text, done and total work, and the remaining time as text."""
         if perf_counter() - self._last < 0.2:
             return
         self._last = perf_counter()
         share = "" if total is None else f' value="{done / max(total, 1e-9):.4f}"'
-        label = escape(f"{text}, {left} left" if left else text)
+        label = escape(f"{text}, {remaining} left" if remaining else text)
         self._put({"text/html": f"<progress{share}></progress> {label}", "text/plain": label})
 
     def close(self) -> None:

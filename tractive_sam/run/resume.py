@@ -110,9 +110,9 @@ def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
         ) from None
 
 
-def describe_differences(before: Scene, now: Scene) -> str:
+def describe_differences(before: Scene, requested: Scene) -> str:
     """List the differences of two scenes that prevent resuming; return "" if there are none."""
-    stored, current = before.settings(), now.settings()
+    stored, current = before.settings(), requested.settings()
     keys = sorted(_differing_keys(stored, current))
     listed = [
         f"{k}: {_format_entry(stored, k)} there, {_format_entry(current, k)} now"
@@ -173,7 +173,7 @@ def check_observers_in_file(
     ResultsError
         With the observer.
     """
-    stored = {**history.columns, **history.own_fields}
+    stored = {**history.columns, **history.user_fields}
     for observer in observers:
         quantities = (*observer.columns, *observer.fields)
         if not observer.key and any(quantity.name not in stored for quantity in quantities):

@@ -131,9 +131,9 @@ def _depths_from_state(state: State) -> Worn:
     return Worn(state.grid.y, np.stack(depths))
 
 
-def _check_same_bodies(before: Scene, now: Scene) -> None:
+def _check_same_bodies(before: Scene, requested: Scene) -> None:
     """Raise a ResultsError that lists entries if the bodies of two scenes differ."""
-    stored, current = (_entries_of_bodies(scene) for scene in (before, now))
+    stored, current = (_entries_of_bodies(scene) for scene in (before, requested))
     keys = stored.keys() | current.keys()
     differ = sorted(key for key in keys if stored.get(key) != current.get(key))
     if differ:

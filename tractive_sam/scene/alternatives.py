@@ -24,12 +24,12 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
 def excluded_keys(key: str) -> tuple[str, ...]:
     """Return the keys of a scene that a key excludes."""
     excluded = tuple(
-        other
+        alternative
         for groups in _ALTERNATIVES
         if any(key in group for group in groups)
         for group in groups
         if key not in group
-        for other in group
+        for alternative in group
     )
     if key in ("wear.coefficient.A", "wear.coefficient.B"):  # they give the shares in the wear
         return (*excluded, "body.A.hardness", "body.B.hardness")

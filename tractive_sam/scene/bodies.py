@@ -76,12 +76,12 @@ class Body(Table):
 
 def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
     """Report the hardness of one body only."""
-    given = [body for body in "AB" if f"{body}.hardness" in entries.given]
-    if len(given) == 1:
-        (other,) = set("AB") - set(given)
+    bodies = [body for body in "AB" if f"{body}.hardness" in entries.given]
+    if len(bodies) == 1:
+        (missing,) = set("AB") - set(bodies)
         cure = "a hardness for both bodies or for none: their ratio gives the shares in the wear"
-        hardness = entries[f"{given[0]}.hardness"]  # if valid; otherwise it has its own fault
-        yield Fault(f"{other}.hardness", f"nothing, and {hardness:g} for body {given[0]}", cure)
+        hardness = entries[f"{bodies[0]}.hardness"]  # if valid; otherwise it has its own fault
+        yield Fault(f"{missing}.hardness", f"nothing, and {hardness:g} for body {bodies[0]}", cure)
 
 
 class Bodies(Table):
@@ -153,8 +153,8 @@ class Bodies(Table):
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
         if not 0 < radius_y < math.inf or (load.approach is not None and load.approach <= 0):
             return None  # without a [gap] there is no contact
-        given = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
-        return hertz(e_star, radius_x, radius_y, **given)
+        prescribed = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
+        return hertz(e_star, radius_x, radius_y, **prescribed)
 
     def normal_load(self, load: Load) -> float | None:
         """Return the normal load, N or N/mm, given or from the pressure; None for an approach."""

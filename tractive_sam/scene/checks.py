@@ -60,8 +60,8 @@ def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
                 "a contact of finite width, or both inf (a line contact): give one body a smaller "
                 "radius_y (a crown), or its profile as a [gap]"
             )
-        given = f"{radius_A:g} and {radius_B:g}, no contact possible"
-        yield Fault(f"body.A.{key}, body.B.{key}", given, cure)
+        radii = f"{radius_A:g} and {radius_B:g}, no contact possible"
+        yield Fault(f"body.A.{key}, body.B.{key}", radii, cure)
 
 
 def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
@@ -75,8 +75,8 @@ def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
     for axis, length, name, semi_axis in _directions(half_length, contact):
         away = abs(place["xy".index(axis)])
         if length < semi_axis + away:
-            least = f"{1.00001 * (semi_axis + away):.6g}"  # rounded up
-            cure = f"at least {least} in {axis}, the semi-axis {name} of the contact"
+            smallest = f"{1.00001 * (semi_axis + away):.6g}"  # rounded up
+            cure = f"at least {smallest} in {axis}, the semi-axis {name} of the contact"
             cure += " and the distance of grid.centre" if away else ""
             pair = Pair.from_tables(entries["body"], entries["load"])
             cure = "; ".join((cure, *pair_notes(pair)))
@@ -84,7 +84,7 @@ def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_slender_contact_has_grid(
-    entries: ValidEntries, most_slender: float = 1000.0
+    entries: ValidEntries, max_ratio: float = 1000.0
 ) -> Iterator[Fault]:
     """Report a slender contact without a given grid.
 
@@ -92,7 +92,7 @@ def _check_slender_contact_has_grid(
     ----------
     entries : ValidEntries
         Entries of the scene.
-    most_slender : float
+    max_ratio : float
         Ratio of the semi-axes up to which a grid is chosen; above it a grid needs millions of
         elements.
     """
@@ -103,16 +103,16 @@ def _check_slender_contact_has_grid(
     if complete or is_line(entries):
         return
     contact = entries["body"].hertz(entries["load"])
-    if contact is not None and not 1.0 / most_slender <= contact.a / contact.b <= most_slender:
+    if contact is not None and not 1.0 / max_ratio <= contact.a / contact.b <= max_ratio:
         radii = ", ".join(f"body.{b}.radius_{axis}" for axis in "xy" for b in "AB")
-        given = (
+        value = (
             f"a contact of semi-axes {contact.a:.3g} and {contact.b:.3g} mm without a full [grid]"
         )
         cure = (
-            f"a ratio of the semi-axes up to {most_slender:g}; otherwise give both keys of [grid], "
+            f"a ratio of the semi-axes up to {max_ratio:g}; otherwise give both keys of [grid], "
             "or make it a line contact: radius_y = inf of both bodies"
         )
-        yield Fault(radii, given, cure)
+        yield Fault(radii, value, cure)
 
 
 def _check_a_body_turns(entries: ValidEntries) -> Iterator[Fault]:

@@ -119,7 +119,7 @@ class Profiles(Table):
     B: InnerTable[Gap | None] = entry("profile of the lower body", default=None)
 
     @property
-    def given(self) -> dict[str, Gap]:
+    def by_table(self) -> dict[str, Gap]:
         """The given profiles, by the names of their tables."""
         profiles = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
         return {table: profile for table, profile in profiles.items() if profile is not None}

@@ -34,14 +34,14 @@ def describe_load(
 
 def summarize(scene: Any) -> dict[str, str]:
     """Return a short description of a scene: text by label; other tables are only named."""
-    summary, others = {"title": scene.title or "none"}, []
+    summary, further = {"title": scene.title or "none"}, []
     for key, rows in describe_tables(scene).items():
         brief = {row.label: row.text for row in rows if row.brief}
         summary |= brief
         if not brief and key in scene.model_fields_set and getattr(scene, key) is not None:
-            others.append(f"[{key}]")
-    if others:
-        summary["other tables"] = ", ".join(sorted(others))
+            further.append(f"[{key}]")
+    if further:
+        summary["other tables"] = ", ".join(sorted(further))
     return summary
 
 

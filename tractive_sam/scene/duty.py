@@ -121,11 +121,11 @@ class Block(Table):
     @classmethod
     def describe_array(cls, tables: tuple[Table, ...], scene: Any) -> Iterator[Row]:
         """Yield a row for each of the first blocks of the array, as `Table.describe` does."""
-        for k, block in enumerate(scene.duty[: SceneError.most_listed]):
+        for k, block in enumerate(scene.duty[: SceneError.max_listed]):
             share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
             yield Row(block_label(scene, k), f"{share}: {block.describe_changes()}", brief=True)
-        if len(tables) > SceneError.most_listed:
-            yield Row("other blocks", f"{len(tables) - SceneError.most_listed} more", brief=True)
+        if len(tables) > SceneError.max_listed:
+            yield Row("other blocks", f"{len(tables) - SceneError.max_listed} more", brief=True)
 
     def describe_changes(self) -> str:
         """Describe the changes of the scene."""
@@ -139,11 +139,11 @@ class Block(Table):
     @property
     def changes(self) -> dict[str, Any]:
         """Changes of the scene, by dotted key."""
-        given = self.entries()
+        entries = self.entries()
         return {
             f"{table}.{key}": value
             for table in _CHANGED
-            for key, value in given.get(table, {}).items()
+            for key, value in entries.get(table, {}).items()
         }
 
 
@@ -264,8 +264,8 @@ def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
         cure = "a [wear] table with the revolutions to roll, or a [fatigue] table for the life"
         yield Fault("duty", "without [wear] and [fatigue]", cure)
     elif wear is not None and cycle > wear.revolutions:
-        given = f"a cycle of {cycle} revolutions"
-        yield Fault("duty", given, f"at most {wear.revolutions} revolutions, as wear.revolutions")
+        value = f"a cycle of {cycle} revolutions"
+        yield Fault("duty", value, f"at most {wear.revolutions} revolutions, as wear.revolutions")
     reasons = {
         "with a [gap], which holds at one position": entries["gap"] is not None,
         "with friction.across, which holds at one position": entries["friction.across"] is not None,
@@ -299,10 +299,10 @@ def cycle_notes(scene: Any, largest_error: float = 0.01) -> Iterator[str]:
 
 def check_blocks_on_mesh(scene: Any, scenes: tuple[Any, ...]) -> Iterator[Fault]:
     """Report blocks with a contact outside the given mesh."""
-    given = None if scene.grid is None else scene.grid.half_length
-    if given is None:
+    half_length = None if scene.grid is None else scene.grid.half_length
+    if half_length is None:
         return
-    half, centre = given[-1], scene.grid.place[1]  # a line contact has no shifts
+    half, centre = half_length[-1], scene.grid.place[1]  # a line contact has no shifts
     for k, (block, block_scene) in enumerate(zip(scene.duty, scenes, strict=True)):
         half_width = 0.0 if block_scene.hertz is None else block_scene.hertz.b
         reach = abs(block.shift_y - centre) + half_width

@@ -36,7 +36,7 @@ _SENSITIVITIES = {
 """Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
 bounds of the first two the fatigue limit in torsion equals that in bending."""
 
-_MOST_EXPONENT = 100.0
+_MAX_EXPONENT = 100.0
 """Exponent of a Woehler curve for which 1 % of the stress changes the life by a factor of e."""
 
 
@@ -49,20 +49,20 @@ def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
     """Report a sensitivity that the criterion needs, does not have, or does not allow."""
-    criterion, given = entries["criterion"], entries["sensitivity"]
+    criterion, value = entries["criterion"], entries["sensitivity"]
     if isinstance(criterion, NamedLaw):
         return
     if criterion not in _SENSITIVITIES:
-        if given is not None:
-            yield Fault("sensitivity", shorten(given), f'nothing: "{criterion}" has no sensitivity')
+        if value is not None:
+            yield Fault("sensitivity", shorten(value), f'nothing: "{criterion}" has no sensitivity')
         return
     upper, meaning = _SENSITIVITIES[criterion]
     allowed = f'from 0 to below {upper:.4g} for "{criterion}" ({meaning})'
-    if given is None:
+    if value is None:
         if entries["limit"] is not None:
             yield Fault("sensitivity", "nothing", allowed)
-    elif given >= upper:
-        yield Fault("sensitivity", shorten(given), allowed)
+    elif value >= upper:
+        yield Fault("sensitivity", shorten(value), allowed)
 
 
 def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
@@ -102,7 +102,7 @@ class FatigueVolume(Table):
     )
     limit: NotNegative = entry("stress below which there is no damage, MPa", default=0.0)
     stress_exponent: Positive = entry(
-        "exponent of the stress", default=31.0 / 3.0, le=_MOST_EXPONENT
+        "exponent of the stress", default=31.0 / 3.0, le=_MAX_EXPONENT
     )
     depth_exponent: NotNegative = entry("exponent of the depth", default=7.0 / 3.0, le=10.0)
 
@@ -159,7 +159,7 @@ class Fatigue(LawTable):
     exponent: Positive = entry(
         "exponent of the Woehler curve, life = cycles * utilisation ** -exponent",
         default=10.0,
-        le=_MOST_EXPONENT,
+        le=_MAX_EXPONENT,
     )
     knee: bool = entry("whether life is infinite below a utilisation of 1", default=False)
     depth: Positive = entry("depth, in units of the semi-axis a", default=1.5)

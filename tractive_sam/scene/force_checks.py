@@ -28,10 +28,10 @@ def _check_force_limit(entries: ValidEntries) -> Iterator[Fault]:
         return  # `_check_force_limit_at_knots` covers it
     forces = entries["load.force_x"], entries["load.force_y"]
     angle = math.radians(entries["friction.angle"])
-    for names, given, limit in _forces_above_limit(
+    for names, value, limit in _forces_above_limit(
         forces, _normal_load(entries), _largest_mu(entries), angle
     ):
-        yield _limit_fault(entries, [f"load.{name}" for name in names], given, limit)
+        yield _limit_fault(entries, [f"load.{name}" for name in names], value, limit)
 
 
 def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
@@ -51,10 +51,10 @@ def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
         force_x, force_y, load, mu1 = values.values()
         mu_at_knot = (mu1 * largest[0] / mu[0], mu1 * largest[1] / mu[0])
         excess = [*_forces_above_limit((force_x, force_y), load, mu_at_knot, angle)]
-        for names, given, limit in excess:
+        for names, value, limit in excess:
             keys = [f"transient.load.{n}" if f"load.{n}" in courses else f"load.{n}" for n in names]
             unit = " mm" if transient.rolls else ""
-            yield _limit_fault(entries, keys, f"{given} at {place:g}{unit}", limit)
+            yield _limit_fault(entries, keys, f"{value} at {place:g}{unit}", limit)
         if excess:
             return
 
@@ -62,9 +62,9 @@ def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
 def _check_method_of_forces(entries: ValidEntries) -> Iterator[Fault]:
     """Report a method that cannot compute the creepage of a prescribed force."""
     method = entries["solver.method"]
-    given = [k for k in ("load.force_x", "load.force_y") if entries[k] is not None]
-    if method in ("uzawa", "anderson") and given:
-        text = f'"auto" or "newton", which compute the creepages of {" and ".join(given)}'
+    forces = [k for k in ("load.force_x", "load.force_y") if entries[k] is not None]
+    if method in ("uzawa", "anderson") and forces:
+        text = f'"auto" or "newton", which compute the creepages of {" and ".join(forces)}'
         yield Fault("solver.method", shorten(method), text)
 
 
@@ -105,11 +105,11 @@ def _forces_above_limit(
             yield (name,), shorten(force), limit
 
 
-def _limit_fault(entries: ValidEntries, keys: list[str], given: str, limit: float) -> Fault:
+def _limit_fault(entries: ValidEntries, keys: list[str], value: str, limit: float) -> Fault:
     """Return the fault of forces above the friction limit."""
     unit = "N/mm" if is_line(entries) else "N"
     cure = f"less than {limit:.6g} {unit}: friction can carry at most this much in this direction"
-    return Fault(", ".join(keys), given, cure)
+    return Fault(", ".join(keys), value, cure)
 
 
 FORCE_CHECKS: tuple[Check, ...] = (

@@ -88,27 +88,27 @@ def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
 
 def _check_parameters_of_law(entries: ValidEntries) -> Iterator[Fault]:
     """Report parameters that a law needs or does not have."""
-    law, given = entries["law"], entries.given
+    law, keys_of_table = entries["law"], entries.given
     if isinstance(law, NamedLaw):
         return
     if law == "constant":
         keys = ("static", *_FALLING, *_POLACH, "memory", "start")
-        if unused := [key for key in keys if key in given]:
+        if unused := [key for key in keys if key in keys_of_table]:
             cure = 'only with a falling law: law = "exponential", "rational" or "polach"'
             yield Fault(", ".join(unused), 'with law = "constant"', cure)
         return
-    polach = [key for key in _POLACH if key in given]
+    polach = [key for key in _POLACH if key in keys_of_table]
     if polach and law != "polach":
         yield Fault(", ".join(polach), f'with law = "{law}"', f"{' and '.join(_FALLING)}")
         return
-    if polach and given.intersection(_FALLING):
-        falling = f"with {', '.join(key for key in _FALLING if key in given)}"
+    if polach and keys_of_table.intersection(_FALLING):
+        falling = f"with {', '.join(key for key in _FALLING if key in keys_of_table)}"
         allowed = f"{' and '.join(_FALLING)}, or {' and '.join(_POLACH)}"
         yield Fault(", ".join(polach), falling, allowed)
         return
     needed = _POLACH if polach else _FALLING
     for key in needed:
-        if key not in given:
+        if key not in keys_of_table:
             allowed = f"{' and '.join(needed)}: the limit at high speed, and how fast it falls"
             yield Fault(key, f'nothing, and law = "{law}"', allowed)
 
@@ -245,9 +245,9 @@ class Friction(LawTable):
             text += f"; interfacial layer with h/G3 = {self.layer:.4g} mm/MPa"
         yield Row("friction", text, brief=True)
 
-    def _describe_fall(self, least: float, half_speed: float) -> str:
+    def _describe_fall(self, lowest: float, half_speed: float) -> str:
         """Describe how friction falls with the sliding speed."""
-        kinetic = format_pair(least * self.mu[0], least * self.mu[1])
+        kinetic = format_pair(lowest * self.mu[0], lowest * self.mu[1])
         memory = f", over {self.memory:g} mm of sliding" if self.memory else ""
         start = "high sliding speed" if self.start == "sliding" else "rest"
         return (

@@ -104,12 +104,12 @@ def _check_axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _check_source(entries: ValidEntries) -> Iterator[Fault]:
     """Report a file together with arrays, and missing arrays."""
-    given = [key for key in _ARRAYS if key in entries.given]
-    if "file" in entries.given and given:
-        yield Fault("file", f"with {', '.join(given)}", "a file or the arrays, not both")
+    arrays = [key for key in _ARRAYS if key in entries.given]
+    if "file" in entries.given and arrays:
+        yield Fault("file", f"with {', '.join(arrays)}", "a file or the arrays, not both")
     elif "file" not in entries.given:
         for key in _ARRAYS:
-            if key not in given:
+            if key not in arrays:
                 yield Fault(key, "nothing", "a file, or all of x, y and separation")
 
 
@@ -208,18 +208,18 @@ class Gap(Table):
         yield Row("separation", f"of the radii plus the one of [gap], {source}")
 
     @classmethod
-    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return a profile, given without x or y, as a separation constant in this direction."""
-        profile = given.get("separation")
+        profile = entries.get("separation")
         row = isinstance(profile, list | tuple) and not any(map(np.ndim, profile))
         row = row or (isinstance(profile, np.ndarray) and profile.ndim == 1)
-        missing = [axis for axis in "xy" if given.get(axis) is None]
+        missing = [axis for axis in "xy" if entries.get(axis) is None]
         if not row or len(missing) != 1:
-            return given
+            return entries
         both = np.ma.array([profile, profile])
         if missing == ["y"]:
-            return {**given, "y": [-ALONG, ALONG], "separation": both.T, "profile": "x"}
-        return {**given, "x": [-ALONG, ALONG], "separation": both}
+            return {**entries, "y": [-ALONG, ALONG], "separation": both.T, "profile": "x"}
+        return {**entries, "x": [-ALONG, ALONG], "separation": both}
 
     def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
         """Convert measured coordinates and values to mm.
@@ -252,5 +252,5 @@ class Gap(Table):
 
     def _compared(self) -> tuple[Any, ...]:
         """Entries as values that can be compared and hashed: arrays as bytes."""
-        given = (getattr(self, key) for key in type(self).model_fields)
-        return tuple(a.tobytes() if isinstance(a, np.ndarray) else a for a in given)
+        values = (getattr(self, key) for key in type(self).model_fields)
+        return tuple(a.tobytes() if isinstance(a, np.ndarray) else a for a in values)

@@ -73,10 +73,10 @@ class Heat(Table):
         """Return the rows that describe the table (`Table.describe`)."""
         bodies, bulk = scene.thermal, self.bulks
         for name, thermal in bodies.items():
-            given = "" if getattr(scene.body, name).thermal else " (steel, by default)"
+            origin = "" if getattr(scene.body, name).thermal else " (steel, by default)"
             yield Row(
                 f"body {name}",
-                f"{thermal.conductivity:g} W/(m K), {thermal.diffusivity:.4g} mm2/s{given}, bulk "
+                f"{thermal.conductivity:g} W/(m K), {thermal.diffusivity:.4g} mm2/s{origin}, bulk "
                 f"{bulk[name]:g} degC",
             )
         equal = bodies["A"] == bodies["B"] and bulk["A"] == bulk["B"]
@@ -95,11 +95,11 @@ class Heat(Table):
 
 def _check_thermal_of_both(entries: ValidEntries) -> Iterator[Fault]:
     """Report thermal properties of one body only."""
-    given = [body for body in "AB" if entries[f"body.{body}.thermal"] is not None]
-    if len(given) == 1:
-        (other,) = set("AB") - set(given)
-        cure = f"a table for both bodies or for none; body {given[0]} has one"
-        yield Fault(f"body.{other}.thermal", "nothing", cure)
+    with_table = [body for body in "AB" if entries[f"body.{body}.thermal"] is not None]
+    if len(with_table) == 1:
+        (missing,) = set("AB") - set(with_table)
+        cure = f"a table for both bodies or for none; body {with_table[0]} has one"
+        yield Fault(f"body.{missing}.thermal", "nothing", cure)
 
 
 def _check_heat_has_speed(entries: ValidEntries) -> Iterator[Fault]:
@@ -109,7 +109,7 @@ def _check_heat_has_speed(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("creepage.speed", "nothing", cure)
 
 
-def _check_thermal_is_given(
+def _check_thermal_is_present(
     entries: ValidEntries, steel: tuple[float, float] = (180e3, 230e3)
 ) -> Iterator[Fault]:
     """Report missing thermal properties of a body that is not steel.
@@ -166,7 +166,7 @@ def _check_heat_of_transient(entries: ValidEntries) -> Iterator[Fault]:
 HEAT_CHECKS: tuple[Check, ...] = (
     _check_thermal_of_both,
     _check_heat_has_speed,
-    _check_thermal_is_given,
+    _check_thermal_is_present,
     _check_temperature_has_heat,
     _check_heat_of_transient,
 )

@@ -17,7 +17,7 @@ def is_line(entries: ValidEntries) -> bool:
     return long and (gap is None or gap.profile == "x")
 
 
-def _check_load_is_given(entries: ValidEntries) -> Iterator[Fault]:
+def _check_load_is_present(entries: ValidEntries) -> Iterator[Fault]:
     """Report a line contact without a load per length."""
     if is_line(entries) and entries["load.approach"] is not None:
         cure = (
@@ -47,15 +47,15 @@ def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
         return
     line = is_line(entries)
     for key, values in (("half_length", "numbers above 0"), ("elements", "integers from 3")):
-        given = entries[f"grid.{key}"]
-        if given is None:
+        value = entries[f"grid.{key}"]
+        if value is None:
             continue
-        if line and len(given) == 2:
+        if line and len(value) == 2:
             cure = f"one number, for x: a line contact is constant in y; {_CROWN}"
-            yield Fault(f"grid.{key}", shorten(given), cure)
-        elif not line and len(given) == 1:
+            yield Fault(f"grid.{key}", shorten(value), cure)
+        elif not line and len(value) == 1:
             cure = f"a pair of {values}, in x and y; one number is for line contacts"
-            yield Fault(f"grid.{key}", shorten(given[0]), cure)
+            yield Fault(f"grid.{key}", shorten(value[0]), cure)
 
 
 def _check_unit_of_planes(entries: ValidEntries) -> Iterator[Fault]:
@@ -69,7 +69,7 @@ def _check_unit_of_planes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 LINE_CHECKS: tuple[Check, ...] = (
-    _check_load_is_given,
+    _check_load_is_present,
     _check_no_spin,
     _check_friction_is_even,
     _check_directions_of_grid,

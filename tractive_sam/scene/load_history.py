@@ -19,11 +19,11 @@ from tractive_sam.schema import (
     Check,
     Fault,
     FilePath,
+    Integer,
     Row,
     SceneError,
     Table,
     ValidEntries,
-    Whole,
     entry,
     shorten,
     suggest_name,
@@ -32,7 +32,7 @@ from tractive_sam.schema import (
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .gap import absolute_path
 
-MOST_LEVELS = 1000
+MAX_LEVELS = 1000
 """Largest number of levels of a column."""
 
 _BY_LEVELS = '"levels": wear depends on the load of every revolution, not on ranges of the load'
@@ -55,9 +55,9 @@ _File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".c
 
 def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
     """Report keys that are only written when the file is read."""
-    given = entries.given & {"rows", "error", "work_error"}
-    if given and not given >= {"rows", "error"}:
-        first = min(given)
+    keys = entries.given & {"rows", "error", "work_error"}
+    if keys and not keys >= {"rows", "error"}:
+        first = min(keys)
         yield Fault(
             first, shorten(entries[first]), "nothing: the key is written when the file is read"
         )
@@ -91,7 +91,7 @@ class LoadHistory(Table):
         "longitudinal, shift_y, and revolutions (number of revolutions that a row represents, 1 "
         "by default)",
     )
-    levels: Whole = entry("number of levels of each column", default=8, ge=1, le=MOST_LEVELS)
+    levels: Integer = entry("number of levels of each column", default=8, ge=1, le=MAX_LEVELS)
     binning: Literal["levels"] = entry(
         "method that combines rows into blocks", _BY_LEVELS, "levels"
     )
@@ -170,16 +170,16 @@ def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     SceneError
         With the faults of the load history.
     """
-    given, blocks = tables.get("load_history"), tables.get("duty")
+    table, blocks = tables.get("load_history"), tables.get("duty")
     if isinstance(blocks, Mapping):
         cure = (
             "a list of blocks, each begins with [[duty]]; a measured file belongs to [load_history]"
         )
         raise SceneError([Fault("duty", f"one table, {shorten(dict(blocks))}", cure)])
-    if given is None:
+    if table is None:
         return tables
     try:
-        history = given if isinstance(given, LoadHistory) else LoadHistory(**_to_mapping(given))
+        history = table if isinstance(table, LoadHistory) else LoadHistory(**_to_mapping(table))
         if blocks is not None:
             if history.rows is not None:
                 return tables
@@ -195,11 +195,11 @@ def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     return {**tables, "load_history": history.entries() | results, "duty": binned.blocks}
 
 
-def _to_mapping(given: Any) -> Mapping[Any, Any]:
+def _to_mapping(entries: Any) -> Mapping[Any, Any]:
     """Return the entries of the table; raise a SceneError for a value that is no table."""
-    if isinstance(given, Mapping):
-        return given
-    raise SceneError([Fault("file", shorten(given), "a table with the keys file and levels")])
+    if isinstance(entries, Mapping):
+        return entries
+    raise SceneError([Fault("file", shorten(entries), "a table with the keys file and levels")])
 
 
 def blocks_of(
@@ -242,19 +242,19 @@ def blocks_of(
     >>> spectrum.spectrum.cycle
     1000
     """
-    if not isinstance(levels, int) or isinstance(levels, bool) or not 1 <= levels <= MOST_LEVELS:
-        allowed = f"an integer from 1 to {MOST_LEVELS}"
+    if not isinstance(levels, int) or isinstance(levels, bool) or not 1 <= levels <= MAX_LEVELS:
+        allowed = f"an integer from 1 to {MAX_LEVELS}"
         raise SceneError([Fault("levels", shorten(levels), allowed)])
     if binning != "levels":
         raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
     columns = _columns(measured)
     rows = next(iter(columns.values())).size
-    given, most_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
-    wrong = given[(given < 1) | (given > most_revolutions) | (given % 1 != 0)]
+    values, max_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
+    wrong = values[(values < 1) | (values > max_revolutions) | (values % 1 != 0)]
     if wrong.size:
-        allowed = f"integers from 1 to {most_revolutions:.0e} in every row"
+        allowed = f"integers from 1 to {max_revolutions:.0e} in every row"
         raise SceneError([Fault("revolutions", f"{wrong[0]}", allowed)])
-    counts = given.astype(int)
+    counts = values.astype(int)
     bins = np.stack([_levels(values, levels) for values in columns.values()], axis=1)
     _, place = np.unique(bins, axis=0, return_inverse=True)
     place = place.ravel()
@@ -318,14 +318,14 @@ def _work_error(
 
 def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
     """Return the columns of a table; raise a SceneError unless they are finite and equally long."""
-    given = measured if isinstance(measured, Mapping) else _read(Path(measured))
-    unknown = [name for name in given if name not in _COLUMNS]
+    raw = measured if isinstance(measured, Mapping) else _read(Path(measured))
+    unknown = [name for name in raw if name not in _COLUMNS]
     if unknown:
         raise SceneError(
             [Fault(n, "an unknown column", suggest_name(n, _COLUMNS)) for n in unknown]
         )
     try:
-        columns = {name: np.asarray(values, float).ravel() for name, values in given.items()}
+        columns = {name: np.asarray(values, float).ravel() for name, values in raw.items()}
     except (ValueError, TypeError):
         raise SceneError([Fault("columns", "no numbers", "numbers in every row")]) from None
     lengths = {values.size for values in columns.values()}
@@ -336,10 +336,10 @@ def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[st
     return columns
 
 
-def _read(path: Path, most: int = 2**29) -> dict[str, list[float]]:
-    """Read a CSV file of at most `most` bytes (about 20 million rows): columns by name."""
+def _read(path: Path, max_bytes: int = 2**29) -> dict[str, list[float]]:
+    """Read a CSV file of at most `max_bytes` bytes (about 20 million rows): columns by name."""
     try:
-        text = input_file.read_text(path, most, "utf-8-sig")
+        text = input_file.read_text(path, max_bytes, "utf-8-sig")
         lines = [(n, row) for n, row in enumerate(csv.reader(StringIO(text)), 1) if row]
     except (OSError, ValueError, csv.Error):
         allowed = "an existing CSV file: a line of column names, then numbers"
@@ -353,13 +353,13 @@ def _read(path: Path, most: int = 2**29) -> dict[str, list[float]]:
             "a line of column names, then as many numbers in each line, separated by commas, with "
         )
         allowed += "decimal points"
-        given = f"{path.name}, line {n}: {shorten(','.join(row))}"
-        raise SceneError([Fault("measured", given, allowed)])
+        value = f"{path.name}, line {n}: {shorten(','.join(row))}"
+        raise SceneError([Fault("measured", value, allowed)])
     names = [name.strip() for name in names]
     repeated = {name: None for name in names if names.count(name) > 1}
     if repeated:
-        given = f"{path.name} with two columns {', '.join(map(shorten, repeated))}"
-        raise SceneError([Fault("measured", given, "each column once")])
+        value = f"{path.name} with two columns {', '.join(map(shorten, repeated))}"
+        raise SceneError([Fault("measured", value, "each column once")])
     return {name: [row[k] for row in numbers] for k, name in enumerate(names)}
 
 

@@ -65,14 +65,14 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
         raise SceneError(faults)
     for key, value in changes.items():
         block, bracket, entry = key.rpartition("].")
-        for other in excluded_keys(entry) if value is not None else ():
-            rival = f"{block}{bracket}{other}"
+        for alternative in excluded_keys(entry) if value is not None else ():
+            rival = f"{block}{bracket}{alternative}"
             if not any(f"{change}.".startswith(f"{rival}.") for change in changes):
                 remove_key(result, rival)
     changed = {split_key(change)[0] for change in changes}
-    for key, other in (("load_history", "duty"), ("duty", "load_history")):
-        if key in changed and other not in changed:
-            remove_key(result, other)
+    for key, alternative in (("load_history", "duty"), ("duty", "load_history")):
+        if key in changed and alternative not in changed:
+            remove_key(result, alternative)
     if changes.get("wear.law", "archard") not in BY_COEFFICIENT:
         for key in ("wear.intensity", "wear.coefficient"):
             if not any(f"{change}.".startswith(f"{key}.") for change in changes):
@@ -87,6 +87,6 @@ def _shorten_save(tables: dict[str, Any]) -> None:
     match tables:
         case {"wear": {"revolutions": last, "save": (list() | tuple()) as save} as wear}:
             # The checks of the scene report values that are not integers.
-            are_whole = all(type(n) is int for n in (last, *save))
-            if are_whole and 1 <= last < max(save, default=0):
+            are_integers = all(type(n) is int for n in (last, *save))
+            if are_integers and 1 <= last < max(save, default=0):
                 wear["save"] = sorted({n for n in save if n < last} | {last})

@@ -283,15 +283,15 @@ def _unused_entries(scene: Any) -> Iterator[str]:
     """Yield a note for each entry that a course of [transient] replaces."""
     for key, course in scene.schedule.courses.items():
         table, _, name = key.partition(".")
-        given = getattr(scene, table).entries().get(name)
-        if (table == "creepage" or name.startswith("force")) and given not in (None, course[0]):
-            yield f"{key}: {given:g} is not used, as transient.{key} gives it; remove it"
+        value = getattr(scene, table).entries().get(name)
+        if (table == "creepage" or name.startswith("force")) and value not in (None, course[0]):
+            yield f"{key}: {value:g} is not used, as transient.{key} gives it; remove it"
 
 
 def _creepage_without_friction(scene: Any) -> Iterator[str]:
     """Yield a note for creepages without friction."""
     if scene.friction is not None:
         return
-    if given := [key for key, value in scene.creepage.settings().items() if value]:
-        keys = ", ".join(f"creepage.{key}" for key in given)
+    if nonzero := [key for key, value in scene.creepage.settings().items() if value]:
+        keys = ", ".join(f"creepage.{key}" for key in nonzero)
         yield f"{keys}: without [friction] there is no traction; add friction.mu"

@@ -48,7 +48,7 @@ class ProcessTable(LawTable):
     save: Annotated[tuple[Real, ...], AfterValidator(check_ascending)] = entry(
         "values of the coordinate at which fields are stored",
         "ascending numbers up to end",
-        default_factory=lambda given: tuple(sorted({0.0, given["end"]})),
+        default_factory=lambda entries: tuple(sorted({0.0, entries["end"]})),
     )
     law_key: ClassVar[str] = "name"
     checks: ClassVar[tuple[Check, ...]] = (_check_save,)

@@ -59,12 +59,12 @@ class Pair:
     @classmethod
     def from_tables(cls, bodies: Bodies, load: Load) -> Pair:
         """Return the pair of bodies under a load."""
-        return cls(bodies, bodies.hertz(load), f"load.{load.given_key}")
+        return cls(bodies, bodies.hertz(load), f"load.{load.prescribed_key}")
 
     @classmethod
     def from_scene(cls, scene: Any) -> Pair:
         """Return the bodies of a scene, under the largest load of its [transient]."""
-        hertz, key = scene.hertz, f"load.{scene.load.given_key}"
+        hertz, key = scene.hertz, f"load.{scene.load.prescribed_key}"
         courses = scene.schedule.courses
         for name in ("normal", "approach"):
             largest = max(courses.get(f"load.{name}", (0.0,)))
@@ -158,9 +158,9 @@ def read_shakedown_ratio(scene: Any) -> Iterator[Reading]:
 def read_creepages(scene: Any) -> Iterator[Reading]:
     """Yield the magnitudes of both creepages."""
     for key in ("longitudinal", "lateral"):
-        given = getattr(scene.creepage, key)
-        details = {"given": given, "percent": 100.0 * given}
-        yield Reading(f"creepage.{key}", abs(given), details)
+        creepage = getattr(scene.creepage, key)
+        details = {"given": creepage, "percent": 100.0 * creepage}
+        yield Reading(f"creepage.{key}", abs(creepage), details)
 
 
 def read_friction(scene: Any) -> Iterator[Reading]:

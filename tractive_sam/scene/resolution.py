@@ -42,7 +42,7 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
     """
     if grid.elements is None:
         return
-    given = grid.elements if len(grid.elements) > 1 else grid.elements[0]
+    elements = grid.elements if len(grid.elements) > 1 else grid.elements[0]
     semi_axes = (contact.a, contact.b)[: len(grid.elements)]
     half_length = grid.half_length or semi_axes
     sides = [*zip("xy", grid.elements, half_length, semi_axes, strict=False)]
@@ -53,8 +53,8 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
         covered = " x ".join(f"{count:.2g}" for count in across)
         advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
         warn(
-            f"grid.elements: {given} do not resolve the Hertz contact, which covers {covered} of "
-            "them; check the units of [load] and of the radii, or use grid.half_length = "
+            f"grid.elements: {elements} do not resolve the Hertz contact, which covers {covered} "
+            "of them; check the units of [load] and of the radii, or use grid.half_length = "
             f"[{advised}]"
         )
         return
@@ -63,4 +63,4 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
         for (axis, _, half, semi_axis), count in zip(sides, across, strict=True)
         if count < FewestElements.slip
     ]
-    warn(f"grid.elements: {given} resolves the contact poorly; use {', '.join(needs)}")
+    warn(f"grid.elements: {elements} resolves the contact poorly; use {', '.join(needs)}")

@@ -135,9 +135,9 @@ class Scene(Document):
             warn_if_coarse(self.grid, hertz)
 
     @classmethod
-    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return the tables with the blocks of a load history."""
-        return add_wheel_contact(add_blocks(given))
+        return add_wheel_contact(add_blocks(tables))
 
     def entries(self) -> dict[str, Any]:
         """Return the given entries, without those that follow from the wheel."""

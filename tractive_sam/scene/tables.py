@@ -16,7 +16,7 @@ from tractive_sam.schema import (
     Fault,
     LawTable,
     NamedLaw,
-    OptionalPositiveOneOrTwo,
+    OptionalPositivePerAxis,
     Positive,
     Real,
     Row,
@@ -75,7 +75,7 @@ class Load(Table):
         They describe the load and the peak pressure.
         """
         hertz, unit = scene.hertz, scene.force_unit
-        key, value = self.given_key, getattr(self, self.given_key)
+        key, value = self.prescribed_key, getattr(self, self.prescribed_key)
         name, unit_of_key = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
             key, ("p0", "MPa by Hertz, unworn")
         )
@@ -87,15 +87,15 @@ class Load(Table):
             "P": f"P = {hertz.load:.6g} {unit}",
             "p0": f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn",
         }
-        rest = " and ".join(part for one, part in computed.items() if one != name)
+        rest = " and ".join(part for symbol, part in computed.items() if symbol != name)
         yield Row("load", f"{text}: {rest}", brief=True)
         yield Row("unworn contact (Hertz)", hertz.describe())
 
     @property
-    def given_key(self) -> str:
+    def prescribed_key(self) -> str:
         """Key that gives the load: normal, approach or pressure."""
-        given = (key for key in ("pressure", "approach") if getattr(self, key) is not None)
-        return next(given, "normal")
+        keys = (key for key in ("pressure", "approach") if getattr(self, key) is not None)
+        return next(keys, "normal")
 
 
 class Creepage(Table):
@@ -137,7 +137,7 @@ class Creepage(Table):
 
 
 _Elements = Annotated[int, Field(ge=3, le=10**6)]
-_OneOrTwo = Annotated[
+_ElementsPerAxis = Annotated[
     tuple[_Elements, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
 ]
 
@@ -146,15 +146,15 @@ _Centre = Annotated[
     tuple[Real, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
 ]
 
-MOST_ELEMENTS = 5 * 10**7
+MAX_ELEMENTS = 5 * 10**7
 """Largest number of elements of a grid: more would need several hundred GiB."""
 
 
 def _check_number_of_elements(entries: ValidEntries) -> Iterator[Fault]:
     """Report a grid that no machine has the memory for."""
     elements = entries["elements"]
-    if elements is not None and math.prod(elements) > MOST_ELEMENTS:
-        yield Fault("elements", str(elements), f"at most {MOST_ELEMENTS:.0e} elements in all")
+    if elements is not None and math.prod(elements) > MAX_ELEMENTS:
+        yield Fault("elements", str(elements), f"at most {MAX_ELEMENTS:.0e} elements in all")
 
 
 def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Iterator[Fault]:
@@ -171,8 +171,8 @@ def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Ite
     if len(half_length) == len(elements) == 2:
         dx, dy = (length / n for length, n in zip(half_length, elements, strict=True))
         if not 1.0 / longest <= dx / dy <= longest:
-            given = f"elements of {2 * dx:.3g} x {2 * dy:.3g} mm"
-            yield Fault("half_length", given, f"elements at most {longest:g} times as long as wide")
+            size = f"elements of {2 * dx:.3g} x {2 * dy:.3g} mm"
+            yield Fault("half_length", size, f"elements at most {longest:g} times as long as wide")
 
 
 def _check_centre_of_domain(entries: ValidEntries) -> Iterator[Fault]:
@@ -206,12 +206,12 @@ class Mesh(Table):
     (41, 121)
     """
 
-    half_length: OptionalPositiveOneOrTwo = entry(
+    half_length: OptionalPositivePerAxis = entry(
         "half-lengths of the domain in x and y, mm; by default, they follow from the contact",
         "a pair of numbers above 0",
         None,
     )
-    elements: _OneOrTwo | None = entry(
+    elements: _ElementsPerAxis | None = entry(
         "numbers of elements in x and y; by default, they follow from the contact",
         "a pair of integers from 3 to 1e6",
         None,

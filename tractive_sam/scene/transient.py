@@ -47,8 +47,8 @@ def _check_courses(entries: ValidEntries) -> Iterator[Fault]:
         for key in kind.model_fields:
             values = entries.get(f"{table}.{key}")
             if values is not None and len(values) != len(knots):
-                given = f"{len(values)} values and {len(knots)} knots"
-                yield Fault(f"{table}.{key}", given, "one value for each knot of distance")
+                value = f"{len(values)} values and {len(knots)} knots"
+                yield Fault(f"{table}.{key}", value, "one value for each knot of distance")
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:
@@ -119,7 +119,7 @@ class Transient(Table):
     save: Saved = entry(
         "distances at which fields are stored, mm",
         "ascending numbers from the first knot to the last",
-        default_factory=lambda given: tuple(sorted({*given["distance"]})),
+        default_factory=lambda entries: tuple(sorted({*entries["distance"]})),
     )
     cycle_start: NotBelowZero | None = entry(
         "distance at which the stress history of [fatigue] begins, mm, for example the start of "
@@ -130,10 +130,10 @@ class Transient(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_courses, _check_save, _check_cycle_start)
 
     @classmethod
-    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return keys with a dot, for example ``"creepage.longitudinal"``, as tables."""
         tables: dict[Any, Any] = {}
-        for key, value in given.items():
+        for key, value in entries.items():
             table, dot, name = str(key).partition(".")
             if not dot:
                 merge = isinstance(value, Mapping) and isinstance(tables.get(key), dict)
@@ -172,7 +172,7 @@ class Transient(Table):
     def schedule(self) -> Schedule:
         """Schedule of the courses."""
         kind = Distance if self.rolls else Shifts
-        profiles = self.profile.given
+        profiles = self.profile.by_table
         return kind(self.distance[-1], self.save, courses=self.courses, profiles=profiles)
 
     @property

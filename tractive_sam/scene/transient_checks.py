@@ -24,13 +24,13 @@ def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
         cure = "a [grid] in place of [accuracy]: error bars hold for steady states only"
         yield Fault("transient", "together with [accuracy]", cure)
     if entries["friction"] is not None and entries["friction.layer"]:
-        given = f"{entries['friction.layer']:g}, with [transient]"
+        value = f"{entries['friction.layer']:g}, with [transient]"
         yield Fault(
-            "friction.layer", given, "0: an interfacial layer is not modelled in a transient"
+            "friction.layer", value, "0: an interfacial layer is not modelled in a transient"
         )
     if entries["solver.method"] in ("uzawa", "anderson"):
-        given = f'solver.method = "{entries["solver.method"]}"'
-        yield Fault("solver.method", given, '"auto" or "newton" with [transient]')
+        value = f'solver.method = "{entries["solver.method"]}"'
+        yield Fault("solver.method", value, '"auto" or "newton" with [transient]')
 
 
 def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
@@ -110,8 +110,8 @@ def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
         if forced and entries[crept] is not None:
             yield Fault(crept, f"with {forced[-1]}", "a force or a creepage, not both")
         if f"transient.load.{force}" in forced and f"creepage.{creepage}" in entries.given:
-            given = f"with transient.load.{force}"
-            yield Fault(f"creepage.{creepage}", given, "a force or a creepage, not both")
+            value = f"with transient.load.{force}"
+            yield Fault(f"creepage.{creepage}", value, "a force or a creepage, not both")
 
 
 def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:

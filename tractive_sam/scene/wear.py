@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field
 from tractive_sam.schema import (
     Check,
     Fault,
+    Integer,
     LawTable,
     NamedLaw,
     OptionalOrthotropicNotNegative,
@@ -18,7 +19,6 @@ from tractive_sam.schema import (
     Real,
     Row,
     ValidEntries,
-    Whole,
     allow_laws,
     entry,
 )
@@ -101,20 +101,20 @@ class Wear(LawTable):
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
         None,
     )
-    revolutions: Whole = entry(
+    revolutions: Integer = entry(
         "number of revolutions of body A, or of body B if A is flat; not with [transient]",
         "an integer from 1 to 1e12; required without [transient]",
         0,
         ge=1,
         le=10**12,
     )
-    save: Annotated[tuple[Annotated[Whole, Field(ge=0)], ...], AfterValidator(_check_ascending)] = (
-        entry(
-            "revolutions at which fields are stored",
-            "ascending whole numbers from 0",
-            default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
-            min_length=1,
-        )
+    save: Annotated[
+        tuple[Annotated[Integer, Field(ge=0)], ...], AfterValidator(_check_ascending)
+    ] = entry(
+        "revolutions at which fields are stored",
+        "ascending whole numbers from 0",
+        default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
+        min_length=1,
     )
     temperature: Factors | None = entry(
         "factor on the wear depth as a function of the surface temperature, degrees C; linear "

@@ -135,24 +135,24 @@ def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
         return
     laws = laws_of_bodies(entries["law"])
     users = [body for body, name in laws.items() if name in BY_COEFFICIENT]
-    given = entries.given & {"intensity", "coefficient"}
+    keys = entries.given & {"intensity", "coefficient"}
     together = entries["law"] in BY_COEFFICIENT
     if not users:
-        for key in sorted(given):
+        for key in sorted(keys):
             yield Fault(
                 key, f"with the law {entries['law']!r}", "nothing: its coefficients are published"
             )
         return
     if entries["law"] == "archard":
         yield from exactly_one("intensity", "coefficient")(entries)
-    elif "intensity" in given:
+    elif "intensity" in keys:
         cure = "coefficient: mm3/J for the energy law, or { A = ..., B = ... } for each body"
         yield Fault("intensity", "not with this law", cure)
-    elif "coefficient" not in given:
+    elif "coefficient" not in keys:
         yield Fault(
             "coefficient", "nothing", "a coefficient for each body with the law archard or energy"
         )
-    if "coefficient" not in given:
+    if "coefficient" not in keys:
         return
     k = entries["coefficient"]
     if not isinstance(k, Coefficients):
@@ -170,15 +170,15 @@ def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
 
 def check_sets(entries: ValidEntries) -> Iterator[Fault]:
     """Report names of sets of coefficients that do not exist."""
-    laws, given = laws_of_bodies(entries["law"]), entries["set"]
-    for body in "AB" if given is not None else ():
-        name = given if isinstance(given, str) else getattr(given, body)
+    laws, chosen = laws_of_bodies(entries["law"]), entries["set"]
+    for body in "AB" if chosen is not None else ():
+        name = chosen if isinstance(chosen, str) else getattr(chosen, body)
         sets = COEFFICIENT_SETS.get(laws[body] or "", {})
-        if name is not None and name not in sets and not (isinstance(given, str) and not sets):
-            key = "set" if isinstance(given, str) else f"set.{body}"
+        if name is not None and name not in sets and not (isinstance(chosen, str) and not sets):
+            key = "set" if isinstance(chosen, str) else f"set.{body}"
             allowed = f"one of {', '.join(sets)}" if sets else "nothing: its law has no sets"
             yield Fault(key, repr(name), allowed)
-            if isinstance(given, str):
+            if isinstance(chosen, str):
                 return
-    if isinstance(given, str) and not any(laws[body] in COEFFICIENT_SETS for body in "AB"):
-        yield Fault("set", repr(given), f"only with one of {', '.join(COEFFICIENT_SETS)}")
+    if isinstance(chosen, str) and not any(laws[body] in COEFFICIENT_SETS for body in "AB"):
+        yield Fault("set", repr(chosen), f"only with one of {', '.join(COEFFICIENT_SETS)}")

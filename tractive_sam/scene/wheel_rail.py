@@ -155,27 +155,27 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
     return find_locus(wheel, scene.rail.curve, positions, roll)
 
 
-def add_wheel_contact(given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+def add_wheel_contact(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     """Return the tables of a scene with radii, load and creepages that follow from its wheel.
 
     The bodies get the radii of the ellipsoid on a plane that overlaps like the first patch: units
     and mesh follow from its Hertz contact. Keys that are given stay, and are checked later.
     """
-    if all(given.get(name) is None for name in TABLES):
-        return given
-    body = {name: dict(_plain(_plain(given.get("body")).get(name))) for name in "AB"}
-    found = _try_contact(given, body)
-    radius_x, radius_y = (1.0, 1.0) if found is None else found.equivalent_radii
+    if all(tables.get(name) is None for name in TABLES):
+        return tables
+    body = {name: dict(_plain(_plain(tables.get("body")).get(name))) for name in "AB"}
+    contact = _try_contact(tables, body)
+    radius_x, radius_y = (1.0, 1.0) if contact is None else contact.equivalent_radii
     for name, radii in (("A", (radius_x, math.inf)), ("B", (math.inf, radius_y))):
         body[name] = dict(zip(("radius_x", "radius_y"), radii, strict=True)) | body[name]
-    changed = {**given, "body": {**_plain(given.get("body")), **body}}
-    wheelset = _plain(given.get("wheelset"))
+    changed = {**tables, "body": {**_plain(tables.get("body")), **body}}
+    wheelset = _plain(tables.get("wheelset"))
     load = to_python(wheelset.get("load") or wheelset.get("normal_load"))
     usable = isinstance(load, int | float) and load > 0.0
     changed.setdefault("load", {"normal": float(load) if usable else 1.0})
-    creepage = _plain(given.get("creepage"))
-    if found is not None and not set(_MOTIONS) & set(creepage):
-        changed["creepage"] = {**creepage, **dict(zip(_MOTIONS, found.creepages, strict=True))}
+    creepage = _plain(tables.get("creepage"))
+    if contact is not None and not set(_MOTIONS) & set(creepage):
+        changed["creepage"] = {**creepage, **dict(zip(_MOTIONS, contact.creepages, strict=True))}
     return changed
 
 
@@ -189,10 +189,10 @@ def _plain(table: Any) -> Mapping[Any, Any]:
     return table if isinstance(table, Mapping) else {}
 
 
-def _try_contact(given: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRail | None:
+def _try_contact(tables: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRail | None:
     """Return the geometry of a scene that is given, None if it is not valid."""
     try:
-        wheel, rail, wheelset = (kind(**_plain(given.get(name))) for name, kind in TABLES.items())
+        wheel, rail, wheelset = (kind(**_plain(tables.get(name))) for name, kind in TABLES.items())
         pair = []
         for name in "AB":
             material = body[name]
@@ -209,12 +209,12 @@ def _try_contact(given: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRail
 
 def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
     """Report some of the three tables without the others, and tables that they replace."""
-    given = [name for name in TABLES if name in entries.given]
-    if not given:
+    names = [name for name in TABLES if name in entries.given]
+    if not names:
         return
     for name in TABLES:
-        if name not in given:
-            yield Fault(name, "nothing", f"a [{name}] table: [{given[0]}] is given")
+        if name not in names:
+            yield Fault(name, "nothing", f"a [{name}] table: [{names[0]}] is given")
     for name in ("gap", "transient", "process", "accuracy", "load_history", "elasticity"):
         if entries[name]:
             yield Fault(name, "with [wheel]", f"no [{name}]: it is not available for wheels")
@@ -251,11 +251,11 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
         yield from faults if not may_be_missing() else ()
         return
     try:
-        found = WheelRail.from_tables(wheel, rail, wheelset, entries["body"].material.E_star)
+        contact = WheelRail.from_tables(wheel, rail, wheelset, entries["body"].material.E_star)
     except (NoContactError, RuntimeError) as error:  # the roll may not converge without contact
         yield Fault("wheelset", f"y = {wheelset.y:g} mm", str(error))
         return
-    radii = found.equivalent_radii
+    radii = contact.equivalent_radii
     expected = {"A": (radii[0], math.inf), "B": (math.inf, radii[1])}
     for name, pair in expected.items():
         body = getattr(entries["body"], name)
@@ -293,14 +293,14 @@ def resolve_profiles(folder: Path, tables: dict[str, Any]) -> None:
                 tables[name]["profile"] = str(folder / profile)
 
 
-def without_wheel_contact(entries: dict[str, Any], found: WheelRail) -> dict[str, Any]:
+def without_wheel_contact(entries: dict[str, Any], contact: WheelRail) -> dict[str, Any]:
     """Return the entries of a scene without those that follow from its wheel."""
     body = {
         name: {k: v for k, v in table.items() if not k.startswith("radius_")}
         for name, table in entries["body"].items()
     }
     creepage = dict(entries.get("creepage", {}))
-    if tuple(creepage.get(key) for key in _MOTIONS) == found.creepages:
+    if tuple(creepage.get(key) for key in _MOTIONS) == contact.creepages:
         creepage = {key: value for key, value in creepage.items() if key not in _MOTIONS}
-    kept = {key: value for key, value in entries.items() if key not in ("load", "creepage")}
-    return {**kept, "body": body, **({"creepage": creepage} if creepage else {})}
+    unchanged = {key: value for key, value in entries.items() if key not in ("load", "creepage")}
+    return {**unchanged, "body": body, **({"creepage": creepage} if creepage else {})}

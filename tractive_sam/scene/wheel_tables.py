@@ -25,14 +25,14 @@ from .gap import absolute_path, may_be_missing
 from .schedule import Patches, Schedule
 
 
-def _check_profile(given: str) -> str:
+def _check_profile(name: str) -> str:
     """Return a built-in name, or the absolute path of a profile file, which must exist."""
-    if given in BUILTIN:
-        return given
+    if name in BUILTIN:
+        return name
     allowed = f"{', '.join(BUILTIN)}, or a file ending in {', '.join(SUFFIXES)}"
-    if Path(given).suffix not in SUFFIXES:
+    if Path(name).suffix not in SUFFIXES:
         raise ValueError(allowed)
-    path = absolute_path(Path(given), SUFFIXES)
+    path = absolute_path(Path(name), SUFFIXES)
     if not may_be_missing() and not os.path.isfile(path):
         raise ValueError(f"an existing file, or one of {', '.join(BUILTIN)}")
     return str(path)
@@ -41,7 +41,7 @@ def _check_profile(given: str) -> str:
 _Unit = Literal["mm", "m", "in"]
 _Profile = Annotated[
     str,
-    BeforeValidator(lambda given: str(given) if isinstance(given, Path) else given),
+    BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value),
     AfterValidator(_check_profile),
 ]
 _FreeOrReal = Literal["free"] | Real
@@ -127,7 +127,7 @@ class RailTable(_ProfileTable):
     @property
     def curve(self) -> Profile:
         """The right rail in the track frame."""
-        return _placed(self.own_curve, self.inclination, self.gauge)
+        return _placed(self.unplaced_curve, self.inclination, self.gauge)
 
     @property
     def passes_per_revolution(self) -> float:
@@ -135,7 +135,7 @@ class RailTable(_ProfileTable):
         return 1.0 if self.passes is None else self.passes
 
     @property
-    def own_curve(self) -> Profile:
+    def unplaced_curve(self) -> Profile:
         """The profile in its own frame."""
         return self._read(self.profile, "rail")
 

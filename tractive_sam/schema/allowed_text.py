@@ -46,17 +46,17 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     if get_origin(kind) is Literal:
         return list_names(get_args(kind))
     if get_origin(kind) is tuple:
-        item, *others = get_args(kind)
-        if others == [...]:
+        item, *further = get_args(kind)
+        if further == [...]:
             names = get_args(item) if get_origin(item) is Literal else ()
             return f"a list of {list_names(names, 'and')}" if names else ""
         item = describe_allowed(item)
-        one_for_both = any(
+        accepts_number = any(
             isinstance(check, BeforeValidator) and check.func is number_to_pair
             for check in constraints
         )
         pair = f"a pair of {item.removeprefix('a ').replace('number', 'numbers')}"
-        return f"{item}, or a pair of them" if one_for_both else pair
+        return f"{item}, or a pair of them" if accepts_number else pair
     bounds = _bounds(constraints)
     return f"{_WORDS.get(kind, '')}{_describe_bounds(bounds)}" if kind in _WORDS else ""
 

@@ -24,9 +24,9 @@ def not_both(*keys: str) -> Check:
     """Return the check that at most one of some entries is given."""
 
     def check(entries: ValidEntries) -> Iterator[Fault]:
-        first, *others = [key for key in keys if key in entries.given] or [""]
-        if others:
-            yield Fault(first, f"with {' and '.join(others)}", f"only one of {_join_keys(keys)}")
+        first, *further = [key for key in keys if key in entries.given] or [""]
+        if further:
+            yield Fault(first, f"with {' and '.join(further)}", f"only one of {_join_keys(keys)}")
 
     return check
 

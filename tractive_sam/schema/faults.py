@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import ClassVar, TypeVar
 
-Given = TypeVar("Given")
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class SceneError(Exception):
     """
 
     subject: ClassVar[str] = "scene"
-    most_listed: ClassVar[int] = 20
+    max_listed: ClassVar[int] = 20
     """Number of faults that a message lists; it only counts the others."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
@@ -78,10 +78,10 @@ class SceneError(Exception):
         super().__init__(self.faults)
 
     def __str__(self) -> str:
-        count, most = len(self.faults), self.most_listed
+        count, limit = len(self.faults), self.max_listed
         head = f"{count} fault{'s' if count > 1 else ''} in the {self.subject}:"
-        more = [f"and {count - most} more"] if count > most else []
-        return "\n  ".join([head, *map(str, self.faults[:most]), *more])
+        more = [f"and {count - limit} more"] if count > limit else []
+        return "\n  ".join([head, *map(str, self.faults[:limit]), *more])
 
 
 class SceneWarning(UserWarning):
@@ -110,10 +110,10 @@ def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
     warnings.warn(text, category, stacklevel=level)
 
 
-def shorten(value: object, most: int = 60) -> str:
+def shorten(value: object, max_length: int = 60) -> str:
     """Return a short text of a value, for a message."""
     short = reprlib.Repr()
-    short.maxstring = short.maxother = most
+    short.maxstring = short.maxother = max_length
     try:
         return short.repr(value)
     except (ValueError, RecursionError):  # integers of thousands of digits, endless lists
@@ -124,12 +124,12 @@ def suggest_name(name: str, names: Iterable[str]) -> str:
     """Return a text that lists the allowed names, with the one most like `name` first."""
     names = list(names)
     listed = ", ".join(names)
-    reordered = [other for other in names if sorted(other.split("_")) == sorted(name.split("_"))]
+    reordered = [key for key in names if sorted(key.split("_")) == sorted(name.split("_"))]
     nearest = reordered or difflib.get_close_matches(name, names, n=1)
     return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"
 
 
-def required(value: Given | None, key: str) -> Given:
+def required(value: Value | None, key: str) -> Value:
     """Return an optional part of a scene that a computation needs.
 
     Parameters

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Generic, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-Given = TypeVar("Given")
+Accepted = TypeVar("Accepted")
 Stored = TypeVar("Stored")
 Inner = TypeVar("Inner")
 
@@ -53,7 +53,7 @@ def number_to_tuple(value: Any) -> Any:
     return (value,) if _is_number(value) else value
 
 
-def _read_whole(value: Any) -> Any:
+def _read_integer(value: Any) -> Any:
     """Return the integer for a number without fraction that is written as 1e4."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
@@ -63,13 +63,13 @@ def _read_path(value: Any) -> Any:
     return Path(value) if isinstance(value, str) else value
 
 
-Whole = Annotated[int, BeforeValidator(_read_whole)]
+Integer = Annotated[int, BeforeValidator(_read_integer)]
 Real = Annotated[float, AfterValidator(_check_magnitude)]
 Radius = Annotated[float, AfterValidator(_check_radius)]
 Positive = Annotated[Real, Field(gt=0), AfterValidator(_check_not_tiny)]
 NotNegative = Annotated[Real, Field(ge=0)]
 PositivePair = tuple[Positive, Positive]
-PositiveOneOrTwo = Annotated[
+PositivePerAxis = Annotated[
     tuple[Positive, ...], BeforeValidator(number_to_tuple), Field(min_length=1, max_length=2)
 ]
 FilePath = Annotated[Path, BeforeValidator(_read_path)]
@@ -79,17 +79,17 @@ Pair = tuple[float, float]
 
 if TYPE_CHECKING:
 
-    class Accepting(Generic[Given, Stored]):
+    class Accepting(Generic[Accepted, Stored]):
         """A field that accepts more types than it stores, for type checkers."""
 
         def __get__(self, table: object, kind: type, /) -> Stored: ...
-        def __set__(self, table: object, value: Given, /) -> None: ...
+        def __set__(self, table: object, value: Accepted, /) -> None: ...
 
     InnerTable = Accepting[Inner | Mapping[str, Any], Inner]
     OrthotropicPositive = Accepting[float | Pair, Pair]
     OptionalOrthotropicPositive = Accepting[float | Pair | None, Pair | None]
     OptionalOrthotropicNotNegative = OptionalOrthotropicPositive
-    OptionalPositiveOneOrTwo = Accepting[float | tuple[float, ...] | None, tuple[float, ...] | None]
+    OptionalPositivePerAxis = Accepting[float | tuple[float, ...] | None, tuple[float, ...] | None]
 else:
 
     class InnerTable:
@@ -103,7 +103,7 @@ else:
     OptionalOrthotropicNotNegative = (
         Annotated[tuple[NotNegative, NotNegative], BeforeValidator(number_to_pair)] | None
     )
-    OptionalPositiveOneOrTwo = PositiveOneOrTwo | None
+    OptionalPositivePerAxis = PositivePerAxis | None
 
 
 def entry(meaning: str, allowed: str | None = None, default: Any = ..., **bounds: Any) -> Any:

@@ -143,8 +143,8 @@ def key_signature(table: Any) -> inspect.Signature:
     A default that is a table, or that follows from other entries, is None: "not given". Parameters
     of `__init__` that are not keys, as in a study, come first.
     """
-    own = inspect.signature(table.__init__).parameters.values()
-    named = {item.name: item for item in own if item.kind is item.POSITIONAL_OR_KEYWORD}
+    of_init = inspect.signature(table.__init__).parameters.values()
+    named = {item.name: item for item in of_init if item.kind is item.POSITIONAL_OR_KEYWORD}
     parameters = [item for name, item in named.items() if name != "self"]
     for name, info in table.model_fields.items():
         if name in named:

@@ -52,8 +52,8 @@ class NamedLaw:
         return hash(self.name)
 
     def __str__(self) -> str:
-        given = ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
-        return f"{self.name}({given})"
+        parameters = ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
+        return f"{self.name}({parameters})"
 
 
 class LawTable(Table):
@@ -67,18 +67,18 @@ class LawTable(Table):
     """Keys of these laws; a law of another package may have parameters of these names."""
 
     @classmethod
-    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, table: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return the entries with a law of another package and its parameters in one entry."""
-        text = given.get(cls.law_key)
+        text = table.get(cls.law_key)
         if not isinstance(text, str) or text in cls.law_names or not (name := _full_name(text)):
-            return given
+            return table
         common = {*cls.model_fields} - {*cls.law_fields, cls.law_key}
         parameters = {
             str(key): to_python(value)
-            for key, value in given.items()
+            for key, value in table.items()
             if key not in common and key != cls.law_key and value is not None
         }
-        entries = {key: value for key, value in given.items() if key in common}
+        entries = {key: value for key, value in table.items() if key in common}
         return {cls.law_key: NamedLaw(name, parameters), **entries}
 
     @classmethod
@@ -232,7 +232,7 @@ def _source_folder(distribution: metadata.Distribution) -> Iterator[Path]:
 
 
 def _arguments(
-    kind: type, given: Mapping[str, Any], provided: Mapping[str, Any], faults: list[Fault]
+    kind: type, values: Mapping[str, Any], provided: Mapping[str, Any], faults: list[Fault]
 ) -> Iterator[tuple[str, Any]]:
     """Yield the arguments of a class by name; add the faults of the given ones to `faults`."""
     parameters = inspect.signature(kind).parameters
@@ -243,7 +243,7 @@ def _arguments(
     }
     types, free = _parameter_types(kind), [name for name in named if name not in provided]
     any_name = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
-    for name, value in given.items():
+    for name, value in values.items():
         if name in named or any_name:
             yield name, _read_argument(name, value, types.get(name, Any), faults)
         else:
@@ -251,7 +251,7 @@ def _arguments(
             allowed = suggest_name(name, free) if free else none
             faults.append(Fault(name, shorten(value), allowed))
     for name, parameter in named.items():
-        if name in given:
+        if name in values:
             continue
         if name in provided:
             yield name, provided[name]

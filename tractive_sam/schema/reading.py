@@ -51,7 +51,7 @@ class Reading:
         self.faults.append(Fault(str(key), shorten(self.given[key]), allowed))
 
 
-def read_entries(table: type[TableBase], given: Mapping[Any, Any]) -> Reading:
+def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> Reading:
     """Read the entries of a table of a class, and check them.
 
     Returns
@@ -61,19 +61,19 @@ def read_entries(table: type[TableBase], given: Mapping[Any, Any]) -> Reading:
     """
     faults: list[Fault] = []
     try:
-        given = table.unfold(given)
+        entries = table.unfold(entries)
     except SceneError as error:
         faults += error.faults
         faulty = {fault.key.split(".")[0] for fault in faults}
-        given = {key: value for key, value in given.items() if key not in faulty}
+        entries = {key: value for key, value in entries.items() if key not in faulty}
     reading = Reading(
-        {key: value for key, value in given.items() if value is not None}, faults=faults
+        {key: value for key, value in entries.items() if value is not None}, faults=faults
     )
     for key in reading.given:
         if key in table.model_fields:
             reading.entries.given.add(key)
         else:
-            many = len(reading.faults) >= SceneError.most_listed
+            many = len(reading.faults) >= SceneError.max_listed
             reading.add_fault(key, "no such entry" if many else suggest_key(table, str(key)))
     for key, info in table.model_fields.items():
         if key not in reading.given:
@@ -104,13 +104,13 @@ def _read_default(reading: Reading, key: str, info: FieldInfo) -> None:
 
 def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
     """Read the entries of a nested table."""
-    given = reading.given[key]
-    if isinstance(given, table):
-        given = given.entries()
-    if not isinstance(given, Mapping):
+    value = reading.given[key]
+    if isinstance(value, table):
+        value = value.entries()
+    if not isinstance(value, Mapping):
         reading.add_fault(key, f"a table with the keys {', '.join(table.model_fields)}")
         return
-    inner = read_entries(table, given)
+    inner = read_entries(table, value)
     reading.entries.add(key, inner.entries)
     reading.faults.extend(fault.under(key) for fault in inner.faults)
     if not inner.faults:
@@ -119,12 +119,12 @@ def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
 
 def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[TableBase]) -> None:
     """Read an array of tables: each table separately, and then their number."""
-    given = reading.given[key]
-    if not isinstance(given, list | tuple):
+    value = reading.given[key]
+    if not isinstance(value, list | tuple):
         reading.add_fault(key, f"a list of tables with the keys {', '.join(table.model_fields)}")
         return
     before, items = len(reading.faults), []
-    for place, entries in enumerate(given):
+    for place, entries in enumerate(value):
         item = Reading({key: entries})
         _read_table(item, key, table)
         reading.faults.extend(fault.at(key, place) for fault in item.faults)
@@ -182,9 +182,9 @@ def _describe_field(info: FieldInfo) -> str:
     return f"{allowed} ({info.title})" if info.title else str(allowed)
 
 
-def _is_table(given: Any, info: FieldInfo) -> bool:
+def _is_table(value: Any, info: FieldInfo) -> bool:
     """Return whether an entry is to be read as a table: some fields also allow other values."""
-    return not info.description or isinstance(given, Mapping | TableBase)
+    return not info.description or isinstance(value, Mapping | TableBase)
 
 
 @functools.cache

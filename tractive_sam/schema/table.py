@@ -29,7 +29,7 @@ def _ignore_signature(cls: Any, of_library: Any) -> None:
     """Keep the signature: the one that pydantic would set lists validators as types."""
 
 
-def _construct(cls: Any, /, *unnamed: Any, **given: Any) -> Any:
+def _construct(cls: Any, /, *unnamed: Any, **entries: Any) -> Any:
     """Construct a table from keywords only, and complete it.
 
     The class has no `__init__` for this purpose: type checkers take the keys from the fields.
@@ -39,7 +39,7 @@ def _construct(cls: Any, /, *unnamed: Any, **given: Any) -> Any:
         cure = f"; {name}.from_toml(path) reads a file" if hasattr(cls, "from_toml") else ""
         raise TypeError(f"{name}(...) takes keywords only{cure}")
     try:
-        table = type(BaseModel).__call__(cls, **given)
+        table = type(BaseModel).__call__(cls, **entries)
     except SceneError as error:
         raise cls.error_class(error.faults) from None
     table.check_complete()
@@ -81,8 +81,8 @@ class Table(TableBase, metaclass=_TableType):
     error_class: ClassVar[type[SceneError]] = SceneError
     """Class of the errors that report its faults."""
 
-    def __init__(self, /, **given: Any) -> None:
-        reading = read_entries(type(self), given)
+    def __init__(self, /, **entries: Any) -> None:
+        reading = read_entries(type(self), entries)
         if reading.faults:
             raise SceneError(reading.faults)
         self.__setstate__(

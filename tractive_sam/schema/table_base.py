@@ -30,7 +30,7 @@ class TableBase(BaseModel):
     """New names of keys by their names in older versions, for messages."""
 
     @classmethod
-    def unfold(cls, given: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return the entries to read; a table may allow other forms of what is given.
 
         Raises
@@ -38,7 +38,7 @@ class TableBase(BaseModel):
         SceneError
             With the faults of an entry that has none of these forms.
         """
-        return given
+        return entries
 
     @classmethod
     def find_parameter(cls, name: str) -> FieldInfo | None:
@@ -85,10 +85,10 @@ class TableBase(BaseModel):
             if table is None:
                 place = f"; {before}[0].{name} belongs to the first one" if array else ""
                 raise SceneError([Fault(key, shorten(key), f"no entry within {before}{place}")])
-            found = table.model_fields.get(str(name)) or table.find_parameter(str(name))
-            if found is None:
+            named_field = table.model_fields.get(str(name)) or table.find_parameter(str(name))
+            if named_field is None:
                 raise SceneError([Fault(key, shorten(key), suggest_key(table, str(name)))])
-            info = found
+            info = named_field
             table, array = inner_table(info), array_item(info)
             before = f"{before}.{name}".lstrip(".")
         return info

@@ -30,14 +30,14 @@ def parse(text: str) -> dict[str, Any]:
         raise SceneError([_syntax_fault(text, str(error))]) from None
 
 
-def parse_file(path: Path, most: int = 2**26) -> dict[str, Any]:
+def parse_file(path: Path, max_bytes: int = 2**26) -> dict[str, Any]:
     """Read a TOML file, UTF-8.
 
     Parameters
     ----------
     path : Path
         A regular file, or the standard input.
-    most : int
+    max_bytes : int
         Largest size in bytes: a gap of 1500 x 1500 points in the scene itself takes 45 MB.
 
     Raises
@@ -46,7 +46,7 @@ def parse_file(path: Path, most: int = 2**26) -> dict[str, Any]:
         If the file cannot be read, or is not TOML.
     """
     try:
-        text = input_file.read_text(path, most)
+        text = input_file.read_text(path, max_bytes)
     except UnicodeDecodeError:
         raise SceneError([Fault(Fault.FILE, shorten(str(path)), "a text file in UTF-8")]) from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null character

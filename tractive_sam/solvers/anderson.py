@@ -39,19 +39,19 @@ class Anderson(Projection):
         """Yield the combined states of the iteration."""
         images: list[np.ndarray] = []
         changes: list[np.ndarray] = []
-        best, least = state, np.inf
+        best, smallest = state, np.inf
         while True:
-            now = yield mapping, state
-            if not np.isfinite(now.residual) or now.residual > 10.0 * least:
+            evaluation = yield mapping, state
+            if not np.isfinite(evaluation.residual) or evaluation.residual > 10.0 * smallest:
                 if not images:
                     return
                 images, changes = [], []
-                state, least = best, np.inf
+                state, smallest = best, np.inf
                 continue
-            if now.residual < least:
-                best, least = state, now.residual
-            images.append(now.image)
-            changes.append(now.image - state)
+            if evaluation.residual < smallest:
+                best, smallest = state, evaluation.residual
+            images.append(evaluation.image)
+            changes.append(evaluation.image - state)
             del images[: -self.memory - 1], changes[: -self.memory - 1]
             state = mapping.admissible(combine_images(images, changes))
 

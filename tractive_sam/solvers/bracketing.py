@@ -68,9 +68,9 @@ class Bracketing:
             search.add(last)
         except _NotSolvedError:
             pass  # the outcome has the reason
-        found = search.outcome
-        note = Note("newton between creepages", found.status, f" after {search.taken} problems")
-        return replace(found, trace=(note,))
+        outcome = search.outcome
+        note = Note("newton between creepages", outcome.status, f" after {search.taken} problems")
+        return replace(outcome, trace=(note,))
 
     def _approach(self, search: "_Search", start: Start | Outcome | None) -> None:
         """Solve under creepages until the force is close to the prescribed one."""
@@ -114,9 +114,9 @@ class _Search:
         self.others = PrescribedForces(forces.vectors[1:], forces.target[1:])
         self.known, self.taken = start, 0
 
-    def add(self, found: Outcome) -> None:
+    def add(self, outcome: Outcome) -> None:
         """Add an outcome, which begins the next problem."""
-        self.outcome = self.known = found.costing(self.outcome) if self.taken else found
+        self.outcome = self.known = outcome.costing(self.outcome) if self.taken else outcome
         self.taken += 1
 
     def force_missed(self, creepage: float) -> float:
@@ -128,27 +128,32 @@ class _Search:
             If the problem was not solved.
         """
         rigid = self.problem.rigid + creepage * self.vector[:, None, None]
-        given = replace(self.problem, rigid=rigid, forces=self.others)
+        problem = replace(self.problem, rigid=rigid, forces=self.others)
         first = self.known
         if first is not None and first.creepage is not None:
             first = replace(first, creepage=first.creepage[1:])
-        found = self.method.solver.solve(given, self.rough, first)
-        if not found.converged:
-            found = self.method.solve(given, self.rough, first).costing(found)
+        outcome = self.method.solver.solve(problem, self.rough, first)
+        if not outcome.converged:
+            outcome = self.method.solve(problem, self.rough, first).costing(outcome)
         self.add(
-            replace(found, creepage=np.append(creepage, needed(found.creepage, "outcome.creepage")))
+            replace(
+                outcome, creepage=np.append(creepage, needed(outcome.creepage, "outcome.creepage"))
+            )
         )
-        if not found.converged:
+        if not outcome.converged:
             raise _NotSolvedError
-        traction = needed(found.traction, "outcome.traction")
+        traction = needed(outcome.traction, "outcome.traction")
         missed = self.vector @ traction.sum(axis=(1, 2)) - self.target
         size = np.linalg.norm(self.vector) * np.hypot(*traction).sum()
         return float(missed) if abs(missed) > self.method.close * size else 0.0
 
     def check_creepage(self) -> None:
         """Raise an error if the creepages run away: no creepage gives the force."""
-        forces, now = self.problem.forces, self.outcome
-        creepage, slip = needed(now.creepage, "outcome.creepage"), needed(now.slip, "outcome.slip")
+        forces, last = self.problem.forces, self.outcome
+        creepage, slip = (
+            needed(last.creepage, "outcome.creepage"),
+            needed(last.slip, "outcome.slip"),
+        )
         if forces.diverged(creepage, forces.elastic_slip(slip, creepage)):
-            self.outcome = replace(now, status=Status.DIVERGED, residual=1.0)
+            self.outcome = replace(last, status=Status.DIVERGED, residual=1.0)
             raise _NotSolvedError

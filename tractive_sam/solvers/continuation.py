@@ -50,8 +50,8 @@ class Continuation:
             last = tolerance if ahead == 1.0 else rough
             return self.solver.solve(self.easier(problem, ahead), last, before)
 
-        now = self.solver.solve(self.easier(problem, 0.0), rough, start)
-        return follow_path(now, solve, "creepage", self.first, self.shortest)
+        outcome = self.solver.solve(self.easier(problem, 0.0), rough, start)
+        return follow_path(outcome, solve, "creepage", self.first, self.shortest)
 
     def easier(self, problem: Problem, done: float) -> Problem:
         """Return the problem at a part of the path, from 0 to 1."""
@@ -59,7 +59,7 @@ class Continuation:
 
 
 def follow_path(
-    now: Outcome,
+    outcome: Outcome,
     solve: Callable[[float, Outcome], Outcome],
     along: str,
     first: float,
@@ -69,7 +69,7 @@ def follow_path(
 
     Parameters
     ----------
-    now : Outcome
+    outcome : Outcome
         At the beginning of the path.
     solve : callable
         Solves the problem at a part of the path, from the outcome of the one before.
@@ -83,18 +83,18 @@ def follow_path(
     Outcome
         With the cost of the path; not converged if it did not lead to its end.
     """
-    done, stretch, taken, tried = 0.0, first, 1, now
-    while now.converged and done < 1.0 and stretch >= shortest:
+    done, stretch, taken, tried = 0.0, first, 1, outcome
+    while outcome.converged and done < 1.0 and stretch >= shortest:
         ahead = min(1.0, done + stretch)
-        tried = solve(ahead, now)
+        tried = solve(ahead, outcome)
         taken += 1
         if tried.converged:
-            now, done, stretch = tried.costing(now), ahead, 2.0 * stretch
+            outcome, done, stretch = tried.costing(outcome), ahead, 2.0 * stretch
         else:
-            now = now.costing(tried)
+            outcome = outcome.costing(tried)
             stretch *= 0.5
     more = f" after {taken} problems"
     if done < 1.0:
-        now = replace(now, status=tried.status, residual=tried.residual)
+        outcome = replace(outcome, status=tried.status, residual=tried.residual)
         more += f", {done:.0%} of the way"
-    return replace(now, trace=(Note(f"newton continued in {along}", now.status, more),))
+    return replace(outcome, trace=(Note(f"newton continued in {along}", outcome.status, more),))

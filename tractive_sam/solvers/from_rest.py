@@ -60,18 +60,18 @@ class FromRest:
                 return outcome
             spent.append(outcome)
         begin = np.inf if self.sliding else 0.0
-        now = self.solver.solve(problem.at_speed_ratio(begin), max(tolerance, self.rough))
-        at_once = self.nearby.solve(problem, tolerance, now)
-        outcome = _add_cost(at_once, now, *spent)
-        if not outcome.converged and now.converged:
-            outcome = _add_cost(self._continued(problem, tolerance, now), at_once, *spent)
+        easier = self.solver.solve(problem.at_speed_ratio(begin), max(tolerance, self.rough))
+        at_once = self.nearby.solve(problem, tolerance, easier)
+        outcome = _add_cost(at_once, easier, *spent)
+        if not outcome.converged and easier.converged:
+            outcome = _add_cost(self._continued(problem, tolerance, easier), at_once, *spent)
             if not outcome.converged and len(problem.forces):
-                outcome = self._with_top(problem, outcome, now)
+                outcome = self._with_top(problem, outcome, easier)
         if not outcome.converged and outcome.top is None:
-            outcome = self.solver.solve(problem, tolerance, now).after(outcome)
+            outcome = self.solver.solve(problem, tolerance, easier).after(outcome)
         return outcome
 
-    def _continued(self, problem: Problem, tolerance: float, now: Outcome) -> Outcome:
+    def _continued(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
         """Continue from slower or from faster rolling to the problem."""
         # Forces that one creepage has no more are beyond the top: no need to come quite near it.
         shortest = 0.5 * self.first if len(problem.forces) else self.shortest
@@ -81,64 +81,64 @@ class FromRest:
             last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
             return self.nearby.solve(problem.at_speed_ratio(speed), last, before)
 
-        return follow_path(now, solve, "speed", self.first, shortest)
+        return follow_path(start, solve, "speed", self.first, shortest)
 
-    def _with_top(self, problem: Problem, outcome: Outcome, now: Outcome) -> Outcome:
+    def _with_top(self, problem: Problem, outcome: Outcome, start: Outcome) -> Outcome:
         """Return the outcome with the maximum of the traction curve of the first force."""
         forces = problem.forces
         vector, target = forces.vectors[0], forces.target[0]
-        others = PrescribedForces(forces.vectors[1:], forces.target[1:])
-        force = _Curve(self.nearby, problem, others, vector, now, self.rough)
-        step, least = force.unit, force(0.0)
-        sign = np.sign(target - least) or 1.0
+        remaining = PrescribedForces(forces.vectors[1:], forces.target[1:])
+        force = _Curve(self.nearby, problem, remaining, vector, start, self.rough)
+        step, at_zero = force.unit, force(0.0)
+        sign = np.sign(target - at_zero) or 1.0
         before, here = 0.0, -sign * step
-        value, last = sign * force(here), sign * least
+        value, last = sign * force(here), sign * at_zero
         while value > last and abs(here) < 1e6 * step:
             before, last, here = here / self.growth, value, here * self.growth
             value = sign * force(here)
         if not np.isfinite(value):
             return outcome.costing(force.spent)
-        found = scipy.optimize.minimize_scalar(
+        maximum = scipy.optimize.minimize_scalar(
             lambda creepage: -sign * force(creepage),
             bounds=sorted((before, here)),
             method="bounded",
             options={"xatol": 1e-3 * abs(here)},
         )
         top = None
-        if -found.fun < sign * target:
-            top = (float(-sign * found.fun), float(found.x))
+        if -maximum.fun < sign * target:
+            top = (float(-sign * maximum.fun), float(maximum.x))
         return replace(outcome.costing(force.spent), top=top)
 
 
 class _Curve:
     """A force as a function of its creepage; each problem starts from the previous solution."""
 
-    def __init__(self, solver, problem, others, vector, now, tolerance):
-        self._solver, self._problem, self._others = solver, problem, others
+    def __init__(self, solver, problem, remaining, vector, start, tolerance):
+        self._solver, self._problem, self._remaining = solver, problem, remaining
         self._vector, self._tolerance = vector, tolerance
-        self.spent = replace(now, cost=now.cost.scaled(0.0))
-        self._now = now
-        self.unit = 0.1 * (1.0 + np.abs(now.creepage[:1]).sum())
+        self.spent = replace(start, cost=start.cost.scaled(0.0))
+        self._start = start
+        self.unit = 0.1 * (1.0 + np.abs(start.creepage[:1]).sum())
 
     def __call__(self, creepage: float) -> float:
         problem = replace(
             self._problem,
             rigid=self._problem.rigid + creepage * self._vector[:, None, None],
-            forces=self._others,
+            forces=self._remaining,
         )
-        start = replace(self._now, creepage=self._now.creepage[1:])
-        found = self._solver.solve(problem, self._tolerance, start)
-        if not found.converged:  # too far from it: from nothing
-            found = self._solver.solve(problem, self._tolerance).costing(found)
-        self.spent = self.spent.costing(found)
-        if not found.converged:
+        start = replace(self._start, creepage=self._start.creepage[1:])
+        outcome = self._solver.solve(problem, self._tolerance, start)
+        if not outcome.converged:  # too far from it: from nothing
+            outcome = self._solver.solve(problem, self._tolerance).costing(outcome)
+        self.spent = self.spent.costing(outcome)
+        if not outcome.converged:
             return np.nan  # ends the way up
-        self._now = replace(found, creepage=np.append(creepage, found.creepage))
-        return float(self._vector @ found.traction.sum(axis=(1, 2)))
+        self._start = replace(outcome, creepage=np.append(creepage, outcome.creepage))
+        return float(self._vector @ outcome.traction.sum(axis=(1, 2)))
 
 
 def _add_cost(outcome: Outcome, *earlier: Outcome) -> Outcome:
     """Add the cost of earlier solves to the cost of the curve."""
-    for one in earlier:
-        outcome = outcome.costing(one)
+    for previous in earlier:
+        outcome = outcome.costing(previous)
     return outcome

@@ -35,7 +35,7 @@ class LinearSystem(Protocol):
 
 
 def gmres(
-    operator: Map, preconditioner: Map, rhs: np.ndarray, tolerance: float, most: int
+    operator: Map, preconditioner: Map, rhs: np.ndarray, tolerance: float, max_steps: int
 ) -> tuple[np.ndarray, int]:
     """Solve ``operator(x) = rhs`` to a relative residual (Saad & Schultz 1986).
 
@@ -47,7 +47,7 @@ def gmres(
         Right-hand side.
     tolerance : float
         Norm of the residual over the norm of `rhs` at which to stop.
-    most : int
+    max_steps : int
         Most iterations.
 
     Returns
@@ -60,16 +60,16 @@ def gmres(
     norm = sqrt(rhs @ rhs)
     if norm == 0.0:
         return np.zeros_like(rhs), 0
-    basis = np.empty((min(most, 15) + 1, rhs.size), rhs.dtype)
+    basis = np.empty((min(max_steps, 15) + 1, rhs.size), rhs.dtype)
     basis[0] = rhs / norm
     # The basis has the precision of rhs. The triangle and the rotations are small and in double
     # precision: they add no rounding errors.
-    triangle = np.zeros((most, most))
+    triangle = np.zeros((max_steps, max_steps))
     rotations: list[tuple[float, float]] = []
-    residual = np.zeros(most + 1)
+    residual = np.zeros(max_steps + 1)
     residual[0] = norm
     k = 0
-    while k < most and abs(residual[k]) > tolerance * norm:
+    while k < max_steps and abs(residual[k]) > tolerance * norm:
         w, h, beyond = orthogonalise(operator(preconditioner(basis[k])), basis[: k + 1])
         # Givens: the rotations so far, then one that takes away what the new vector adds below.
         column = h.tolist()
@@ -119,7 +119,7 @@ def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def conjugate_residuals(
-    system: LinearSystem, tolerance: float, most: int
+    system: LinearSystem, tolerance: float, max_steps: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve a linear system, and return the response to its solution as well.
 
@@ -131,7 +131,7 @@ def conjugate_residuals(
         The system.
     tolerance : float
         Norm of the residual over the norm of the right-hand side at which to stop.
-    most : int
+    max_steps : int
         Largest number of applications.
 
     Returns
@@ -141,25 +141,25 @@ def conjugate_residuals(
     response : ndarray, shape (2 or 3, n_x, n_y)
         Response of the elastic operator to its fields.
     """
-    left = system.right_hand_side()
-    kind = left.dtype.type
-    norm = sqrt(left @ left)
+    residual = system.right_hand_side()
+    kind = residual.dtype.type
+    norm = sqrt(residual @ residual)
     goal = tolerance * norm
     # Part of a new vector below which rounding has spoilt its digits.
     rounding = 500.0 * float(np.finfo(kind).eps)
-    rows, scratch = min(most, 12), np.empty_like(left)
-    vectors, basis = np.empty((2, rows, left.size), kind)
+    rows, scratch = min(max_steps, 12), np.empty_like(residual)
+    vectors, basis = np.empty((2, rows, residual.size), kind)
     responses = np.empty((rows, *system.shape), kind)
     triangle, along = np.zeros((rows, rows)), np.zeros(rows)
     k = 0
-    while k < most and norm > goal:
+    while k < max_steps and norm > goal:
         if k == rows:
             vectors, responses, basis, along = (
-                np.concatenate((one, np.empty_like(one)))
-                for one in (vectors, responses, basis, along)
+                np.concatenate((array, np.empty_like(array)))
+                for array in (vectors, responses, basis, along)
             )
             triangle, rows = np.pad(triangle, (0, k)), 2 * k
-        vectors[k] = system.preconditioner(left)
+        vectors[k] = system.preconditioner(residual)
         responses[k] = system.response(vectors[k])
         made = system.product(vectors[k], responses[k])
         w, h, beyond = orthogonalise(made, basis[:k])
@@ -167,9 +167,9 @@ def conjugate_residuals(
             break
         np.divide(w, kind(beyond), out=basis[k])
         triangle[:k, k], triangle[k, k] = h, beyond
-        along[k] = basis[k] @ left
-        left -= np.multiply(basis[k], kind(along[k]), out=scratch)
-        norm = sqrt(left @ left)
+        along[k] = basis[k] @ residual
+        residual -= np.multiply(basis[k], kind(along[k]), out=scratch)
+        norm = sqrt(residual @ residual)
         k += 1
     shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
     response = shares @ responses.reshape(rows, -1)[:k]

@@ -12,7 +12,7 @@ from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, Solver, Start
 from tractive_sam.solvers.problem import Problem
 from tractive_sam.solvers.sequential import RoughSequential, Sequential
-from tractive_sam.solvers.uniqueness import OneSolution
+from tractive_sam.solvers.uniqueness import UniqueSolution
 from tractive_sam.solvers.uzawa import Uzawa
 
 
@@ -155,4 +155,4 @@ def falling_method(solver: Solver, sliding: bool) -> Solver:
     nearby = solver.rungs[0] if isinstance(solver, Ladder) else solver
     # On the path from rest no start is near enough for the shorter method for a near start.
     far = replace(nearby, nearby=None) if isinstance(nearby, Nested) else nearby
-    return OneSolution(nearby, FromRest(solver, far, sliding))
+    return UniqueSolution(nearby, FromRest(solver, far, sliding))

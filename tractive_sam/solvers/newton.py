@@ -119,7 +119,7 @@ class Newton:
                 "problem.wear: Newton's method takes wear only in the gap; use solvers.Uzawa"
             )
         at, cost = self._first(problem, start)
-        least, since, before, bounded = np.inf, 0, np.inf, self.bounded
+        smallest, since, before, bounded = np.inf, 0, np.inf, self.bounded
         status, taken = Status.OUT_OF_ITERATIONS, 0
         for taken in range(self.steps + 1):
             report_progress(problem.operators.lattice.shape, at.residual)
@@ -134,14 +134,14 @@ class Newton:
             ):
                 status = Status.DIVERGED
                 break
-            if at.residual < 0.9 * least:
-                least, since = at.residual, taken
+            if at.residual < 0.9 * smallest:
+                smallest, since = at.residual, taken
             if taken - since > self.hopeless or taken == self.steps:
                 break
             stalled = taken - since >= self.patience
             if stalled and bounded is self.bounded:
                 bounded, stalled = not bounded, False
-                least, since = at.residual, taken
+                smallest, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
             at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded)
@@ -152,10 +152,10 @@ class Newton:
         """Return the first iterate of a problem."""
         cost, normal = Cost(), problem.normal
         if start is None and isinstance(normal, NormalProblem):
-            found = ConjugateGradients().solve(normal, 1e-3)
+            outcome = ConjugateGradients().solve(normal, 1e-3)
             start, cost = (
-                Start(found.pressure, approach=needed(found.approach, "approach")),
-                cost + found.cost,
+                Start(outcome.pressure, approach=needed(outcome.approach, "approach")),
+                cost + outcome.cost,
             )
         start = start or Start()
         answer = getattr(start, "response", None)
@@ -168,14 +168,14 @@ class Newton:
             pressure, approach = normal.pressure, 0.0
         elif normal.load is None:
             approach = normal.approach
-        known = answer is not None
+        has_response = answer is not None
         guess = needed(pressure, "start.pressure"), traction, needed(approach, "start.approach")
-        at = Iterate(problem, *guess, creepage, 1.0, not known, answer)
+        at = Iterate(problem, *guess, creepage, 1.0, not has_response, answer)
         if len(problem.forces) and start.creepage is not None and not self.bounded:
-            at = self._with_least_slip(problem, at)
+            at = self._with_smallest_slip(problem, at)
         return at, cost + Cost(at.applications)
 
-    def _with_least_slip(self, problem: Problem, at: Iterate) -> Iterate:
+    def _with_smallest_slip(self, problem: Problem, at: Iterate) -> Iterate:
         """Return an iterate with the creepages that minimise the slip of sticking elements."""
         sticks = np.hypot(*at.traction) < self.inside * at.bound.radius
         if not sticks.any():
@@ -198,10 +198,10 @@ class Newton:
         system = System(problem, at, self.precision(goal, at.residual, tolerance, elements))
         response: np.ndarray | None = None
         if system.kind is np.float64 or elements < self.gmres_from:
-            vector, known = conjugate_residuals(system, goal, self.krylov)
-            rounded = float(np.finfo(system.kind).eps * np.linalg.norm(known[-2:]))
+            vector, response_to_step = conjugate_residuals(system, goal, self.krylov)
+            rounded = float(np.finfo(system.kind).eps * np.linalg.norm(response_to_step[-2:]))
             if rounded <= self.rounding * tolerance * at.drag:
-                response = known.astype(float, copy=False)
+                response = response_to_step.astype(float, copy=False)
         else:
             rhs = system.right_hand_side()
             vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
@@ -237,7 +237,7 @@ class Newton:
 
         def trial(length: float) -> Iterate:
             nonlocal trials
-            one = Iterate(
+            iterate = Iterate(
                 problem,
                 at.pressure if problem.is_pressure_fixed else at.pressure + length * step[0],
                 at.traction + length * step[-2:],
@@ -247,8 +247,8 @@ class Newton:
                 bounded,
                 None if response is None else at.response + length * response,
             )
-            trials += one.applications
-            return one
+            trials += iterate.applications
+            return iterate
 
         length = problem.forces.trust_fraction(at.creepage, faster, at.elastic_slip)
         return self.damped(trial, at.merit_by(at.ratio), length, stalled), trials
@@ -311,7 +311,7 @@ class Newton:
             if not stalled and trials[-1].merit <= self.rise * merit:
                 return trials[-1]
             length *= 0.5
-        return min(trials, key=lambda one: one.merit)
+        return min(trials, key=lambda iterate: iterate.merit)
 
 
 def _outcome(problem: Problem, at: Iterate, status: Status, taken: int, cost: Cost) -> Outcome:

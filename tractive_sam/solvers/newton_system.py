@@ -104,7 +104,7 @@ class Iterate:
     def _project(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
         """Return pressure and traction moved back into their admissible sets."""
         fields = ((self.traction, traction), (self.pressure, pressure))
-        return any(one is not before and (one != before).any() for one, before in fields)
+        return any(new is not before and (new != before).any() for new, before in fields)
 
     def creeping(self, problem: Problem, creepage: np.ndarray) -> "Iterate":
         """Return the iterate with other creepages."""
@@ -173,14 +173,14 @@ class System:
 
         They are the fields of the vector that `operator` returns, and overwritten by the next ones.
         """
-        at, rows, own = self.at, self._rows_made, step[-2:]
+        at, rows, tangential = self.at, self._rows_made, step[-2:]
         if self.free:
             rows[0] = np.where(at.active, response[0], step[0])
             slip = at.seen.sticking_change(response[1:], at.traction, step, response[0], at.slip)
-            own = own - self._following * step[0]
+            tangential = tangential - self._following * step[0]
         else:
             slip = at.seen.sticking(response, step)
-        at.law.rows(own, slip, rows[-2:])
+        at.law.rows(tangential, slip, rows[-2:])
         if at.ratio != 1.0:
             rows[-2:] *= at.ratio
         return rows

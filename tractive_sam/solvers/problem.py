@@ -50,10 +50,10 @@ class NormalProblem:
     load: float | None
     approach: float = 0.0
 
-    def is_the_same_as(self, other: "NormalProblem") -> bool:
+    def is_the_same_as(self, problem: "NormalProblem") -> bool:
         """Return whether both problems have equal solutions."""
-        prescribed = self.load == other.load and self.approach == other.approach
-        return prescribed and np.array_equal(self.gap, other.gap)
+        prescribed = self.load == problem.load and self.approach == problem.approach
+        return prescribed and np.array_equal(self.gap, problem.gap)
 
     def within(self, box: Box) -> "NormalProblem":
         """Return the problem on a rectangle of elements, without the others."""

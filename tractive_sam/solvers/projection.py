@@ -127,12 +127,12 @@ class ProjectedMap:
             misses = np.concatenate((gap[None], opposed))
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
 
-    def without_open(self, state: Array, now: Evaluation) -> tuple[Array, Evaluation]:
+    def without_open(self, state: Array, evaluation: Evaluation) -> tuple[Array, Evaluation]:
         """Return a state without pressure on open gaps, and its evaluation."""
         if self.problem.is_pressure_fixed or np.array_equal(
-            pressure := closed(state[0], now.gap), state[0]
+            pressure := closed(state[0], evaluation.gap), state[0]
         ):
-            return state, now
+            return state, evaluation
         state = self.admissible(np.concatenate((pressure[None], state[1:])))
         return state, self(state)
 
@@ -177,20 +177,20 @@ class Projection(ABC):
         mapping, state = next(states)
         again = 0
         for taken in range(self.iterations + 1):
-            now, status = mapping(state), Status.OUT_OF_ITERATIONS
-            if now.residual <= tolerance:
-                last = mapping.without_open(state, now)
-                again += last[1] is not now
+            evaluation, status = mapping(state), Status.OUT_OF_ITERATIONS
+            if evaluation.residual <= tolerance:
+                last = mapping.without_open(state, evaluation)
+                again += last[1] is not evaluation
                 if last[1].residual <= tolerance:
-                    status, (state, now) = Status.CONVERGED, last
+                    status, (state, evaluation) = Status.CONVERGED, last
             if status is Status.CONVERGED or taken == self.iterations:
                 break
             try:
-                mapping, state = states.send(now)
+                mapping, state = states.send(evaluation)
             except StopIteration:
                 status = Status.DIVERGED
                 break
-        return self._outcome(status, mapping, state, now, taken, again), mapping
+        return self._outcome(status, mapping, state, evaluation, taken, again), mapping
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -254,15 +254,15 @@ class Projection(ABC):
             missed = np.inf if last is None else abs(last[1])
             # The load can be no better than the contact from which it is summed.
             inner = max(0.1 * tolerance, min(1e-3, 0.1 * missed))
-            now, mapping = self.iterate(mapping, inner, state)
-            cost = now.cost + cost
-            outcome = replace(now, cost=cost)
-            if not now.converged:
+            iterated, mapping = self.iterate(mapping, inner, state)
+            cost = iterated.cost + cost
+            outcome = replace(iterated, cost=cost)
+            if not iterated.converged:
                 return outcome
-            fields = now.fields
+            fields = iterated.fields
             state = np.concatenate((fields.pressure[None], fields.traction))
             error = fields.pressure.sum() / load - 1.0
-            if abs(error) <= tolerance and now.residual <= tolerance:
+            if abs(error) <= tolerance and iterated.residual <= tolerance:
                 return outcome
             # Secants, within reason of Hertz's load ~ approach^3/2: a load from a contact that is
             # not solved sharply does not bear an extrapolation.
@@ -279,7 +279,7 @@ class Projection(ABC):
         status: Status,
         mapping: ProjectedMap,
         state: Array,
-        now: Evaluation,
+        evaluation: Evaluation,
         taken: int,
         again: int,
     ) -> Outcome:
@@ -287,13 +287,13 @@ class Projection(ABC):
         normal = mapping.problem.normal
         return Outcome(
             status,
-            now.residual,
+            evaluation.residual,
             taken,
             Cost(taken + 1.0 + again),
             pressure=normal.pressure if isinstance(normal, FixedPressure) else state[0],
-            gap=now.gap,
+            gap=evaluation.gap,
             traction=state[-2:],
-            slip=now.slip,
+            slip=evaluation.slip,
             approach=normal.approach if isinstance(normal, NormalProblem) else None,
             creepage=np.zeros(0),
         )

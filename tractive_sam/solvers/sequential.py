@@ -53,8 +53,8 @@ class Sequential:
         if start is None:
             return self.normal.solve(problem, tolerance)
         if isinstance(start, Start) and start.gap is not None:
-            known = start.pressure, start.gap, None, None, start.approach
-            return Outcome(Status.CONVERGED, 0.0, 0, Cost(), *known)
+            fields = start.pressure, start.gap, None, None, start.approach
+            return Outcome(Status.CONVERGED, 0.0, 0, Cost(), *fields)
         shape, nearby = problem.gap.shape, needed(start.pressure, "start.pressure")
         box = rectangle(nearby > 0.0, self.around)
         if box == tuple(slice(0, n) for n in shape):
@@ -96,8 +96,8 @@ def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
         return Start(creepage=start.creepage)
     traction, response = start.traction[:, *box], getattr(start, "response", None)
     if response is not None:  # of all tractions, or of none
-        whole = np.count_nonzero(traction) == np.count_nonzero(start.traction)
-        response = response[-2:, *box] if whole else None
+        is_complete = np.count_nonzero(traction) == np.count_nonzero(start.traction)
+        response = response[-2:, *box] if is_complete else None
     elif start.pressure is not None:
         bound = problem.friction.bound(start.pressure).radius[box]
         traction = (
@@ -133,8 +133,8 @@ class RoughSequential:
         if not outcome.converged and len(problem.forces):
             # The slip by the uncoupled pressure can be more than these forces allow: then the
             # coupled method finds the creepages.
-            given = replace(tangential, forces=PrescribedForces())
-            without = self.tangential.solve(given, self.rough).after(outcome)
+            under_creepages = replace(tangential, forces=PrescribedForces())
+            without = self.tangential.solve(under_creepages, self.rough).after(outcome)
             outcome = replace(without, creepage=np.zeros(len(problem.forces)))
         return _with_pressure(outcome.after(normal), normal)
 
@@ -167,21 +167,21 @@ def rectangle(contact: np.ndarray, around: int = 0) -> Box:
     return along, _round_up(j[0] - around, j[-1] + 1 + around, ny)
 
 
-def _round_up(first: int, end: int, most: int) -> slice:
+def _round_up(first: int, end: int, size: int) -> slice:
     """Return at least these elements, a multiple of a step length if the mesh has as many.
 
     Contacts that grow element by element then share their operators and plans, at the price of at
     most a sixteenth more elements, or three.
     """
-    first, end = max(first, 0), min(end, most)
+    first, end = max(first, 0), min(end, size)
     step = max(4, 2 ** int(np.log2((end - first) / 16 + 1)))
-    length = min(-(-(end - first) // step) * step, most)
-    first = min(first, most - length)
+    length = min(-(-(end - first) // step) * step, size)
+    first = min(first, size - length)
     return slice(first, first + length)
 
 
 def embed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
     """Return a field on a rectangle as a field on the mesh, zero around it."""
-    whole = np.zeros((*field.shape[:-2], *shape))
-    whole[..., *box] = field
-    return whole
+    full = np.zeros((*field.shape[:-2], *shape))
+    full[..., *box] = field
+    return full

@@ -68,7 +68,7 @@ def steepness(
 
 
 @dataclass(frozen=True)
-class OneSolution:
+class UniqueSolution:
     """Solves a step from the one before, and without this start if several solutions may exist.
 
     So the result does not depend on the start of the search.
@@ -96,9 +96,9 @@ class OneSolution:
         solution = outcome
         if isinstance(fixed := problem.normal, FixedPressure):
             solution = replace(outcome, pressure=fixed.pressure, gap=fixed.gap)
-        found = steepness(problem, *solution.fields)
-        if found < 1.0:
-            return replace(outcome, steepness=found)
+        steepest = steepness(problem, *solution.fields)
+        if steepest < 1.0:
+            return replace(outcome, steepness=steepest)
         return self.path.solve(problem, tolerance).costing(outcome)
 
 

@@ -40,13 +40,13 @@ class Uzawa(Projection):
 
     def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
         """Yield the states of the iteration; shorten its steps if the residual stagnates."""
-        best, least, since = state, np.inf, 0
+        best, smallest, since = state, np.inf, 0
         for taken in count():
-            now = yield mapping, state
-            if now.residual < least:
-                best, least, since = state, now.residual, taken
-            elif not np.isfinite(now.residual) or taken - since > self.patience:
+            evaluation = yield mapping, state
+            if evaluation.residual < smallest:
+                best, smallest, since = state, evaluation.residual, taken
+            elif not np.isfinite(evaluation.residual) or taken - since > self.patience:
                 mapping = mapping.shortened(self.shorter)
                 state, since = best, taken
                 continue
-            state = now.image
+            state = evaluation.image

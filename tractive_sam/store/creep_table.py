@@ -87,9 +87,9 @@ def read_creep_table(path: Path) -> StoredTable:
     with file:
         kind = str(_decode_attribute(file.attrs.get("format", "")))
         if kind != TABLE_FORMAT:
-            found = f"a {kind}" if kind.startswith("creep-force") else "no creep-force table"
+            described = f"a {kind}" if kind.startswith("creep-force") else "no creep-force table"
             cure = "make it again by tractive-sam table"
-            raise ResultsError(f"{path} is {found}; this version reads {TABLE_FORMAT}: {cure}")
+            raise ResultsError(f"{path} is {described}; this version reads {TABLE_FORMAT}: {cure}")
         try:
             return _read_table(file)
         except (LookupError, OSError, TypeError, ValueError) as error:

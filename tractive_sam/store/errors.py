@@ -50,7 +50,7 @@ class GapError(ValueError):
     ----------
     key : str
         Key of the scene that names the file.
-    given : str
+    value : str
         The fault in the file.
     allowed : str
         What the file must contain instead.
@@ -65,18 +65,18 @@ class GapError(ValueError):
       file: given 'missing.csv'; allowed: an existing file
     """
 
-    def __init__(self, path: Path, given: str, allowed: str, table: str = "gap") -> None:
+    def __init__(self, path: Path, value: str, allowed: str, table: str = "gap") -> None:
         self.key = f"{table}.file"
         allowed = allowed.replace("gap.", f"{table}.")
-        self.given = f"{path}: {given}"
+        self.given = f"{path}: {value}"
         self.allowed = allowed
         super().__init__(f"{self.key}: {self.given}; wanted: {allowed}")
-        self._parts = path, given, allowed, table
+        self._parts = path, value, allowed, table
 
     def for_table(self, table: str) -> "GapError":
         """Return the error for a file that another table of the scene names."""
-        path, given, allowed, _ = self._parts
-        return GapError(path, given, allowed, table)
+        path, value, allowed, _ = self._parts
+        return GapError(path, value, allowed, table)
 
     def __reduce__(self):
         """Pickle the arguments, so that the error can be passed between processes."""

@@ -246,11 +246,11 @@ def _gap_from_points(path: Path, points: np.ndarray) -> _GapData:
     indices, counts = np.unique(np.stack((i, j)), axis=1, return_counts=True)
     filled = len(counts)
     if not len(points) == filled == size:
-        given = f"{len(points)} points ({filled} distinct) of {len(x)} x and {len(y)} y"
+        value = f"{len(points)} points ({filled} distinct) of {len(x)} x and {len(y)} y"
         if filled < len(points):
             k, m = indices[:, counts > 1][:, 0]
-            given += f"; x = {x[k]:g}, y = {y[m]:g} occurs {counts.max()} times"
-        raise GapError(path, given, f"each of the {size} points of the grid once")
+            value += f"; x = {x[k]:g}, y = {y[m]:g} occurs {counts.max()} times"
+        raise GapError(path, value, f"each of the {size} points of the grid once")
     separation = np.empty((len(x), len(y)))
     separation[i, j] = points[:, 2]
     return _GapData(x, y, separation)
@@ -264,8 +264,8 @@ def _check_grid(path: Path, data: _GapData) -> None:
         falls = np.flatnonzero(np.diff(axis) <= 0.0)
         if falls.size:
             places = [f"{axis[k + 1]:g} after {axis[k]:g}" for k in falls]
-            given = f"{name} that does not increase, {first_place(places)}"
-            raise GapError(path, given, f"increasing {name}")
+            value = f"{name} that does not increase, {first_place(places)}"
+            raise GapError(path, value, f"increasing {name}")
     shape = (data.x.size, data.y.size)
     if data.values.shape != shape:
         raise GapError(path, f"separation of shape {data.values.shape}", f"the shape {shape}")

@@ -79,7 +79,7 @@ REFERENCE = {"a0": "a", "b0": "b", "p0": "p0"}
 DESCRIPTION = ("units", "long_name")
 """Attributes for other readers, texts of variable length: this package never reads them."""
 
-OWN = "own"
+USER = "own"
 """Attribute of /history and /fields: user-defined columns and fields."""
 
 ROW = Quantity("record", "1", "row of /history")
@@ -219,21 +219,21 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
 
 def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
     """Create the missing fields of a record, and describe the user-defined ones."""
-    quantities = {BOUND.name: BOUND, **record.own_fields}
+    quantities = {BOUND.name: BOUND, **record.user_fields}
     for name in (name for name in record.fields if name not in fields):
         _create_field(fields, quantities[name], record.coordinate)
-        if name in record.own_fields:
-            _add_own(fields, [quantities[name]])
+        if name in record.user_fields:
+            _add_user_defined(fields, [quantities[name]])
 
 
-def _add_own(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
+def _add_user_defined(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
     """Store the description of user-defined quantities, so that any reader understands the file."""
-    described = json.loads(decode_text(group.attrs[OWN])) if OWN in group.attrs else []
+    described = json.loads(decode_text(group.attrs[USER])) if USER in group.attrs else []
     for quantity in quantities:
         relations = {key: getattr(quantity, key) for key in RELATIONS}
         stored = {key: getattr(quantity, key) for key in DESCRIBED}
         described.append(stored | {key: name for key, name in relations.items() if name})
-    set_text(group, OWN, json.dumps(described))
+    set_text(group, USER, json.dumps(described))
 
 
 def _create_columns(
@@ -266,14 +266,14 @@ def _create_columns(
         scales = tuple(history[dimension] for dimension in ("record", *column.dims))
         create_rows(history, column.name, column, scales, coordinate=coordinate)
     # A coordinate may be a column of the package without being the coordinate of the scene.
-    own = [
+    user_defined = [
         column
         for column in missing
         if column.name not in package_columns() or column.role == COORDINATE
     ]
-    own = [column for column in own if column != REVOLUTION]
-    if own:
-        _add_own(history, own)
+    user_defined = [column for column in user_defined if column != REVOLUTION]
+    if user_defined:
+        _add_user_defined(history, user_defined)
 
 
 def _create_plane(

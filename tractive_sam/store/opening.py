@@ -172,8 +172,8 @@ class ResultsFile:
             dataset = self._item(name)
             numbers = dataset.dtype.kind in "fiu" and dataset.maxshape[0] is None
             if not numbers or dataset.shape[1:] != shape[1:] or len(dataset) < shape[0]:
-                given = f"{dataset.dtype} of the shape {dataset.shape}"
-                raise ValueError(f"{given}, not numbers of the shape {shape}")
+                described = f"{dataset.dtype} of the shape {dataset.shape}"
+                raise ValueError(f"{described}, not numbers of the shape {shape}")
 
     def text(self, name: str, attribute: str | None = None, default: str | None = None) -> str:
         """Read a text: a dataset, or an attribute of it."""

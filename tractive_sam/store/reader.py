@@ -118,10 +118,12 @@ def _read_history(file: ResultsFile) -> History:
     # those of profiles.
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
     dims += tuple((name,) for name in PROFILES)
-    quantities = columns(scene, _read_own("history", dims, file))
-    own_fields = {quantity.name: quantity for quantity in _read_own("fields", ((),), file)}
+    quantities = columns(scene, _read_user_defined("history", dims, file))
+    user_fields = {
+        quantity.name: quantity for quantity in _read_user_defined("fields", ((),), file)
+    }
     coordinate = find_by_role(quantities.values(), COORDINATE).name
-    stored_fields = _stored_names("fields", (*storable_fields(scene), *own_fields), file)
+    stored_fields = _stored_names("fields", (*storable_fields(scene), *user_fields), file)
     for name in stored_fields:
         file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
     return History(
@@ -144,7 +146,7 @@ def _read_history(file: ResultsFile) -> History:
         ),
         file.text("scene", "measured", ""),
         file.text("scene", "datum", "node"),
-        own_fields,
+        user_fields,
     )
 
 
@@ -203,10 +205,12 @@ def _read_column(
     return values
 
 
-def _read_own(group: str, dims: tuple[tuple[str, ...], ...], file: ResultsFile) -> list[Quantity]:
+def _read_user_defined(
+    group: str, dims: tuple[tuple[str, ...], ...], file: ResultsFile
+) -> list[Quantity]:
     """Return the user-defined columns or fields of a group."""
     try:
-        described = json.loads(file.text(group, layout.OWN, "[]"))
+        described = json.loads(file.text(group, layout.USER, "[]"))
         quantities = [
             Quantity(**quantity | {"dims": tuple(quantity["dims"])}) for quantity in described
         ]

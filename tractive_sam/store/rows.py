@@ -96,8 +96,8 @@ def _append_group(
     for name in (*about, *values[0]):
         dataset = _open_dataset(group, name)
         before, *shape = dataset.shape
-        known: Sequence[Any] = about.get(name, ())
-        columns = known or [
+        described: Sequence[Any] = about.get(name, ())
+        columns = described or [
             widen_field(np.asarray(fields[name]), tuple(shape), outside.get(name, 0.0))
             for fields in values
         ]

@@ -53,7 +53,7 @@ VOLUME = {
     "stress": Quantity(
         "stress", "MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz"
     ),
-} | {name: Quantity(name, one.unit, one.long_name) for name, one in CRITERIA.items()}
+} | {name: Quantity(name, law.unit, law.long_name) for name, law in CRITERIA.items()}
 """Arrays of a volume."""
 
 SURFACE = {

@@ -22,7 +22,7 @@ from tractive_sam.schema import (
     shorten,
 )
 
-MOST = 1_000_000
+MAX_CASES = 1_000_000
 """Cases of a study, and values of an axis."""
 
 DIGITS = 12
@@ -111,7 +111,7 @@ class Values(Table):
     )
     start: Real | None = entry("first value of a range", default=None)
     stop: Real | None = entry("last value of a range", default=None)
-    number: int | None = entry("number of values of a range", default=None, ge=2, le=MOST)
+    number: int | None = entry("number of values of a range", default=None, ge=2, le=MAX_CASES)
     spacing: Spacing = entry("spacing of a range", default="linear")
     checks: ClassVar[tuple[Check, ...]] = (_check_values, _check_spacing, _check_range)
 
@@ -128,10 +128,10 @@ class Values(Table):
 def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of zipped entries with another number of values."""
     wanted = _length(entries["values"], entries["number"])
-    for k, other in enumerate(entries["zip"]):
-        if len(other.column()) != wanted:
-            given = f"{len(other.column())} values"
-            yield Fault(f"zip[{k}].values", given, f"{wanted}, as many as the axis has")
+    for k, zipped in enumerate(entries["zip"]):
+        if len(zipped.column()) != wanted:
+            value = f"{len(zipped.column())} values"
+            yield Fault(f"zip[{k}].values", value, f"{wanted}, as many as the axis has")
 
 
 def _length(values: tuple | None, number: int | None) -> int | None:
@@ -153,10 +153,10 @@ def _find_repeated_keys(
     name: str, before: list[str], tables: Iterable[Values | Bounds]
 ) -> Iterator[Fault]:
     """Yield faults of tables with an entry that varies already."""
-    for k, one in enumerate(tables):
-        if one.key in before:
-            yield Fault(f"{name}[{k}].key", f"{one.key} again", "each entry of the scene once")
-        before = [*before, one.key]
+    for k, table in enumerate(tables):
+        if table.key in before:
+            yield Fault(f"{name}[{k}].key", f"{table.key} again", "each entry of the scene once")
+        before = [*before, table.key]
 
 
 class Axis(Values):
@@ -181,7 +181,7 @@ class Axis(Values):
 
     def dimension(self) -> Dimension:
         """The values by key."""
-        columns = {one.key: one.column() for one in (self, *self.zip)}
+        columns = {axis.key: axis.column() for axis in (self, *self.zip)}
         return Dimension(self.key, columns)
 
 
@@ -214,7 +214,7 @@ class Latin(Table):
     True
     """
 
-    number: int = entry("number of samples", ge=1, le=MOST)
+    number: int = entry("number of samples", ge=1, le=MAX_CASES)
     variable: tuple[Bounds, ...] = entry(
         "entries and intervals", "a list of at least one table", min_length=1
     )
@@ -228,8 +228,10 @@ class Latin(Table):
         hypercube = qmc.LatinHypercube(len(self.variable), rng=np.random.default_rng(self.seed))
         shares = hypercube.random(self.number).T
         columns = {
-            one.key: _between(one.key, one.start, one.stop, one.spacing, share)
-            for one, share in zip(self.variable, shares, strict=True)
+            variable.key: _between(
+                variable.key, variable.start, variable.stop, variable.spacing, share
+            )
+            for variable, share in zip(self.variable, shares, strict=True)
         }
         return Dimension(SAMPLE, columns)
 

@@ -81,7 +81,7 @@ def cases(study: Study) -> list[Case]:
     >>> len(cases(ts.Study(scene="twin-discs", axis=[angles, loads])))
     6
     """
-    found: list[Case] = []
+    listed: list[Case] = []
     faults: dict[tuple[str, str], list[tuple[Fault, Case]]] = {}
     seen: dict[str, Case] = {}
     contents = cache(_contents)
@@ -99,13 +99,13 @@ def cases(study: Study) -> list[Case]:
             twin = seen.setdefault(case.digest, case)
             allowed = f"scenes that differ; {twin} is equal"
             new = [] if twin is case else [Fault("axis", "a scene twice", allowed)]
-            found.append(case)
+            listed.append(case)
         for fault in new:
             # Many cases share a fault: it is reported once, with their number.
             faults.setdefault((fault.key, fault.given), []).append((fault, case))
     if faults:
         raise StudyError(_merge_faults(same) for same in faults.values())
-    return found
+    return listed
 
 
 def _changes(study: Study) -> Iterator[dict[str, Any]]:

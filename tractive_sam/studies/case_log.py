@@ -85,14 +85,14 @@ class CaseLog:
         OutputError
             If the disk does not take the rest; nothing has changed then.
         """
-        whole = [line for line, entry in self._lines() if entry is not None]
-        write_file(self.path, b"".join(b"\n%b" % line for line in whole))
+        undamaged = [line for line, entry in self._lines() if entry is not None]
+        write_file(self.path, b"".join(b"\n%b" % line for line in undamaged))
 
     def _lines(self) -> list[tuple[bytes, dict[str, Any] | None]]:
         """Return the lines that are not empty, and their entries; None for a damaged one."""
         if not self.path.is_file():
             return []
-        found, checked_before = [], False
+        lines, checked_before = [], False
         for line in filter(None, self.path.read_bytes().split(b"\n")):
             checked = _CHECKED.fullmatch(line)
             entry = None
@@ -100,8 +100,8 @@ class CaseLog:
                 entry, checked_before = _entry(checked[2]), True
             elif not checked_before:
                 entry = _entry(line)
-            found.append((line, entry))
-        return found
+            lines.append((line, entry))
+        return lines
 
 
 def _entry(text: bytes) -> dict[str, Any] | None:

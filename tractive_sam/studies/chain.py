@@ -33,13 +33,13 @@ def make_chains(
         which others wait at the end.
     """
     chains: list[list[Task]] = []
-    left = 0.0
+    remaining = 0.0
     for task in tasks:
         joins = task.file is None and task.case.digest not in single
-        left -= task.seconds
-        if joins and left >= 0.0:
+        remaining -= task.seconds
+        if joins and remaining >= 0.0:
             chains[-1].append(task)
         else:
             chains.append([task])
-            left = longest - task.seconds if joins else 0.0
+            remaining = longest - task.seconds if joins else 0.0
     return [tuple(chain) for chain in chains]

@@ -23,7 +23,7 @@ from tractive_sam.extras import describe_missing
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.chain import Chain, make_chains
 from tractive_sam.studies.task import FAILED, LOCKED, CaseOutcome, Task
-from tractive_sam.studies.worker import ONE_THREAD, run_case, run_chain
+from tractive_sam.studies.worker import SINGLE_THREAD, run_case, run_chain
 
 if TYPE_CHECKING:
     from distributed import Client, Future, Scheduler, Worker
@@ -136,7 +136,7 @@ def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "
             scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},  # any free port
             security=security,
             silence_logs=logging.ERROR,
-            env=ONE_THREAD,
+            env=SINGLE_THREAD,
         )
     with cluster:
         with Client(cluster.scheduler_address, security=security, set_as_default=False) as client:
@@ -187,7 +187,7 @@ def on_cluster(
     tasks: list[Task],
     address: str,
     count_records: Callable[[Task], int],
-    say: Callable[[str], None],
+    log: Callable[[str], None],
     security: "Security | None" = None,
 ) -> Iterator[tuple[Task, CaseOutcome]]:
     """Run tasks on the workers of a scheduler; yield them with their outcomes as they end.
@@ -200,7 +200,7 @@ def on_cluster(
         Address of the scheduler.
     count_records : callable
         Returns the number of records in the results file of a task.
-    say : callable
+    log : callable
         Called with a message about what is waited for.
     security : Security, optional
         Keys that a client needs; by default from the configuration of dask.
@@ -226,41 +226,41 @@ def on_cluster(
                 del remaining[task.case.digest]
                 yield task, ended
 
-    yield from _repeat_until_done(submit_remaining, remaining, address, say, security)
+    yield from _repeat_until_done(submit_remaining, remaining, address, log, security)
 
 
 def _repeat_until_done(
     submit: Callable[["Client"], Iterator[T]],
     remaining: Sized,
     address: str,
-    say: Callable[[str], None],
+    log: Callable[[str], None],
     security: "Security | None",
 ) -> Iterator[T]:
     """Yield the results of `submit` with ever new clients, until nothing remains."""
     patience = WAITS.first
     while remaining:
         try:
-            with _client(address, patience, say, security) as client:
+            with _client(address, patience, log, security) as client:
                 patience = WAITS.lost
-                _report_workers(client, say)
+                _report_workers(client, log)
                 yield from submit(client)
         except _DisconnectedError:
-            say("the scheduler was lost; the remaining cases are submitted again")
+            log("the scheduler was lost; the remaining cases are submitted again")
         else:
             if remaining:
-                say(f"waiting for {len(remaining)} cases of an earlier client")
+                log(f"waiting for {len(remaining)} cases of an earlier client")
         if remaining:
             sleep(WAITS.pause)
 
 
-def _report_workers(client: "Client", say: Callable[[str], None]) -> None:
+def _report_workers(client: "Client", log: Callable[[str], None]) -> None:
     """Report missing workers, and workers that are slow."""
     threads = client.nthreads()
     if not threads:
-        say("the scheduler has no workers yet; dask worker ADDRESS --nthreads 1 starts one")
+        log("the scheduler has no workers yet; dask worker ADDRESS --nthreads 1 starts one")
     many = sum(count > 1 for count in threads.values())
     if many:
-        say(f"{many} workers have several threads, which slows them; start them with --nthreads 1")
+        log(f"{many} workers have several threads, which slows them; start them with --nthreads 1")
 
 
 def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcome | None:
@@ -275,7 +275,7 @@ def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcom
 
 @contextmanager
 def _client(
-    address: str, patience: float, say: Callable[[str], None], security: "Security | None"
+    address: str, patience: float, log: Callable[[str], None], security: "Security | None"
 ) -> Iterator["Client"]:
     """Connect to a scheduler, and wait for it as long as patience allows, s."""
     from distributed import Client  # of an extra
@@ -294,7 +294,7 @@ def _client(
                 reason = error.with_traceback(None)  # the traceback refers to the client
                 raise SchedulerLostError(f"no scheduler answers at {address}; {cure}") from reason
             if not waiting:
-                say(f"waiting for a scheduler at {address}")
+                log(f"waiting for a scheduler at {address}")
             waiting = True
             sleep(WAITS.pause)
         except ValueError:
@@ -355,7 +355,7 @@ def _submit_calls(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "F
 def computed(
     calls: Sequence[tuple[Any, ...]],
     address: str,
-    say: Callable[[str], None],
+    log: Callable[[str], None],
     security: "Security | None" = None,
 ) -> Iterator[tuple[int, Any]]:
     """Call functions on the workers of a scheduler; yield number and result as they end.
@@ -369,7 +369,7 @@ def computed(
         A function and its arguments each.
     address : str
         Address of the scheduler.
-    say : callable
+    log : callable
         Called with a message about what is waited for.
     security : Security, optional
         Keys that a client needs; by default from the configuration of dask.
@@ -402,7 +402,7 @@ def computed(
             del remaining[numbers[place]]
             yield numbers[place], result
 
-    yield from _repeat_until_done(submit_remaining, remaining, address, say, security)
+    yield from _repeat_until_done(submit_remaining, remaining, address, log, security)
 
 
 def _result(future: "Future") -> Any:

@@ -42,12 +42,12 @@ def explain_study(study: Study, workers: int) -> Description:
     >>> [label for label, text in work.rows]
     ['a case', 'all cases', 'with 2 workers', 'memory', 'results']
     """
-    found = cases(study)
-    models = _models(found)
+    all_cases = cases(study)
+    models = _models(all_cases)
     files = study.keep == "all"
     seconds = np.array(_estimate_times(models, files))
     # The last record of a case takes 2 kB.
-    volume = sum(map(_file_size, models)) if files else 2e3 * len(found)
+    volume = sum(map(_file_size, models)) if files else 2e3 * len(all_cases)
     memory_each = f"about {max(map(memory.scene_bytes, models)) / 2**20:.0f} MiB a worker"
     total = max(seconds.sum() / workers, seconds.max())
     shortest, longest = format_duration(min(seconds)), format_duration(max(seconds))
@@ -56,9 +56,9 @@ def explain_study(study: Study, workers: int) -> Description:
         ("all cases", f"about {format_duration(seconds.sum())} of one core"),
         (f"with {workers} workers", f"about {format_duration(total)}; set others by --workers N"),
         ("memory", f"{memory_each}, and {explain.PROGRAM_MEMORY} MiB for programs"),
-        ("results", _describe_space(volume, len(found) if files else 1)),
+        ("results", _describe_space(volume, len(all_cases) if files else 1)),
     ]
-    axes = [*_describe_axes(study), ("in all", f"{len(found)} cases")]
+    axes = [*_describe_axes(study), ("in all", f"{len(all_cases)} cases")]
     return Description((Section("Cases", axes), Section("Work", work)))
 
 
@@ -68,12 +68,12 @@ def _describe_space(volume: float, files: int) -> str:
     return f"at most about {size} in {'one file' if files == 1 else f'{files} files'}"
 
 
-def estimates(found: list[Case], with_files: bool = True) -> list[float]:
+def estimates(cases: list[Case], with_files: bool = True) -> list[float]:
     """Return the expected time of each case on a core of this machine, s."""
-    return _estimate_times(_models(found), with_files)
+    return _estimate_times(_models(cases), with_files)
 
 
-def check_memory(found: list[Case], workers: int) -> None:
+def check_memory(cases: list[Case], workers: int) -> None:
     """Check that the memory of this machine suffices for that many processes.
 
     Raises
@@ -82,15 +82,15 @@ def check_memory(found: list[Case], workers: int) -> None:
         With the number of processes for which it suffices.
     """
     each = (
-        max(map(memory.scene_bytes, _models(found)), default=0.0) + explain.PROGRAM_MEMORY * 2**20
+        max(map(memory.scene_bytes, _models(cases)), default=0.0) + explain.PROGRAM_MEMORY * 2**20
     )
-    free, workers = available_memory(), min(workers, len(found))
+    free, workers = available_memory(), min(workers, len(cases))
     if workers * each > free:
         mebi = 2**20
-        given = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"
+        value = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"
         fits = int(free / each)
         allowed = f"at most {fits} on this machine" if fits else "coarser scenes, or more memory"
-        raise StudyError([Fault("workers", given, allowed)])
+        raise StudyError([Fault("workers", value, allowed)])
 
 
 def _describe_axes(study: Study) -> list[tuple[str, str]]:
@@ -105,11 +105,11 @@ def _describe_axes(study: Study) -> list[tuple[str, str]]:
     return rows
 
 
-def _models(found: list[Case]) -> list[Model]:
+def _models(cases: list[Case]) -> list[Model]:
     """Return the model of each case; cases may share a measured gap, which is read once."""
     read = cache(read_gap)
     models = []
-    for case in found:
+    for case in cases:
         gap = case.scene.gap
         models.append(Model(case.scene, None if gap is None else read(gap)))
     return models

@@ -28,7 +28,7 @@ from tractive_sam.schema import (
     shorten,
     suggest_name,
 )
-from tractive_sam.studies.axis import MOST, Axis, Dimension, Latin
+from tractive_sam.studies.axis import MAX_CASES, Axis, Dimension, Latin
 
 
 class StudyError(SceneError):
@@ -56,19 +56,19 @@ def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
 def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of entries that vary more than once."""
     keys = Counter(
-        key for one in _dimensions(entries["axis"], entries["latin"]) for key in one.columns
+        key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns
     )
     for key, count in keys.items():
         if count > 1:
             yield Fault("axis", f"{key} varies {count} times", "each entry of the scene once")
-        within = [other for other in keys if other.startswith(f"{key}.")]
+        within = [entry_key for entry_key in keys if entry_key.startswith(f"{key}.")]
         if within:
             yield Fault("axis", f"{key} and {', '.join(within)}", "a table, or entries within it")
 
 
 def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
     """Report unknown keys that are not parameters of a law of another package."""
-    keys = [key for one in _dimensions(entries["axis"], entries["latin"]) for key in one.columns]
+    keys = [key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns]
     for key in keys:
         name, _, entry_name = key.partition(".")
         kind = Scene.table_class(Scene.model_fields[name]) if name in Scene.model_fields else None
@@ -83,8 +83,8 @@ def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
 def _check_count(entries: ValidEntries) -> Iterator[Fault]:
     """Yield a fault of a study with too many cases."""
     count = math.prod(map(len, _dimensions(entries["axis"], entries["latin"])))
-    if count > MOST:
-        yield Fault("axis", f"{count} cases", f"at most {MOST:.0e}")
+    if count > MAX_CASES:
+        yield Fault("axis", f"{count} cases", f"at most {MAX_CASES:.0e}")
 
 
 class Study(Document):
@@ -150,13 +150,13 @@ class Study(Document):
         scene: Any = None,
         set: Iterable[str] = (),
         without: Iterable[str] = (),
-        **given: Any,
+        **unknown: Any,
     ) -> None:
-        known = (*type(self).model_fields, "set", "without")
+        allowed = (*type(self).model_fields, "set", "without")
         faults = [
-            Fault(key, shorten(given.pop(key)), suggest_name(key, known))
-            for key in [*given]
-            if key not in known
+            Fault(key, shorten(unknown.pop(key)), suggest_name(key, allowed))
+            for key in [*unknown]
+            if key not in allowed
         ]
         try:
             scene = _apply_settings(scene, set, without)
@@ -164,7 +164,7 @@ class Study(Document):
             faults += error.faults
             scene = Scene.builtin(builtin_names()[0])  # so that the rest is checked as well
         try:
-            super().__init__(**given | {"scene": scene})
+            super().__init__(**unknown | {"scene": scene})
         except SceneError as error:
             faults += error.faults
         if faults:
@@ -185,7 +185,7 @@ class Study(Document):
             raise SceneError([Fault(Fault.FILE, "the tables of a scene", cure)])
         match tables:
             case {"set": list(settings)}:
-                tables["set"] = [_setting_from(folder, one) for one in settings]
+                tables["set"] = [_setting_from(folder, setting) for setting in settings]
         return resolve_parametric_files(folder, tables)
 
     @property
@@ -234,23 +234,23 @@ def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, .
 def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
     """Return the scene with its settings."""
     faults = [
-        Fault(name, shorten(given), f"a list of {kind}")
-        for name, given, kind in (
+        Fault(name, shorten(value), f"a list of {kind}")
+        for name, value, kind in (
             ("set", settings, "settings like solver.tolerance=1e-9"),
             ("without", without, "keys like subsurface"),
         )
-        if not isinstance(given, list | tuple) or not all(isinstance(one, str) for one in given)
+        if not isinstance(value, list | tuple) or not all(isinstance(text, str) for text in value)
     ]
     if faults:
         raise SceneError(faults)
     if not isinstance(scene, Scene | Mapping | str):
-        given = "nothing" if scene is None else shorten(scene)
+        value = "nothing" if scene is None else shorten(scene)
         allowed = Study.model_fields["scene"].description or "a scene"
-        raise SceneError([Fault("scene", given, allowed)])
+        raise SceneError([Fault("scene", value, allowed)])
     _check_keys(without)
     try:
-        found = _find_scene(scene)
-        changed = found.replace(**dict.fromkeys(without)) if without else found
+        base = _find_scene(scene)
+        changed = base.replace(**dict.fromkeys(without)) if without else base
         return changed.with_set(settings) if settings else changed
     except SceneError as error:
         raise SceneError(fault.under("scene") for fault in error.faults) from None

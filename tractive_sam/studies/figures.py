@@ -95,9 +95,9 @@ def save_figures(
     directory = Path(directory)
     unknown = [name for name in quantities if name not in results.quantities]
     if unknown:
-        known = ", ".join(results.quantities) or "none yet"
-        raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
-    left = _fix_axes(results, at or {})
+        available = ", ".join(results.quantities) or "none yet"
+        raise ValueError(f"no quantity {', '.join(unknown)}; there are {available}")
+    index = _fix_axes(results, at or {})
     names = quantities or [name for name in DEFAULTS if _varies(results, name)]
     make_folder(directory)
     fixed = {short_key(key, results.study): value for key, value in (at or {}).items()}
@@ -105,7 +105,7 @@ def save_figures(
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
     paths = []
     for name in names:
-        for kind, figure in _figures(results, name, left, title):
+        for kind, figure in _figures(results, name, index, title):
             interrupt.raise_if_interrupted()
             stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
             paths.append(directory / f"{stem}.{format}")
@@ -126,7 +126,7 @@ def first_figure(results: Tabulated) -> Figure | None:
 
 def short_key(key: str, study: Study) -> str:
     """Return the last part of a key, or all of it if another axis ends alike."""
-    last = [one.name.rpartition(".")[2] for one in study.dimensions]
+    last = [dim.name.rpartition(".")[2] for dim in study.dimensions]
     short = key.rpartition(".")[2]
     return short if last.count(short) == 1 else key
 
@@ -134,27 +134,27 @@ def short_key(key: str, study: Study) -> str:
 def _fix_axes(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
     """Return an index into the cases with some axes fixed, and at most two others."""
     dimensions = results.study.dimensions
-    names = [one.name for one in dimensions]
+    names = [dim.name for dim in dimensions]
     unknown = [key for key in at if key not in names]
     if unknown:
         raise ValueError(f"no axis {', '.join(unknown)}; there are {', '.join(names)}")
     index: list[int | slice] = []
-    for one in dimensions:
-        if one.name not in at:
+    for dim in dimensions:
+        if dim.name not in at:
             index.append(slice(None))
             continue
-        column = range(len(one)) if one.name == SAMPLE else one.columns[one.name]
-        if at[one.name] not in column:
+        column = range(len(dim)) if dim.name == SAMPLE else dim.columns[dim.name]
+        if at[dim.name] not in column:
             values = ", ".join(map(str, column))
-            raise ValueError(f"{one.name} has no value {at[one.name]}; it has {values}")
-        index.append(list(column).index(at[one.name]))
+            raise ValueError(f"{dim.name} has no value {at[dim.name]}; it has {values}")
+        index.append(list(column).index(at[dim.name]))
     free = [n for n, k in zip(names, index, strict=True) if isinstance(k, slice)]
     # A sample has several keys itself.
-    most = 1 if SAMPLE in free else 2
-    if not 1 <= len(free) <= most:
+    max_free = 1 if SAMPLE in free else 2
+    if not 1 <= len(free) <= max_free:
         raise ValueError(
-            f"{len(free)} axes vary, {', '.join(free) or 'none'}; fix all but {most}, each at one "
-            "of its values: --at KEY=VALUE, in Python at={key: value}"
+            f"{len(free)} axes vary, {', '.join(free) or 'none'}; fix all but {max_free}, each at "
+            "one of its values: --at KEY=VALUE, in Python at={key: value}"
         )
     return tuple(index)
 
@@ -184,7 +184,7 @@ def _name_parts(fixed: Mapping[str, Any]) -> Iterator[str]:
 def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterator[tuple[str, Any]]:
     """Yield the kinds of figures, and the figures."""
     free = [
-        one for one, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
+        dim for dim, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
     ]
     about = results.quantities[name]
     values = results.column(name).reshape(results.study.shape)[index]
@@ -199,7 +199,7 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
         return
     if len(free[0]) < len(free[1]):
         free, quantity = free[::-1], replace(quantity, values=values.T)
-    x, over = (axis_variable(one.columns, scene) for one in free)
+    x, over = (axis_variable(dim.columns, scene) for dim in free)
     yield "curves", study_curves(x, quantity, over, title=title)
     yield "map", study_map(x, over, quantity, title=title)
 
@@ -207,7 +207,7 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
 def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
     """Return the values of a key; by default of the first one, the key of the axis."""
     key = key or next(iter(columns))
-    numbers = all(isinstance(one, int | float) for one in columns[key])
+    numbers = all(isinstance(value, int | float) for value in columns[key])
     values = np.array(columns[key] if numbers else distinct_texts(columns[key]))
     table, _, name = key.rpartition(".")
     meaning = title_of(key)
@@ -219,13 +219,16 @@ def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = 
 
 def distinct_texts(column: tuple) -> list[str]:
     """Return values as texts, with their indices if some texts are equal."""
-    texts = [format_setting(one) for one in column]
-    return [f"{k}: {one}" if texts.count(one) > 1 else one for k, one in enumerate(texts)]
+    texts = [format_setting(value) for value in column]
+    return [f"{k}: {text}" if texts.count(text) > 1 else text for k, text in enumerate(texts)]
 
 
 def _unit(key: str, scene: Scene) -> str:
     """Return the unit of a key that has a symbol in figures; titles of others contain it."""
-    units = {name: one.with_units_of(scene).unit for name, one in index_by_name(COLUMNS).items()}
+    units = {
+        name: quantity.with_units_of(scene).unit
+        for name, quantity in index_by_name(COLUMNS).items()
+    }
     of_entries = {
         "load.normal": units["P"],
         "load.pressure": units["p_max"],

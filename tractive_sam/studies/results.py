@@ -117,13 +117,13 @@ class StudyResults:
         """Return the summary as HTML, for notebooks."""
         return html_table(self._summary(), self._picture())
 
-    def _summary(self, most: int = 8) -> dict[str, str]:
+    def _summary(self, max_columns: int = 8) -> dict[str, str]:
         """Return the title, the state and the values of a study, of at most that many keys."""
         counts = ", ".join(f"{n} {status}" for status, n in self.counts.items() if n)
         rows = {"study": self.study.title or self.study.scene.title or "no title"}
         rows |= {"folder": str(self.path), "cases": f"{len(self)}: {counts}"}
-        columns = [pair for one in self.study.dimensions for pair in one.columns.items()]
-        for key, column in columns[:most]:
+        columns = [pair for dim in self.study.dimensions for pair in dim.columns.items()]
+        for key, column in columns[:max_columns]:
             first, last = (f"{k:.4g}" if isinstance(k, float) else str(k) for k in _ends(column))
             rows[key] = f"{len(column)} values, {first} to {last}"
         return rows
@@ -143,8 +143,8 @@ class StudyResults:
     @property
     def counts(self) -> dict[str, int]:
         """Number of cases by status."""
-        found = [row.status for row in self.rows]
-        return {status: found.count(status) for status in STATUSES}
+        statuses = [row.status for row in self.rows]
+        return {status: statuses.count(status) for status in STATUSES}
 
     @property
     def versions(self) -> dict[str, int]:
@@ -161,14 +161,16 @@ class StudyResults:
     def _described(self) -> dict[str, Quantity]:
         """All quantities that last records may have, known or not."""
         scene = self.rows[0].case.scene if self.rows else self.study.scene
-        known = [one.with_units_of(scene) for one in COLUMNS]
+        columns = [column.with_units_of(scene) for column in COLUMNS]
         of_bodies = [
-            replace(one, name=f"{one.name} {body}", long_name=f"{one.long_name}, body {body}")
-            for one in known
-            if one.dims == ("body",)
+            replace(
+                column, name=f"{column.name} {body}", long_name=f"{column.long_name}, body {body}"
+            )
+            for column in columns
+            if column.dims == ("body",)
             for body in BODIES
         ]
-        return index_by_name([*(one for one in known if not one.dims), *of_bodies])
+        return index_by_name([*(column for column in columns if not column.dims), *of_bodies])
 
     @cached_property
     def _names(self) -> set[str]:
@@ -225,7 +227,7 @@ class StudyResults:
         KeyError
             If the key does not vary; the message lists those that do.
         """
-        vary = [key for one in self.study.dimensions for key in one.columns]
+        vary = [key for dim in self.study.dimensions for key in dim.columns]
         if key not in vary:
             raise KeyError(f"{key} does not vary; there are {', '.join(vary)}")
         return _as_array([row.case.changes[key] for row in self.rows])
@@ -243,11 +245,11 @@ class StudyResults:
         """
         check_extra("xarray", "study results")
         study = self.study
-        dims, shape = [one.name for one in study.dimensions], study.shape
+        dims, shape = [dim.name for dim in study.dimensions], study.shape
         coordinates = {
-            key: (one.name, _as_array(column), {"long_name": title_of(key)})
-            for one in study.dimensions
-            for key, column in one.columns.items()
+            key: (dim.name, _as_array(column), {"long_name": title_of(key)})
+            for dim in study.dimensions
+            for key, column in dim.columns.items()
         }
         variables: dict[str, tuple[Any, ...]] = {
             name: (
@@ -290,11 +292,11 @@ class StudyResults:
         ValueError
             If a quantity is unknown.
         """
-        keys = [key for one in self.study.dimensions for key in one.columns]
+        keys = [key for dim in self.study.dimensions for key in dim.columns]
         unknown = [name for name in quantities if name not in self.quantities]
         if unknown:
-            known = ", ".join(self.quantities) or "none yet"
-            raise ValueError(f"no quantity {', '.join(unknown)}; there are {known}")
+            available = ", ".join(self.quantities) or "none yet"
+            raise ValueError(f"no quantity {', '.join(unknown)}; there are {available}")
         names = list(quantities or self.quantities)
         headings = [self._heading(name) if units else name for name in names]
         about_case = [] if quantities else ["status", "message", "file", "version"]
@@ -307,7 +309,7 @@ class StudyResults:
             about = about[: len(about_case)]
             last = [row.last.get(name, "") for name in names]
             cells = [row.case.number, *changes, *about, *last]
-            writer.writerow([csv_cell(one) for one in cells])
+            writer.writerow([csv_cell(cell) for cell in cells])
         write_file(path, text.getvalue())
 
     def _heading(self, name: str) -> str:
@@ -339,17 +341,17 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # printed when it was computed
         study = folder.study()
-        found = cases(study)
+        all_cases = cases(study)
     files, logged, failures = folder.results(), folder.log.read(), folder.failures()
     rows = []
-    for case in found:
+    for case in all_cases:
         interrupt.raise_if_interrupted()
         file, entry = folder.file_of(case, files), logged.entries.get(case.digest)
         if entry and study.keep == "scalars" and not entry["size"]:
             rows.append(Row(case, COMPLETE, entry["message"], None, entry["row"], entry["version"]))
         elif entry and case.digest in files and file.stat().st_size == entry["size"]:
-            found_entry = entry["message"], file, entry["row"], entry["version"]
-            rows.append(Row(case, COMPLETE, *found_entry))
+            result = entry["message"], file, entry["row"], entry["version"]
+            rows.append(Row(case, COMPLETE, *result))
         else:
             rows.append(_row(case, file, failures.get(case.digest, "")))
     return StudyResults(folder.path, study, tuple(rows), logged.damage_note)
@@ -357,7 +359,7 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
 
 def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
     """Return the first and the last value; of numbers the smallest and the largest."""
-    numbers = all(isinstance(one, int | float) for one in column)
+    numbers = all(isinstance(value, int | float) for value in column)
     return (min(column), max(column)) if numbers else (column[0], column[-1])
 
 
@@ -371,27 +373,27 @@ def _row(case: Case, file: Path, failure: str) -> Row:
         history = open_history(file)
     except ResultsError as error:
         return Row(case, FAILED, str(error), file)
-    found = file, summary(history), history.versions.get("tractive-sam", "")
+    result = file, summary(history), history.versions.get("tractive-sam", "")
     if history.finished:
-        return Row(case, COMPLETE, history.message, *found)
+        return Row(case, COMPLETE, history.message, *result)
     if running:
-        return Row(case, RUNNING, "", *found)
+        return Row(case, RUNNING, "", *result)
     if failure or history.status != "running":
-        return Row(case, FAILED, failure or history.message, *found)
-    return Row(case, INTERRUPTED, "", *found)
+        return Row(case, FAILED, failure or history.message, *result)
+    return Row(case, INTERRUPTED, "", *result)
 
 
 def _at(row: Row, name: str, revolution: int) -> float:
     """Return a quantity of a case at one revolution; nan if it is unknown."""
     if row.file is None:
-        known = row.last if row.last.get("revolution") == revolution else {}
-        return known.get(name, math.nan)
+        values = row.last if row.last.get("revolution") == revolution else {}
+        return values.get(name, math.nan)
     history = open_history(row.file)
-    found = np.flatnonzero(history["revolution"] == revolution)
-    return float(summary(history, found[-1]).get(name, math.nan)) if found.size else math.nan
+    matches = np.flatnonzero(history["revolution"] == revolution)
+    return float(summary(history, matches[-1]).get(name, math.nan)) if matches.size else math.nan
 
 
 def _as_array(values: Sequence[Any]) -> np.ndarray:
     """Return values as an array of numbers, or else of texts."""
-    numbers = all(isinstance(one, int | float) and not isinstance(one, bool) for one in values)
-    return np.array(values) if numbers else np.array([str(one) for one in values])
+    numbers = all(isinstance(x, int | float) and not isinstance(x, bool) for x in values)
+    return np.array(values) if numbers else np.array([str(x) for x in values])

@@ -136,17 +136,17 @@ def study(
     if scheduler is not None and encrypted:
         raise ValueError(f"encrypted: {SCHEDULER_ENCRYPTS}")
     requested = requested if isinstance(requested, Study) else Study.from_toml(requested)
-    found, folder = cases(requested), Folder(directory)
+    all_cases, folder = cases(requested), Folder(directory)
     report, say = progress or (lambda _: None), say or (lambda _: None)
     with folder.lock(requested):
         if note := folder.log.read().damage_note:
             say(note)
             folder.log.drop_damaged()
-        tasks, done = remaining_tasks(folder, found, requested)
+        tasks, done = remaining_tasks(folder, all_cases, requested)
         # The progress refers to the remaining work, without cases that are complete already.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
-        report(Progress(len(found), ended, failed, share))
+        report(Progress(len(all_cases), ended, failed, share))
         for task, outcome in _run_tasks(tasks, scheduler, workers, encrypted, say):
             if outcome.status == COMPLETE:
                 folder.log_complete(task, outcome)
@@ -157,11 +157,11 @@ def study(
             ended += 1
             failed += outcome.status != COMPLETE
             share += task.seconds / total
-            report(Progress(len(found), ended, failed, share, task.case, outcome))
+            report(Progress(len(all_cases), ended, failed, share, task.case, outcome))
     return open_study(directory)
 
 
-def remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tuple[list[Task], int]:
+def remaining_tasks(folder: Folder, cases: list[Case], requested: Study) -> tuple[list[Task], int]:
     """Return the remaining tasks and the number of complete cases.
 
     Long cases are first; if only scalars are stored, neighbours follow each other.
@@ -169,7 +169,7 @@ def remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tupl
     files, complete = folder.results(), folder.log.read().entries
     scalars = requested.keep == "scalars"
     remaining = []
-    for case in found:
+    for case in cases:
         interrupt.raise_if_interrupted()
         entry = complete.get(case.digest)
         if entry and scalars and not entry["size"]:
@@ -186,7 +186,7 @@ def remaining_tasks(folder: Folder, found: list[Case], requested: Study) -> tupl
         tasks.sort(key=lambda task: order[task.case.number])
     else:
         tasks.sort(key=lambda task: -task.seconds)
-    return tasks, len(found) - len(remaining)
+    return tasks, len(cases) - len(remaining)
 
 
 def _run_tasks(
@@ -194,7 +194,7 @@ def _run_tasks(
     scheduler: str | None,
     workers: int | None,
     encrypted: bool | None,
-    say: Callable[[str], None],
+    log: Callable[[str], None],
 ) -> Iterator[tuple[Task, CaseOutcome]]:
     """Yield the tasks with their outcomes, as they end."""
     if not tasks:
@@ -203,7 +203,7 @@ def _run_tasks(
     if scheduler is None and workers is None and sum(task.seconds for task in tasks) < 10.0:
         workers = 0
     if workers == 0 and scheduler is None:
-        yield from _run_in_process(tasks, say)
+        yield from _run_in_process(tasks, log)
         return
     cluster.check_installed()
     if scheduler is not None:
@@ -213,11 +213,11 @@ def _run_tasks(
         check_memory([task.case for task in tasks], count)
         chosen = cluster.local_cluster(count, encrypted is not False)
     with chosen as (address, security):
-        yield from cluster.on_cluster(tasks, address, _count_records, say, security)
+        yield from cluster.on_cluster(tasks, address, _count_records, log, security)
 
 
 def _run_in_process(
-    tasks: list[Task], say: Callable[[str], None]
+    tasks: list[Task], log: Callable[[str], None]
 ) -> Iterator[tuple[Task, CaseOutcome]]:
     """Yield the tasks with their outcomes, computed in this process."""
     neighbours = SequentialRuns()
@@ -229,7 +229,7 @@ def _run_in_process(
         waiting = False
         while (outcome := run_case(task.case.scene, str(task.file))).status == LOCKED:
             if not waiting:
-                say(f"waiting for {task.case}, which another process computes")
+                log(f"waiting for {task.case}, which another process computes")
             waiting = True
             interrupt.raise_if_interrupted()
             sleep(cluster.WAITS.pause)

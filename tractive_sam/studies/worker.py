@@ -23,7 +23,7 @@ from tractive_sam.store import (
 )
 from tractive_sam.studies.task import COMPLETE, FAILED, LOCKED, CaseOutcome, summary
 
-ONE_THREAD = {
+SINGLE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
@@ -87,8 +87,8 @@ def _outcome(compute: Callable[[], CaseOutcome]) -> CaseOutcome:
         outcome = CaseOutcome(LOCKED, "another process computes it")
     except Exception as error:  # whatever the error, the other cases are computed
         outcome = CaseOutcome(FAILED, f"{type(error).__name__}: {error}", traceback=format_exc())
-    found = outcome.version or versions()["tractive-sam"]
-    return replace(outcome, worker=_worker_name(), seconds=perf_counter() - began, version=found)
+    version = outcome.version or versions()["tractive-sam"]
+    return replace(outcome, worker=_worker_name(), seconds=perf_counter() - began, version=version)
 
 
 def _compute_or_repeat(scene: Scene, file: Path) -> CaseOutcome:

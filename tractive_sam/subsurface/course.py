@@ -225,29 +225,29 @@ def _surface(
     """
     grid = course.contacts[0].grid
     lattice, sign = Lattice(grid.elements, grid.dx, grid.dy), SIGNS[body]
-    found, rows_known = [], []
+    surfaces, rows_in_contact = [], []
     for contact in course.contacts:
         load = LoadedBodies.from_contact(contact, (body,), course.laws)
         stress, *at, rows = surface_points(
             lattice, cast(HalfSpaces, load.bodies[0]), load.tractions, sign, contact.sliding
         )
         stress[4:] *= sign  # in the axes of the contact
-        found.append((stress, *at))
-        rows_known.append(rows)
-    known = np.any(rows_known, axis=0)
+        surfaces.append((stress, *at))
+        rows_in_contact.append(rows)
+    in_contact = np.any(rows_in_contact, axis=0)
     corner = grid.x[0] + 0.5 * grid.dx
     places, contact_of = course.steps(grid.dx * np.arange(1, grid.elements[0] + 1))
     moved = np.rint((places - course.places[0]) / grid.dx).astype(int)
-    results = np.zeros((4, known.size))
-    for j in range(known.size):
+    results = np.zeros((4, in_contact.size))
+    for j in range(in_contact.size):
         stresses, at = [], []
         for shift, k in zip(moved, contact_of, strict=True):
-            stress, column, row = found[k]
+            stress, column, row = surfaces[k]
             here = row == j
             stresses.append(stress[:, here])
             at.append(column[here] + shift)
         every = np.concatenate(
-            [found[k][0][:, found[k][2] == j] for k in range(len(found))], axis=1
+            [surfaces[k][0][:, surfaces[k][2] == j] for k in range(len(surfaces))], axis=1
         )
         if not every.shape[1]:
             continue
@@ -256,8 +256,8 @@ def _surface(
         )
         material = course.places[0] + corner + grid.dx * columns
         worst = _worst(course.laws, paths[:, :, None], material)
-        results[:, j] = residual_shear(every[..., None])[0], *(one[0] for one in worst)
-    return known, *results
+        results[:, j] = residual_shear(every[..., None])[0], *(value[0] for value in worst)
+    return in_contact, *results
 
 
 def _grouped(

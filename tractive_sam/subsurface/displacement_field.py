@@ -53,7 +53,7 @@ def displacement(
     grid, modulus = contact.grid, getattr(material, body).shear
     lattice = Lattice(grid.elements, grid.dx, grid.dy)
     tractions = np.concatenate((contact.traction, contact.pressure[None]))
-    (own,) = tractions_on_bodies(tractions, (SIGNS[body],))
+    (on_body,) = tractions_on_bodies(tractions, (SIGNS[body],))
     px, py = lattice.padded
     table = formula.displacement_quadrant(
         (px // 2 + 1, py // 2 + 1), grid.dx, grid.dy, depth, getattr(material, body).poisson
@@ -63,12 +63,12 @@ def displacement(
         for name, values in table.items()
     }
     kernels["yx"] = kernels["xy"]
-    spectra = np.fft.rfft2(own, lattice.padded)
+    spectra = np.fft.rfft2(on_body, lattice.padded)
     moved = [sum(kernels[a + b] * spectra[k] for k, b in enumerate("xyz")) for a in "xyz"]
     nx, ny = grid.elements
-    found = np.fft.irfft2(np.stack(moved), lattice.padded)[:, :nx, :ny] / modulus
-    found[2] *= SIGNS[body]
-    return found
+    field = np.fft.irfft2(np.stack(moved), lattice.padded)[:, :nx, :ny] / modulus
+    field[2] *= SIGNS[body]
+    return field
 
 
 def elastic_energy(contact: State, laws: Laws | None = None) -> float:

@@ -177,19 +177,19 @@ def _climb_to_maxima(
         Body, position and stress of each maximum.
     """
     barred, best = np.zeros(len(bodies), dtype=bool), np.zeros(len(surface))
-    least = _SEARCH.close * surface[bodies]
+    threshold = _SEARCH.close * surface[bodies]
     ended = []
     for step in range(_SEARCH.steps):
         values = levels.around(bodies, stencil(at), at)
         if step == 0:
             highest = _SEARCH.rise * values[:, 0]
-        fates = climb(at, barred, best, values, bodies, highest, least, floor, step == 0)
+        fates = climb(at, barred, best, values, bodies, highest, threshold, floor, step == 0)
         last, on = fates == ENDED, fates == GOES_ON
         ended.append((bodies[last], at[last]))
         if not on.any():
             break
-        bodies, at, barred, highest, least = (
-            each[on] for each in (bodies, at, barred, highest, least)
+        bodies, at, barred, highest, threshold = (
+            each[on] for each in (bodies, at, barred, highest, threshold)
         )
     bodies, at = (np.concatenate(each) for each in zip(*ended, strict=True))
     values = levels.around(bodies, stencil(at), at, closely=True)

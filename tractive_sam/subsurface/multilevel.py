@@ -145,8 +145,8 @@ class MultiLevel:
         bx, by = x.block(depth), y.block(depth)
         if (bx, by) not in self._levels:
             lattice = Lattice((x.count // bx, y.count // by), bx * x.step, by * y.step)
-            own = self._means(bx, by), self._poisson, self._signs
-            self._levels[bx, by] = StressLayers(lattice, *own)
+            loads = self._means(bx, by), self._poisson, self._signs
+            self._levels[bx, by] = StressLayers(lattice, *loads)
         stress = self._levels[bx, by].at(depth)
         steps = bx * x.step, by * y.step
         first = x.corner + 0.5 * steps[0], y.corner + 0.5 * steps[1]
@@ -162,8 +162,8 @@ class MultiLevel:
         """
         widest = self.narrow if closely else self.widest
         stress = np.empty((6, *points.shape[:2]))
-        own = self._of_bodies.take(bodies, axis=1)  # contiguous rows, as the kernel is compiled for
-        stress_sum.stress_around(stress, points, around, *own, *self._summed, widest)
+        rows = self._of_bodies.take(bodies, axis=1)  # contiguous, as the kernel is compiled for
+        stress_sum.stress_around(stress, points, around, *rows, *self._summed, widest)
         return self._criterion(stress)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
@@ -180,8 +180,8 @@ class MultiLevel:
         slips = np.zeros((x.count, y.count), dtype=bool)
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
-        own = self._bodies, self._signs, self._tractions
-        largest = largest_at_surface(lattice, *own, slips, self._criterion)
+        loads = self._bodies, self._signs, self._tractions
+        largest = largest_at_surface(lattice, *loads, slips, self._criterion)
         at_x, at_y = x.corner + 0.5 * x.step, y.corner + 0.5 * y.step
         return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in largest]
 

@@ -96,8 +96,8 @@ class PatchStress:
         """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
         grid = self._grid
         lattice = Lattice(grid.elements, grid.dx, grid.dy)
-        own = self._tractions, self._poisson, self._signs
-        return map(StressLayers(lattice, *own, threads).at, depths)
+        loads = self._tractions, self._poisson, self._signs
+        return map(StressLayers(lattice, *loads, threads).at, depths)
 
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
@@ -105,15 +105,15 @@ class PatchStress:
         """Return stresses on the plane axis = position, at the element centres along it."""
         if axis == "z":
             return next(self.layers([position]))
-        own = self._tractions, self._poisson, self._signs
-        plane = StressPlane(self._grid, axis, position, *own)
+        loads = self._tractions, self._poisson, self._signs
+        plane = StressPlane(self._grid, axis, position, *loads)
         return np.stack([plane.at(depth) for depth in depths], axis=-1)
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
         grid, sides = self._grid, (self._grid.dx, self._grid.dy)
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
-        patches = [Patches.on_mesh(grid.x, grid.y, sides, own, nu) for own, nu in each]
+        patches = [Patches.on_mesh(grid.x, grid.y, sides, on_body, nu) for on_body, nu in each]
         return np.stack([patch.stress(points).T for patch in patches])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
@@ -157,7 +157,7 @@ class StripStress:
     def at(self, points: np.ndarray) -> np.ndarray:
         """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
-        strips = [StripLoads.on_grid(self._grid, own, nu) for own, nu in each]
+        strips = [StripLoads.on_grid(self._grid, on_body, nu) for on_body, nu in each]
         return np.stack([strip.stress(points).T for strip in strips])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:

@@ -87,7 +87,7 @@ class StripLevels:
         poisson = [body.A.poisson for body in bodies]
         self._layers = StripLayers(self._lattice, tractions, poisson, signs)
         each = zip(tractions_on_bodies(tractions, signs), poisson, strict=True)
-        self._strips = [StripLoads.on_grid(grid, own, nu) for own, nu in each]
+        self._strips = [StripLoads.on_grid(grid, on_body, nu) for on_body, nu in each]
 
     def layer(self, depth: float) -> Layer:
         """Return the stress at the element centres."""
@@ -111,6 +111,6 @@ class StripLevels:
 
         The stress is evaluated at the edges of strips.
         """
-        own = self._bodies, self._signs, self._tractions
-        largest = largest_at_surface(self._lattice, *own, sliding, self._criterion)
+        loads = self._bodies, self._signs, self._tractions
+        largest = largest_at_surface(self._lattice, *loads, sliding, self._criterion)
         return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in largest]

@@ -114,15 +114,15 @@ def _is_interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
     key, column = item
     if Scene.find_field(key).annotation is int:
         return False
-    lists = [one for one in column if isinstance(one, list | tuple)]
+    lists = [value for value in column if isinstance(value, list | tuple)]
     if lists:
         alike = len(lists) == len(column) and len(set(map(len, lists))) == 1
-        return alike and all(_is_number(x) for one in lists for x in one)
+        return alike and all(_is_number(x) for row in lists for x in row)
     return all(map(_is_number, column))
 
 
 def _interpolate(x: float, nodes: np.ndarray, column: tuple[Any, ...]) -> Any:
     """Interpolate the values of a key at a place along the axis."""
     if isinstance(column[0], list | tuple):
-        return [float(np.interp(x, nodes, one)) for one in zip(*column, strict=True)]
+        return [float(np.interp(x, nodes, values)) for values in zip(*column, strict=True)]
     return float(np.interp(x, nodes, column))

@@ -46,7 +46,7 @@ class TableBuilder:
             table = self.make_table([np.zeros((max(len(a) - 1, 0), 3)) for a in self.axes])
             between = self.interval_errors(table)
             wanted = NODE_SHARE * self.design.tolerance
-            split = [np.flatnonzero(one.max(axis=1, initial=0.0) > wanted) for one in between]
+            split = [np.flatnonzero(errors.max(axis=1, initial=0.0) > wanted) for errors in between]
             if not any(map(len, split)):
                 split = self._choose_splits(table)
             if not any(map(len, split)):
@@ -130,7 +130,7 @@ class TableBuilder:
         steps = np.arange(len(axis) - 1) + shares[..., -1]
         shares[..., -1] = np.interp(steps, np.arange(len(axis)), axis)
         points = self.points_at_shares(shares.reshape(-1, len(self.axes)))
-        places = {one[:lead] for one in (*points, *itertools.product(*self.axes[:lead]))}
+        places = {point[:lead] for point in (*points, *itertools.product(*self.axes[:lead]))}
         moving = self._solve_gradients(points, table, finer=True)
         at_rest = self._solve_gradients(
             [(*place, 0.0, 0.0, 0.0) for place in sorted(places)], table
@@ -175,12 +175,12 @@ class TableBuilder:
             tuple(float(axis[k]) for axis, k in zip(self.axes, place, strict=True))
             for place in places
         ]
-        found = self.contacts.solve_nodes(points)
-        values = np.array([one.force for one in found]).reshape(*shape, 3)
-        bars = np.array([one.bar for one in found]).reshape(*shape, 3)
-        slopes = np.array([one.gradient for one in found]).reshape(*shape, 3, 3)
+        nodes = self.contacts.solve_nodes(points)
+        values = np.array([node.force for node in nodes]).reshape(*shape, 3)
+        bars = np.array([node.bar for node in nodes]).reshape(*shape, 3)
+        slopes = np.array([node.gradient for node in nodes]).reshape(*shape, 3, 3)
         self._end_slopes(values, slopes)
-        derivatives = coefficients(self.axes, values, slopes, self.grid.whole, self.discrete)
+        derivatives = coefficients(self.axes, values, slopes, self.grid.full_range, self.discrete)
         design = self.design
         return CreepTable(
             Hermite(tuple(self.axes), derivatives),
@@ -189,7 +189,7 @@ class TableBuilder:
             tuple(between),
             about or {},
             design.apart,
-            self.grid.whole,
+            self.grid.full_range,
             design.contact,
         )
 
@@ -220,9 +220,9 @@ class TableBuilder:
 
         The points of an interval do not change between rounds: among new ones some would be worse.
         """
-        found, points, where = [], [], []
+        largest, points, where = [], [], []
         for k, nodes in enumerate(self.axes):
-            found.append(np.zeros((max(len(nodes) - 1, 0), 3)))
+            largest.append(np.zeros((max(len(nodes) - 1, 0), 3)))
             if k in self.discrete:
                 continue
             for cell, (low, high) in enumerate(itertools.pairwise(map(float, nodes))):
@@ -234,12 +234,12 @@ class TableBuilder:
                 points += self.middles[k, low, high]
                 where += self.refinement.samples * [(k, cell)]
         for (k, cell), error in zip(where, np.abs(self.errors_at(table, points)), strict=True):
-            found[k][cell] = np.maximum(found[k][cell], error)
-        for k, errors in enumerate(found):
-            for one in range(len(errors)):
-                alike = self.grid.alike(k - self.lead, np.array([one]), len(errors))
+            largest[k][cell] = np.maximum(largest[k][cell], error)
+        for k, errors in enumerate(largest):
+            for interval in range(len(errors)):
+                alike = self.grid.alike(k - self.lead, np.array([interval]), len(errors))
                 errors[alike] = errors[alike].max(axis=0)
-        return found
+        return largest
 
     def _random_point(self, axis: int, x: float) -> Point:
         """Return a random node, moved along one axis to x."""
@@ -284,10 +284,12 @@ class TableBuilder:
         if not self.check_points:
             return []
         errors = np.abs(self.errors_at(table, self.check_points)).max(axis=1)
-        least = max(
+        bound = max(
             self.refinement.miss * self.design.tolerance, self.refinement.worst * errors.max()
         )
-        return [one for one, error in zip(self.check_points, errors, strict=True) if error > least]
+        return [
+            point for point, error in zip(self.check_points, errors, strict=True) if error > bound
+        ]
 
     def _symmetric_cells(self, axis: int, x: float) -> np.ndarray:
         """Return the interval of an axis that contains x, with its images by symmetry."""

@@ -89,7 +89,7 @@ def build_table(
 
 @contextmanager
 def _solver(
-    design: TableDesign, scheduler: str | None, workers: int, say: Callable[[str], None]
+    design: TableDesign, scheduler: str | None, workers: int, log: Callable[[str], None]
 ) -> Iterator[Solve]:
     """Yield a solver of contacts: this process, processes of this machine, or workers."""
     chosen: AbstractContextManager = nullcontext((scheduler, None))
@@ -100,7 +100,7 @@ def _solver(
         yield (
             solve_here(design)
             if address is None
-            else solve_on_workers(design, address, security, say)
+            else solve_on_workers(design, address, security, log)
         )
 
 

@@ -15,7 +15,7 @@ def coefficients(
     axes: Sequence[np.ndarray],
     values: np.ndarray,
     slopes: np.ndarray,
-    whole: bool = False,
+    full_range: bool = False,
     apart: Sequence[int] = (),
 ) -> np.ndarray:
     """Return the derivatives of `Hermite` at the nodes of a table.
@@ -34,7 +34,7 @@ def coefficients(
         Forces.
     slopes : ndarray, shape (n_1, ..., n_N, 3, 3)
         Derivatives (force, coordinate) by heading, tilt and u.
-    whole : bool
+    full_range : bool
         Whether the table contains all headings and tilts.
     apart : sequence of int
         Discrete axes, along which values are not interpolated.
@@ -45,31 +45,32 @@ def coefficients(
     """
     count = len(axes)
     flat = {k for k in range(count) if len(axes[k]) == 1 or k in apart}
-    found: dict[frozenset[int], np.ndarray] = {frozenset(): values}
+    derivatives: dict[frozenset[int], np.ndarray] = {frozenset(): values}
     for size in range(1, count + 1):
         for some in _subsets(count, size):
             if some & flat:
-                found[some] = np.zeros_like(values)
+                derivatives[some] = np.zeros_like(values)
             elif size == 1 and min(some) >= count - 3:
-                found[some] = slopes[..., min(some) - (count - 3)]
+                derivatives[some] = slopes[..., min(some) - (count - 3)]
             else:
                 parts = {
-                    k: _slope(axes, found[some - {k}], k, some - {k}, whole) for k in sorted(some)
+                    k: _slope(axes, derivatives[some - {k}], k, some - {k}, full_range)
+                    for k in sorted(some)
                 }
-                found[some] = np.mean(list(parts.values()), axis=0)
-                _use_known_slopes(found[some], parts, count - 3, whole)
-                _use_slopes_at_rest(found[some], parts, count)
+                derivatives[some] = np.mean(list(parts.values()), axis=0)
+                _use_slopes_at_nodes(derivatives[some], parts, count - 3, full_range)
+                _use_slopes_at_rest(derivatives[some], parts, count)
     places = [
         frozenset(k for k in range(count) if d >> (count - 1 - k) & 1) for d in range(2**count)
     ]
-    return np.stack([found[some] for some in places], axis=-2)
+    return np.stack([derivatives[some] for some in places], axis=-2)
 
 
-def _use_known_slopes(values: np.ndarray, parts: dict, heading: int, whole: bool) -> None:
+def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_range: bool) -> None:
     """Use the derivative by heading or tilt alone at the nodes that have it."""
     for axis in (heading + HEADING, heading + TILT):
         if axis in parts:
-            for place in _known(values.ndim, axis, heading, whole):
+            for place in _smooth_nodes(values.ndim, axis, heading, full_range):
                 values[place] = parts[axis][place]
             return
 
@@ -79,21 +80,21 @@ def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
 
     Derivatives by other axes are zero at rest: their differences along u are less accurate.
     """
-    others = [part for axis, part in parts.items() if axis < count - 3]
-    if count - 1 in parts and others and not {count - 3, count - 2} & parts.keys():
-        values[..., 0, :] = np.mean([part[..., 0, :] for part in others], axis=0)
+    further = [part for axis, part in parts.items() if axis < count - 3]
+    if count - 1 in parts and further and not {count - 3, count - 2} & parts.keys():
+        values[..., 0, :] = np.mean([part[..., 0, :] for part in further], axis=0)
 
 
-def _known(dims: int, axis: int, heading: int, whole: bool) -> list[tuple]:
+def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[tuple]:
     """Return nodes with values that are sums of 1, cos and sin: at rest, over heading at a pole."""
     every = [slice(None)] * dims
     places = []
-    for other, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):
-        if other == axis or (axis != heading and other != heading + 2):
+    for end_axis, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):
+        if end_axis == axis or (axis != heading and end_axis != heading + 2):
             continue
-        if other == heading + TILT and end == 0 and not whole:
+        if end_axis == heading + TILT and end == 0 and not full_range:
             continue  # zero spin
-        places.append((*every[:other], end, *every[other + 1 :]))
+        places.append((*every[:end_axis], end, *every[end_axis + 1 :]))
     return places
 
 
@@ -104,7 +105,11 @@ def _subsets(count: int, size: int) -> list[frozenset[int]]:
 
 
 def _slope(
-    axes: Sequence[np.ndarray], values: np.ndarray, axis: int, taken: frozenset[int], whole: bool
+    axes: Sequence[np.ndarray],
+    values: np.ndarray,
+    axis: int,
+    taken: frozenset[int],
+    full_range: bool,
 ) -> np.ndarray:
     """Return the derivative along an axis of values that are derivatives by `taken`."""
     nodes, count = axes[axis], len(axes)
@@ -116,7 +121,7 @@ def _slope(
         return CubicSpline(nodes, values, axis=axis)(nodes, 1)
     if kind not in (HEADING, TILT):
         return np.gradient(values, nodes, axis=axis, edge_order=2 if len(nodes) > 2 else 1)
-    beyond = _beyond_whole if whole else _beyond_quarter
+    beyond = _beyond_full_range if full_range else _beyond_quarter
     first, last = beyond(values, kind, count - 3, taken)
     padded = np.concatenate([first, values, last], axis=axis)
     around = np.concatenate([[2.0 * nodes[0] - nodes[1]], nodes, [2.0 * nodes[-1] - nodes[-2]]])
@@ -126,7 +131,7 @@ def _slope(
     exact = np.moveaxis(
         np.tensordot(slopes @ np.linalg.pinv(basis), values, axes=(1, axis)), 0, axis
     )
-    for place in _known(values.ndim, axis, count - 3, whole):
+    for place in _smooth_nodes(values.ndim, axis, count - 3, full_range):
         inner[place] = exact[place]
     return inner
 
@@ -145,7 +150,7 @@ def _beyond_quarter(values: np.ndarray, kind: int, heading: int, taken: frozense
     return MIRROR * sign * np.flip(first, heading), REVERSED * sign * np.flip(last, heading)
 
 
-def _beyond_whole(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
+def _beyond_full_range(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
     """Return these values for all headings, a circle, and tilts: f(heading + pi) beyond a pole."""
     first, last = _ends(values, heading + kind)
     if kind == HEADING:

@@ -9,7 +9,7 @@ from scipy.special import elliprd
 
 from tractive_sam.contact import Model, jacobian_of, solve_on_fitted_mesh
 from tractive_sam.mechanics import HertzContact, HertzLine
-from tractive_sam.operators import one_blas_thread
+from tractive_sam.operators import single_blas_thread
 from tractive_sam.results import State
 from tractive_sam.run import read_measured_gap, solve_from_nearby, warn_of_gap, with_creepages
 from tractive_sam.scene import Friction, Scene
@@ -82,7 +82,7 @@ class Contacts:
         self._last: dict[int, State] = {}
         self.solved = 0
 
-    @one_blas_thread()
+    @single_blas_thread()
     def solve(
         self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
     ) -> Solved:
@@ -190,8 +190,8 @@ class Contacts:
         creepages = (contact.xi_x, contact.xi_y, contact.spin)
         model = with_creepages(self._model(elements), dict(zip(KEYS, creepages, strict=True)))
         jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
-        found = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
-        return found / self._unit[:, None] * self._creepage
+        slopes = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
+        return slopes / self._unit[:, None] * self._creepage
 
 
 def _error_bar(
@@ -268,7 +268,7 @@ def with_mesh(
         Largest ratio of the sides of an element.
     """
     a, b = reach
-    across = [odd(elements * max(1.0, side / other / longest)) for side, other in ((a, b), (b, a))]
+    across = [odd(elements * max(1.0, side / cross / longest)) for side, cross in ((a, b), (b, a))]
     half = [side * (1.0 + margin / n) for side, n in zip((a, b), across, strict=True)]
     grid = {"half_length": tuple(half), "elements": tuple(n + margin for n in across)}
     with warnings.catch_warnings():

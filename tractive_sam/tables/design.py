@@ -89,8 +89,8 @@ def _check_keys(entries: ValidEntries) -> Iterator[Fault]:
 def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of axes with equal names or keys."""
     for what in ("label", "key"):
-        names = [getattr(one, what) for one in entries["axis"]]
-        for name in {one for one in names if names.count(one) > 1}:
+        names = [getattr(axis, what) for axis in entries["axis"]]
+        for name in {name for name in names if names.count(name) > 1}:
             yield Fault("axis", f"{name} {names.count(name)} times", "each once")
 
 
@@ -102,14 +102,14 @@ def _check_scaled_axes(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of axes that need a scene."""
     if entries["scene"] is not None:
         return
-    for k, one in enumerate(entries["axis"]):
-        for key in one.dimension().columns:
+    for k, axis in enumerate(entries["axis"]):
+        for key in axis.dimension().columns:
             if key not in SCALED:
                 cure = f"{' or '.join(SCALED)}; of others, the [scene] in which they vary"
                 yield Fault(f"axis[{k}].key", shorten(key), cure)
 
 
-LEFT_OUT = ("wear", "subsurface", "fatigue", "accuracy", "grid")
+OMITTED = ("wear", "subsurface", "fatigue", "accuracy", "grid")
 """Tables of a scene that affect neither its creep forces nor the meshes of a table."""
 
 
@@ -188,19 +188,21 @@ class TableDesign(Document):
     )
     error_class: ClassVar[type[SceneError]] = TableError
 
-    def __init__(self, /, **given: Any) -> None:
-        if isinstance(given.get("scene"), str):
+    def __init__(self, /, **arguments: Any) -> None:
+        if isinstance(arguments.get("scene"), str):
             try:
-                given["scene"] = Scene.from_name(given["scene"])
+                arguments["scene"] = Scene.from_name(arguments["scene"])
             except SceneError as error:
                 raise TableError(_move_faults(error)) from None
-        super().__init__(**given)
+        super().__init__(**arguments)
         faults: list[Fault] = []
         for entries in self._each_entry():
             try:
                 self._scene_with(entries)
             except SceneError as error:
-                faults += [one for one in _move_faults(error) if str(one) not in map(str, faults)]
+                faults += [
+                    fault for fault in _move_faults(error) if str(fault) not in map(str, faults)
+                ]
         if faults:
             raise TableError(faults)
 
@@ -212,13 +214,13 @@ class TableDesign(Document):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the axes other than creepages."""
-        further = tuple(one.label for one in self.axis)
+        further = tuple(axis.label for axis in self.axis)
         return further if self.scene is not None else (RATIO, "poisson", *further)
 
     @property
     def first_nodes(self) -> list[np.ndarray]:
         """First nodes along the axes `names`."""
-        further = [one.nodes for one in self.axis]
+        further = [axis.nodes for axis in self.axis]
         if self.scene is not None:
             return further
         return [np.log(np.array(self.ellipticity)), np.array(self.poisson, float), *further]
@@ -226,7 +228,7 @@ class TableDesign(Document):
     @property
     def apart(self) -> tuple[str, ...]:
         """Names of the discrete axes, along which forces are not interpolated."""
-        return tuple(one.label for one in self.axis if one.apart)
+        return tuple(axis.label for axis in self.axis if axis.apart)
 
     @property
     def contact(self) -> dict[str, float] | None:
@@ -235,8 +237,8 @@ class TableDesign(Document):
             return None
         hertz, mu = hertz_of(self.scene), friction_of(self.scene).mu[0]
         load = required(self.scene.normal_load, "load.normal")
-        found = (hertz.a, hertz.b, load, mu, self.scene.material.shear)
-        return dict(zip(CONTACT, map(float, found), strict=True))
+        values = (hertz.a, hertz.b, load, mu, self.scene.material.shear)
+        return dict(zip(CONTACT, map(float, values), strict=True))
 
     @cached_property
     def symmetries(self) -> tuple[bool, bool]:
@@ -269,8 +271,8 @@ class TableDesign(Document):
         """Return the scene at a place along the axes `names`, without a mesh and creepages."""
         further = place if self.scene is not None else place[2:]
         entries: dict[str, Any] = {}
-        for one, x in zip(self.axis, further, strict=True):
-            entries |= one.entries_at(x)
+        for axis, x in zip(self.axis, further, strict=True):
+            entries |= axis.entries_at(x)
         return self._scene_with(entries, place)
 
     def _scene_with(self, entries: dict[str, Any], place: tuple[float, ...] = (0.0, 0.3)) -> Scene:
@@ -284,23 +286,23 @@ class TableDesign(Document):
                 speed = None if self.scene.creepage is None else self.scene.creepage.speed
                 rolls |= {} if speed is None else {"speed": speed}
                 answers = friction_of(self.scene).temperature is not None
-                left_out = dict.fromkeys(LEFT_OUT if answers else (*LEFT_OUT, "heat"))
-                scene = self.scene.replace(**left_out, creepage=rolls)
+                omitted = dict.fromkeys(OMITTED if answers else (*OMITTED, "heat"))
+                scene = self.scene.replace(**omitted, creepage=rolls)
             return scene.replace(**entries) if entries else scene
 
     def _each_entry(self) -> Iterator[dict[str, Any]]:
         """Yield the keys of the scene with one axis at each value, others at the first."""
         first: dict[str, Any] = {}
-        for one in self.axis:
-            first |= one.entries_at(one.nodes[0])
-        for one in self.axis:
-            for x in one.nodes:
-                yield first | one.entries_at(x)
+        for axis in self.axis:
+            first |= axis.entries_at(axis.nodes[0])
+        for axis in self.axis:
+            for x in axis.nodes:
+                yield first | axis.entries_at(x)
 
 
 def _move_faults(error: SceneError) -> list[Fault]:
     """Return the faults of a scene as faults of the design."""
-    return [one.under("scene") for one in error.faults]
+    return [fault.under("scene") for fault in error.faults]
 
 
 def _mirrored(scene: Scene) -> bool:
@@ -320,4 +322,4 @@ def _reversed(scene: Scene) -> bool:
 def _has_named_law(scene: Scene) -> bool:
     """Return whether the scene has a law of another package: its symmetry is unknown."""
     tables = (scene.friction, scene.elasticity)
-    return any(one is not None and one.named_law is not None for one in tables)
+    return any(table is not None and table.named_law is not None for table in tables)

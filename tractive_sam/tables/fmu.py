@@ -152,7 +152,7 @@ def _interface(table: CreepTable, name: str, token: str, version: _FmiVersion) -
         "TOKEN": token,
         "COUNT": str(len(inputs)),
         "GIVEN": ", ".join(f"input[{k}]" for k in range(len(inputs))),
-        "STARTS": ", ".join(repr(one.start) for one in inputs),
+        "STARTS": ", ".join(repr(variable.start) for variable in inputs),
     }
     code = {}
     for file, source in (("unit.h", "unit.h"), ("unit.c", version.source)):

@@ -151,16 +151,17 @@ class Description2:
     @property
     def varying(self) -> list[int]:
         """Places of the inputs that vary, that is, are not parameters."""
-        return [k for k, one in enumerate(self.inputs) if not one.is_fixed]
+        return [k for k, variable in enumerate(self.inputs) if not variable.is_fixed]
 
     @property
     def model(self) -> str:
         """Description of the model."""
         variables = "".join(
-            f"<ScalarVariable name={quoteattr(one.name)} valueReference={quoteattr(str(place))} "
-            f"description={quoteattr(one.meaning)} {one.kind}><Real {one.numbers}/>"
+            f"<ScalarVariable name={quoteattr(variable.name)} "
+            f"valueReference={quoteattr(str(place))} "
+            f"description={quoteattr(variable.meaning)} {variable.kind}><Real {variable.numbers}/>"
             "</ScalarVariable>\n"
-            for place, one in enumerate((*self.inputs, *self.outputs))
+            for place, variable in enumerate((*self.inputs, *self.outputs))
         )
         first, depends = len(self.inputs), " ".join(str(k + 1) for k in self.varying)
         unknowns = "".join(
@@ -208,18 +209,18 @@ class Description3(Description2):
     def model(self) -> str:
         """Description of the model (`Description2.model`)."""
         variables = "".join(
-            f"<Float64 name={quoteattr(one.name)} valueReference={quoteattr(str(place))} "
-            f"description={quoteattr(one.meaning)} {one.kind} {one.numbers}/>\n"
-            for place, one in enumerate((*self.inputs, *self.outputs))
+            f"<Float64 name={quoteattr(variable.name)} valueReference={quoteattr(str(place))} "
+            f"description={quoteattr(variable.meaning)} {variable.kind} {variable.numbers}/>\n"
+            for place, variable in enumerate((*self.inputs, *self.outputs))
         )
         first, depends = len(self.inputs), " ".join(map(str, self.varying))
         time = first + len(self.outputs)
-        known = [
+        unknowns = [
             f'valueReference="{first + k}" dependencies="{depends}"/>'
             for k in range(len(self.outputs))
         ]
-        outputs = "".join(f"<Output {one}" for one in known)
-        initial = "".join(f"<InitialUnknown {one}" for one in known)
+        outputs = "".join(f"<Output {unknown}" for unknown in unknowns)
+        initial = "".join(f"<InitialUnknown {unknown}" for unknown in unknowns)
         kind = (
             f'modelIdentifier="{self.name}" canGetAndSetFMUState="true" '
             'providesDirectionalDerivatives="true"'

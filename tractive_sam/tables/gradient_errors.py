@@ -37,10 +37,10 @@ class GradientChecks:
         """Return the errors of a table over sqrt(K_ii K_jj), shape (P, 3, 3), at least the bars."""
         where = Coordinates.of(self.w.T, self.ratio, table.whole)
         points = (*self.points.T[: len(table.names)], *where.points)
-        found = np.moveaxis(table.gradient_at(points, where), -1, 0)
+        gradients = np.moveaxis(table.gradient_at(points, where), -1, 0)
         size = np.sqrt(table.slopes_at_rest(points, where.r0)).T
-        off = np.maximum(np.abs(found - self.gradients), self.bars)
-        return off / (size[:, :, None] * size[:, None, :])
+        errors = np.maximum(np.abs(gradients - self.gradients), self.bars)
+        return errors / (size[:, :, None] * size[:, None, :])
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +95,8 @@ class GradientBars:
         count = np.bincount(cells, minlength=len(nodes) - 1)
         sums = np.zeros((len(nodes) - 1, 3, 3))
         np.add.at(sums, cells, errors**2)
-        others = (sums[cells] - errors**2) / np.maximum(count[cells] - 1, 1)[:, None, None]
-        beyond = np.maximum(errors - rest, 0.0) / _spread(others, shared)
+        without = (sums[cells] - errors**2) / np.maximum(count[cells] - 1, 1)[:, None, None]
+        beyond = np.maximum(errors - rest, 0.0) / _spread(without, shared)
         shares = beyond.max(axis=(1, 2)) / share_of_bar(nodes, u)
         factor = max(1.0, float(np.quantile(shares, inside)))
         bars = factor * _spread(sums / np.maximum(count, 1)[:, None, None], shared)

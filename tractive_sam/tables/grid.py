@@ -30,14 +30,14 @@ class CreepageGrid:
     reversed: bool
 
     @property
-    def whole(self) -> bool:
+    def full_range(self) -> bool:
         """Whether the table contains all headings and tilts."""
         return not (self.mirrored and self.reversed)
 
     @property
     def first(self) -> list[np.ndarray]:
         """First nodes along heading and tilt."""
-        if self.whole:
+        if self.full_range:
             return [
                 np.linspace(-math.pi, math.pi, 2 * HEADINGS - 1),
                 np.linspace(-POLE, POLE, 2 * TILTS - 1),
@@ -46,9 +46,9 @@ class CreepageGrid:
 
     def alike(self, axis: int, intervals: np.ndarray, count: int) -> np.ndarray:
         """Return intervals of heading (0) or tilt (1) with their images by symmetry."""
-        if axis == 0 or (axis == 1 and self.whole):
+        if axis == 0 or (axis == 1 and self.full_range):
             intervals = np.union1d(intervals, count - 1 - intervals)
-        if axis == 0 and self.whole:
+        if axis == 0 and self.full_range:
             intervals = np.union1d(intervals, (intervals + count // 2) % count)
         return intervals.astype(int)
 
@@ -64,11 +64,11 @@ class CreepageGrid:
         if abs(tilt) == POLE:  # for pure spin the heading has no effect
             heading = 0.0
         heading = math.pi if heading == -math.pi else heading
-        other = tilt < 0.0 or (tilt == 0.0 and heading < 0.0)
-        if other and self.mirrored:
+        outside = tilt < 0.0 or (tilt == 0.0 and heading < 0.0)
+        if outside and self.mirrored:
             mirrored = heading if heading == math.pi else -heading
             return (round(mirrored, digits), -tilt, u), MIRROR
-        if other and self.reversed:
+        if outside and self.reversed:
             turned = heading + math.pi if heading <= 0.0 else heading - math.pi
             turned = math.pi if turned <= -math.pi else turned
             return (0.0 if tilt == -POLE else round(turned, digits), -tilt, u), REVERSAL

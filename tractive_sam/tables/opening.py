@@ -61,27 +61,27 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
     True
     """
     path = builtin_tables().get(str(name), Path(name))
-    found = read_creep_table(path)
-    about = found.about
+    stored = read_creep_table(path)
+    about = stored.about
     try:
-        if found.names[-len(NAMES) :] != NAMES:
+        if stored.names[-len(NAMES) :] != NAMES:
             raise ValueError(
-                f"axes: {' '.join(found.names)}; allowed: {' '.join(NAMES)} at the end"
+                f"axes: {' '.join(stored.names)}; allowed: {' '.join(NAMES)} at the end"
             )
-        names = found.names[: -len(NAMES)]
+        names = stored.names[: -len(NAMES)]
         for name_of_axis in names:
             check_axis_name(name_of_axis)
-        _check_shapes(about, len(found.names))
+        _check_shapes(about, len(stored.names))
         return CreepTable(
-            Hermite(found.axes, found.coefficients),
+            Hermite(stored.axes, stored.coefficients),
             names,
-            found.bars,
-            found.between,
+            stored.bars,
+            stored.between,
             about,
             tuple(str(about.get("apart", "")).split()),
             bool(about.get("whole", 0)),
             {key: float(about[key]) for key in CONTACT} if CONTACT[0] in about else None,
-            found.gradient_bars,
+            stored.gradient_bars,
         )
     except ValueError as error:
         raise DamagedError(f"{path} is damaged: {error}; make it again") from error

@@ -31,8 +31,8 @@ def rest_meshes(
         Elements of the finest over elements of the coarsest mesh.
     """
     # From 101 elements slopes are within 0.3 % if forces are wanted within 0.8 % of mu P.
-    most = min(finest, max(2 * elements, 0.8 / wanted))
-    across = np.geomspace(most / spread, most, number)
+    largest = min(finest, max(2 * elements, 0.8 / wanted))
+    across = np.geomspace(largest / spread, largest, number)
     return np.unique(2 * np.rint(0.5 * (across - 1.0)).astype(int) + 1)
 
 

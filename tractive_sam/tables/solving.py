@@ -47,7 +47,7 @@ class Job:
 class Batch:
     """Solutions of some jobs, the number of solved contacts, and the time of a core, s."""
 
-    found: list[Solved]
+    solutions: list[Solved]
     contacts: int
     seconds: float
 
@@ -60,12 +60,12 @@ def solve(text: str, jobs: Sequence[Job]) -> Batch:
     """Solve jobs at one place of a design, which is given as TOML."""
     began = process_time()
     design, contacts = _contacts_at(text, jobs[0].place)
-    before, wanted, found = contacts.solved, NODE_SHARE * design.tolerance, []
+    before, wanted, solutions = contacts.solved, NODE_SHARE * design.tolerance, []
     for job in jobs:
         interrupt.raise_if_interrupted()
         w, elements = np.array(job.w), design.elements * (2 if job.finer else 1)
-        found.append(contacts.solve(w, elements, design.finest, wanted, job.gradient))
-    return Batch(found, contacts.solved - before, process_time() - began)
+        solutions.append(contacts.solve(w, elements, design.finest, wanted, job.gradient))
+    return Batch(solutions, contacts.solved - before, process_time() - began)
 
 
 @lru_cache(maxsize=1)
@@ -81,19 +81,19 @@ def _contacts_at(text: str, place: Place) -> tuple[TableDesign, Contacts]:
     return design, design.contacts(place)
 
 
-def divide_jobs(jobs: Sequence[Job], most: int = 20) -> list[tuple[int, Sequence[Job]]]:
+def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequence[Job]]]:
     """Divide jobs into parts of one place each, with the number of their first job.
 
     A part has at most that many jobs: a worker that dies loses them.
     """
-    found: list[tuple[int, Sequence[Job]]] = []
+    parts: list[tuple[int, Sequence[Job]]] = []
     first = 0
     for _, alike in groupby(jobs, key=lambda job: job.place):
         place_jobs = list(alike)
-        starts = range(0, len(place_jobs), most)
-        found += [(first + k, place_jobs[k : k + most]) for k in starts]
+        starts = range(0, len(place_jobs), max_jobs)
+        parts += [(first + k, place_jobs[k : k + max_jobs]) for k in starts]
         first += len(place_jobs)
-    return found
+    return parts
 
 
 def solve_here(design: TableDesign) -> Solve:
@@ -108,7 +108,7 @@ def solve_here(design: TableDesign) -> Solve:
 
 
 def solve_on_workers(
-    design: TableDesign, address: str, security: Any, say: Callable[[str], None]
+    design: TableDesign, address: str, security: Any, log: Callable[[str], None]
 ) -> Solve:
     """Return a function that solves jobs on the workers of a scheduler."""
     text = design.to_toml()
@@ -116,7 +116,7 @@ def solve_on_workers(
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
         parts = divide_jobs(jobs)
         calls = [(solve, text, some) for _, some in parts]
-        for k, batch in computed(calls, address, say, security):
+        for k, batch in computed(calls, address, log, security):
             yield parts[k][0], batch
 
     return run

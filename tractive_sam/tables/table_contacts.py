@@ -103,33 +103,33 @@ class TableContacts:
         heading, tilt, u = point[self.lead :]
         if node is None:
             return _full_slip_node(ratio, heading, tilt, self.refinement.step)
-        found = self.solved[node.job]
-        by_w = node.signs[:, None] * found.gradient * node.signs
+        solved = self.solved[node.job]
+        by_w = node.signs[:, None] * solved.gradient * node.signs
         by = by_w @ by_coordinates(ratio, heading, tilt, min(u, self.refinement.last_u))
-        return Solved(node.signs * found.force, found.bar, by)
+        return Solved(node.signs * solved.force, solved.bar, by)
 
     def solve(self, jobs: Iterable[Job], nodes: int) -> None:
         """Solve the contacts that are not solved yet, neighbours one after another."""
         new = dict.fromkeys(job for job in jobs if job not in self.solved)
-        left = sorted(new, key=lambda job: job.place)
+        unsolved = sorted(new, key=lambda job: job.place)
         done = 0
-        for first, batch in self.solver(left):
-            self.solved.update(zip(left[first:], batch.found, strict=False))
+        for first, batch in self.solver(unsolved):
+            self.solved.update(zip(unsolved[first:], batch.solutions, strict=False))
             self.number += batch.contacts
             self.seconds += batch.seconds
-            done += len(batch.found)
-            self.report(Progress(nodes, nodes - len(left) + done, self.round))
-            for found in batch.found:
-                self._check_bar(found)
+            done += len(batch.solutions)
+            self.report(Progress(nodes, nodes - len(unsolved) + done, self.round))
+            for solved in batch.solutions:
+                self._check_bar(solved)
 
-    def _check_bar(self, found: Solved) -> None:
+    def _check_bar(self, solved: Solved) -> None:
         """Raise an error if the error bar of a contact exceeds the tolerance."""
         design = self.design
-        if found.bar.max() > design.tolerance:
+        if solved.bar.max() > design.tolerance:
             fault = Fault(
                 "tolerance",
                 f"{design.tolerance:g}, but an error bar of "
-                f"{found.bar.max():.2g} on {design.finest} elements",
+                f"{solved.bar.max():.2g} on {design.finest} elements",
                 "a larger tolerance, or a larger finest",
             )
             raise TableError([fault])

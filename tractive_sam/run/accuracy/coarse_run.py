@@ -110,8 +110,8 @@ class ErrorBars(Observer):
         """Return the contact of a block to record, completed by results of the observer."""
         if not self.middle:
             return contact
-        found = self._assessments[block]
-        return replace(contact, error_bars={} if found is None else found.error_bars)
+        assessment = self._assessments[block]
+        return replace(contact, error_bars={} if assessment is None else assessment.error_bars)
 
     @property
     def shortfall(self) -> str:
@@ -121,7 +121,9 @@ class ErrorBars(Observer):
         """
         if self.step is None or self.step.place not in self.step.contact.scene.schedule:
             return self.earlier_shortfall
-        missed = [one.missed for one in self._assessments if one is not None and one.missed]
+        missed = [
+            sample.missed for sample in self._assessments if sample is not None and sample.missed
+        ]
         if not missed:
             return self.earlier_shortfall
         return f"revolution {self.step.place:.0f}: {missed[-1]}"
@@ -133,10 +135,10 @@ class ErrorBars(Observer):
     @cached_property
     def fine(self) -> CoarseRuns:
         """Samples of all steps with the last one, for each block."""
-        known = self.earlier or tuple(CoarseRun() for _ in self.middle)
+        runs = self.earlier or tuple(CoarseRun() for _ in self.middle)
         return tuple(
             run if sample is None else run.with_sample(self.step.place, sample)
-            for run, sample in zip(known, self._samples, strict=True)
+            for run, sample in zip(runs, self._samples, strict=True)
         )
 
     @cached_property
@@ -256,6 +258,6 @@ def _sample(step: Any, block: int) -> Sample | None:
     stress = step.observed.get(LargestStress.name)
     maxima = stress.maxima[block] if isinstance(stress, LargestStress) else {}
     # Blocks of a duty cycle have their fatigue in common.
-    cycles = (one for observer in step.observed.values() for one in observer.cycles)
-    fatigue = {one.body: one for one in cycles} if len(step.contacts) == 1 else {}
+    cycles = (cycle for observer in step.observed.values() for cycle in observer.cycles)
+    fatigue = {cycle.body: cycle for cycle in cycles} if len(step.contacts) == 1 else {}
     return Sample.of(contact, maxima, fatigue)
