@@ -180,7 +180,7 @@ class Evaluations:
             self.write()
 
     def write(self) -> None:
-        """Write all known answers to the file."""
+        """Write all known results to the file."""
         if self.save is not None:
             self.save()
         self._saved = monotonic()
