@@ -112,7 +112,7 @@ def _check_folder(path: Path) -> None:
 
 
 def print_fit(result: "ts.FitResult") -> None:
-    """Print the tables of a fit, and what is doubtful about it."""
+    """Print the tables of a fit, and its caveats."""
     out = console()
     for rows in result.tables().values():
         table = Table(box=box.SIMPLE_HEAD, pad_edge=False)

@@ -216,7 +216,7 @@ def _rolling_resistance(
 
 
 def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
-    """Work of the tractions on the part of the rigid slip that is no creepage and no spin, N.
+    """Return the work of the tractions on rigid slip other than creepage and spin, N.
 
     On a wheel, points beside the tangent plane of the patch have another rolling radius.
     """

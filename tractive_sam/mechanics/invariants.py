@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def von_mises(stress: ArrayLike) -> NDArray[np.float64]:
-    """Equivalent stress of von Mises, in the unit of the stress.
+    """Return the equivalent stress of von Mises, in the unit of the stress.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def von_mises(stress: ArrayLike) -> NDArray[np.float64]:
 
 
 def principal_stresses(stress: ArrayLike) -> NDArray[np.float64]:
-    """Principal stresses, the largest (most tensile) first, shape (3, ...).
+    """Return the principal stresses, the largest (most tensile) first, shape (3, ...).
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def principal_stresses(stress: ArrayLike) -> NDArray[np.float64]:
 
 
 def max_shear(stress: ArrayLike) -> NDArray[np.float64]:
-    """Largest shear stress (Tresca), half the difference of the extreme principal stresses.
+    """Return the largest shear stress (Tresca), half the difference of the extreme principal ones.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ class HertzLine:
         )
 
     def pressure(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Contact pressure at x in mm, MPa; zero outside."""
+        """Return the contact pressure at x in mm, MPa; zero outside."""
         return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - np.square(np.divide(x, self.a))))
 
 

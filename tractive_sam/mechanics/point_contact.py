@@ -62,13 +62,13 @@ class HertzContact:
         )
 
     def pressure(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Contact pressure at points (x, y) in mm, MPa; zero outside; x and y broadcast."""
+        """Return the contact pressure at (x, y) in mm, MPa; zero outside; x and y broadcast."""
         distance2 = np.square(np.divide(x, self.a)) + np.square(np.divide(y, self.b))
         return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - distance2))
 
 
 def combined_radius(radius_A: float, radius_B: float) -> float:
-    """Radius R of 1/R = 1/R_A + 1/R_B, mm: negative for a body that is concave, inf for flat.
+    """Return R with 1/R = 1/R_A + 1/R_B, mm; radii are negative if concave, inf if flat.
 
     The separation of the bodies is then x²/(2 R_x) + y²/(2 R_y).
 

@@ -53,7 +53,7 @@ class Lattice:
         return min(2, self.shape[0]), min(2, self.shape[1])
 
     def coarsened(self) -> "Lattice":
-        """Lattice of elements that combine a `block` each, which covers this one."""
+        """Return a lattice that covers this one, with elements that combine a `block` each."""
         (nx, ny), (bx, by) = self.shape, self.block
         return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy)
 

@@ -13,26 +13,27 @@ ANGLE_TEXT = "0°, 45° and 90°"
 
 
 def spheres(size: Size, elements: int | None = None) -> Scene:
-    """Two equal spheres, isotropic friction (Sec. 8.1.1)."""
+    """Return the scene of two equal spheres with isotropic friction (Sec. 8.1.1)."""
     n = elements or size.spheres
     return Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])
 
 
 def orthotropic_spheres(size: Size, angle: float) -> Scene:
-    """Two equal spheres, orthotropic friction (Sec. 8.1.2); angle in degrees."""
+    """Return the scene of two equal spheres, orthotropic friction (Sec. 8.1.2); angle in
+    degrees."""
     n = size.spheres
     settings = [f"grid.elements=[{n}, {n}]", f"friction.angle={angle}"]
     return Scene.builtin("spheres-orthotropic").with_set(settings)
 
 
 def discs(size: Size, angle: float) -> Scene:
-    """Twin discs, orthotropic friction and wear (Sec. 8.2); angle in degrees."""
+    """Return the scene of twin discs, orthotropic friction, wear (Sec. 8.2); angle in degrees."""
     settings = [*_wear_settings(size, size.discs), f"friction.angle={angle}"]
     return Scene.builtin("twin-discs").with_set(settings)
 
 
 def flat_discs(size: Size) -> Scene:
-    """Twin discs with a flatter crown, isotropic friction and wear (Appendix B)."""
+    """Return the scene of twin discs with a flatter crown, isotropic friction (Appendix B)."""
     return Scene.builtin("twin-discs-isotropic").with_set(_wear_settings(size, size.flat_discs))
 
 

@@ -62,7 +62,7 @@ class Figure(matplotlib.figure.Figure):
         super().__init__(*args, **options)
 
     def savefig(self, fname: str | PathLike[str] | IO, **options: Any) -> None:
-        """Save the figure, in one operation; arguments as in matplotlib.
+        """Save the figure; the file appears when it is complete. Arguments as in matplotlib.
 
         Raises
         ------

@@ -99,7 +99,7 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
 
 
 def _spans_decades(values: np.ndarray) -> bool:
-    """Whether values are positive, and the largest is 30 times the smallest."""
+    """Return whether values are positive, and the largest is 30 times the smallest."""
     return bool(values.min() > 0.0 and values.max() > 30.0 * values.min())
 
 

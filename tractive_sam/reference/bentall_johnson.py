@@ -10,7 +10,7 @@ _SHARE = 0.45738550878651788
 
 
 def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float) -> float:
-    """Creepage xi_x of free rolling cylinders, mu -> 0: -0.457 kappa a / R.
+    """Return the creepage xi_x of free rolling cylinders, mu -> 0: -0.457 kappa a / R.
 
     With kappa = 2 K / (1 - nu). Source: Bentall & Johnson, Int. J. Mech. Sci. 9 (1967) 389, in
     the closed form that the limit allows: with vanishing tractions the slip is

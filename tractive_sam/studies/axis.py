@@ -116,7 +116,7 @@ class Values(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_values, _check_spacing, _check_range)
 
     def column(self) -> tuple[Any, ...]:
-        """The values of the entry."""
+        """Return the values of the entry."""
         if self.values is not None:
             return self.values
         number, start, stop = (
@@ -222,7 +222,7 @@ class Latin(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_variables,)
 
     def dimension(self) -> Dimension:
-        """The samples by key."""
+        """Return the samples by key."""
         from scipy.stats import qmc  # half a second, which other studies need not wait for
 
         hypercube = qmc.LatinHypercube(len(self.variable), rng=np.random.default_rng(self.seed))
@@ -262,7 +262,7 @@ class Dimension:
         return len(next(iter(self.columns.values())))
 
     def at(self, place: int) -> dict[str, Any]:
-        """The entries at one place."""
+        """Return the entries at one place."""
         return {key: column[place] for key, column in self.columns.items()}
 
 

@@ -127,7 +127,7 @@ def write_fmu(table: CreepTable, path: str | PathLike[str], fmi: Literal[2, 3] =
 
 
 def _compiled(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
-    """Compile the unit for this machine; return whether there is a compiler."""
+    """Compile the FMU for this machine; return whether there is a compiler."""
     compiler = os.environ.get("CC") or "cc"
     if shutil.which(compiler) is None:
         return False
