@@ -19,8 +19,7 @@ def spheres(size: Size, elements: int | None = None) -> Scene:
 
 
 def orthotropic_spheres(size: Size, angle: float) -> Scene:
-    """Return the scene of two equal spheres, orthotropic friction (Sec. 8.1.2); angle in
-    degrees."""
+    """Return the scene of equal spheres, orthotropic friction (Sec. 8.1.2); angle in degrees."""
     n = size.spheres
     settings = [f"grid.elements=[{n}, {n}]", f"friction.angle={angle}"]
     return Scene.builtin("spheres-orthotropic").with_set(settings)

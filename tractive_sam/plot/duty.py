@@ -132,7 +132,7 @@ def wear_regimes(source: History | State, laws: ts.Laws | None = None) -> Figure
         _draw_elements(axes, name, contact, laws, limits[0]) for name, contact in contacts.items()
     ]
     if not any(shown):
-        raise ValueError("nothing to draw: no element wears")
+        raise ValueError("nothing to draw: no element wears; use a contact with slip and wear")
     axes.set(xscale="log", yscale="log", xlim=limits)
     _draw_laws(axes, next(iter(contacts.values())), laws, limits)
     axes.set_xlabel(r"frictional work $T\gamma/A$ (N/mm$^2$)")

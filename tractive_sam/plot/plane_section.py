@@ -184,7 +184,7 @@ def common_levels(sections: Sequence[PlaneSection], bands: int = 14) -> np.ndarr
     """
     highest = max(float(np.abs(section.values).max()) for section in sections)
     if highest == 0.0:
-        raise ValueError("nothing to draw: there is no stress on the plane")
+        raise ValueError("nothing to draw: there is no stress on the plane; choose another one")
     lowest = -highest if sections[0].signed else 0.0
     locator = MaxNLocator(bands, symmetric=sections[0].signed)
     return np.asarray(locator.tick_values(lowest, highest))

@@ -82,7 +82,7 @@ def export_volume(
     elif revolution is not None:
         raise ValueError("revolution: only a history has revolutions; omit it")
     if not source.pressure.any():
-        raise ValueError("the bodies do not touch: there is no stress to export")
+        raise ValueError("the bodies do not touch: no stress to export; increase the load")
     depths = _depths(source, depth, elements)
     layers = stress_volume(source, depths if body == "A" else depths[::-1], body, threads)
     image = _image(source.grid, depths, body)

@@ -74,7 +74,7 @@ def _last_row(history: History) -> int:
     """Return the row of the last record that was solved."""
     solved = np.flatnonzero(history["converged"] > 0.0)
     if not solved.size:
-        raise ResultsError("start: the history holds no contact that was solved")
+        raise ResultsError("start: the history holds no solved contact; give another one")
     return int(solved[-1])
 
 

@@ -120,5 +120,5 @@ def _half_spaces(contact: State, body: str, laws: Laws | None) -> HalfSpaces:
             "body a finite radius_y"
         )
     if not isinstance(bodies, HalfSpaces):
-        raise ValueError(f"the law {bodies!r} does not give the displacement inside the bodies")
+        raise ValueError(f"the law {bodies!r} gives no displacement inside bodies; use HalfSpaces")
     return bodies
