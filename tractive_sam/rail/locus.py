@@ -108,9 +108,7 @@ class ContactLocus:
         angles = np.pi * (np.arange(2000) + 0.5) / 2000 - 0.5 * np.pi  # no end point: 0/0 there
         energy = potential(extremes[0]) - potential(middle + half * np.sin(angles))
         if not (energy > 0.0).all():
-            raise ValueError(
-                f"amplitude {amplitude:g} mm: no return to y = 0; use a smaller amplitude"
-            )
+            raise ValueError(f"amplitude {amplitude:g} mm: no return to y = 0; use a smaller one")
         wavelength = 2.0 * np.pi * float((half * np.cos(angles) / np.sqrt(2.0 * energy)).mean())
         return self.tape_distance * self.nominal_radius / 2.0 * (2.0 * np.pi / wavelength) ** 2
 

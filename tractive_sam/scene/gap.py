@@ -251,6 +251,6 @@ class Gap(Table):
         return hash(self._compared())
 
     def _compared(self) -> tuple[Any, ...]:
-        """Entries as values that can be compared and hashed: arrays as bytes."""
+        """Return the entries as values that can be compared and hashed: arrays as bytes."""
         values = (getattr(self, key) for key in type(self).model_fields)
         return tuple(a.tobytes() if isinstance(a, np.ndarray) else a for a in values)

@@ -180,7 +180,7 @@ class Axis(Values):
     )
 
     def dimension(self) -> Dimension:
-        """The values by key."""
+        """Return the values by key."""
         columns = {axis.key: axis.column() for axis in (self, *self.zip)}
         return Dimension(self.key, columns)
 
