@@ -111,8 +111,8 @@ def main() -> None:
         summary.append(summary_row | {"median": float(np.median(ratios))})
     write("block_order", rows)
     write("block_order_ratios", summary)
-    show("Error of damage by the order of blocks", rows)
-    show("Ratio of the bar to the difference", summary)
+    show("Error of the damage due to the block order", rows)
+    show("Ratio of the error bar to the difference", summary)
 
 
 if __name__ == "__main__":

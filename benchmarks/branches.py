@@ -117,7 +117,7 @@ def show_steps(count: int) -> None:
             of = [r for r in rows if r["slip"] == slip and r["warns"] == warned]
             several = sum(row["several"] for row in of)
             table.append({"slip": slip, "warns": warned, "solved": len(of), "several": several})
-    show("Solved steps of a transient, and of these with two solutions found", table)
+    show("Solved steps of a transient, and steps with two solutions", table)
     print(f"written: {write('branches-steps', rows)}")
 
 
@@ -147,7 +147,7 @@ def main() -> None:
             of = [r for r in rows if r["slip"] == slip and (r["steepness"] >= 1.0) == warned]
             several = sum(row["solutions"] > 1 for row in of)
             table.append({"slip": slip, "warns": warned, "solved": len(of), "several": several})
-    show("Solved contacts, and of these with several solutions found", table)
+    show("Solved contacts, and contacts with several solutions", table)
     print(f"written: {write('branches', rows)}")
     show_steps(steps)
 

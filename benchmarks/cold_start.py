@@ -105,7 +105,10 @@ def measure_all(byte_code: str) -> None:
             {"kernel": kernel, "specialisations": len(times), "seconds": sum(times)}
             for kernel, times in by_cost[:15]
         ]
-        show(f"{name}: kernels that take longest to compile, without those they call", each)
+        show(
+            f"{name}: kernels with the longest compilation, without the kernels that they call",
+            each,
+        )
 
 
 if __name__ == "__main__":

@@ -193,15 +193,15 @@ def main() -> None:
     if options.cores:
         rows = cores()
         write("duty_cores", rows)
-        show("what blocks side by side could win on two cores", rows)
+        show("possible gain of parallel blocks on two cores", rows)
         return
     if options.kills:
-        print(f"profile off by {killed(options.kills):.1e} of its depth")
+        print(f"error of the profile: {killed(options.kills):.1e} of its depth")
         return
     single = int(ts.roll(DISCS)["solves"].sum())
     rows = [adaptive(count, single) for count in (2, 5, 10)]
     write("duty", rows)
-    show("jumps against every revolution", rows)
+    show("jumps compared with every revolution", rows)
     rows = order()
     write("duty_order", rows)
     show("two orders of two blocks", rows)

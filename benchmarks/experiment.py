@@ -66,8 +66,8 @@ def main() -> None:
     work = HEAT * 1e3 / (SPEED * area)
     friction = (work / SLIP / (0.25 * np.pi * PRESSURE))[FULL]
     middle, low, high = friction.mean(), friction.min(), friction.max()
-    print(f"half width {hertz.a:.4f} mm, printed {HALF_WIDTH}")
-    print(f"flash temperatures over those printed: {np.round(flash() / FLASH, 3)}")
+    print(f"half-width {hertz.a:.4f} mm, published {HALF_WIDTH}")
+    print(f"ratio of computed to published flash temperatures: {np.round(flash() / FLASH, 3)}")
     print(f"friction in full slip {middle:.3f}, from {low:.3f} to {high:.3f}")
     law = USFD["r8t-uic60"]
     rows = []
@@ -86,7 +86,7 @@ def main() -> None:
             }
         )
     write("experiment", rows)
-    show("T-gamma/A of twin discs, N/mm²; wear by the law, ug/(m mm²)", rows)
+    show("T-gamma/A of twin discs, N/mm²; wear according to the law, ug/(m mm²)", rows)
 
 
 if __name__ == "__main__":

@@ -137,7 +137,7 @@ def main() -> None:
         "90 %": float(np.quantile(ratios, 0.9)),
         "median of gentle": float(np.median(gentle)),
     }
-    show("Applications with a falling law over those with the constant one", [summary])
+    show("Applications with a falling law / applications with constant friction", [summary])
 
 
 if __name__ == "__main__":

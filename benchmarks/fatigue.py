@@ -154,7 +154,7 @@ def laws() -> None:
     write("fatigue_laws", rows)
     write("fatigue_closed_forms", closed_forms())
     write("fatigue_depths", between())
-    show("p0/k up to which a line contact in full slip is certain to shake down", rows)
+    show("p0/k up to which shakedown of a line contact in full slip is certain", rows)
 
 
 def closed_forms() -> list[dict]:

@@ -115,7 +115,7 @@ def powers() -> None:
         for slip, without_layer, fitted in zip(SLIP, before, after, strict=True)
     ]
     write("fit_ratios", ratios)
-    show("Power, predicted over measured", ratios)
+    show("Predicted / measured power", ratios)
     print(f"chi-square {result.chi2:.3g}, of the grid {chi2.min():.3g}")
 
 
@@ -255,7 +255,9 @@ def cost() -> None:
     show("Cost of a fit", rows)
     for key, value in truth.items():
         low, high = result.interval(key)
-        print(f"{key}: {result.values[key]:.4g}, from {low:.4g} to {high:.4g}, truth {value:.4g}")
+        print(
+            f"{key}: {result.values[key]:.4g}, from {low:.4g} to {high:.4g}, true value {value:.4g}"
+        )
 
 
 def _cost(name: str, result: ts.FitResult) -> dict:
@@ -306,7 +308,7 @@ def posterior(walkers: int = 16, steps: int = 2000) -> None:
         for k, key in enumerate(FRICTION)
     ]
     write("fit_posterior", rows)
-    show("Posterior samples, beside the linearised fit", rows)
+    show("Posterior samples and linearised fit", rows)
 
 
 PARTS = {

@@ -99,7 +99,7 @@ def slopes(n: int) -> dict:
 def main() -> None:
     """Print and write the tables."""
     rows = [compared(name) for name in SCENES]
-    show("Applications of operators, and how far Jacobian and differences are apart", rows)
+    show("Applications of operators, and difference between Jacobian and central differences", rows)
     print(write("jacobian", rows))
     rows = [slopes(n) for n in (64, 128, 256, 512, 1024)]
     show("Carter's curve: relative errors of its slope, and of the force", rows)

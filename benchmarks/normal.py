@@ -100,7 +100,7 @@ def main():
             if tamaas_result is not None:
                 row |= {"Tamaas seconds": tamaas_result[0], "Tamaas/this": tamaas_result[0] / took}
         rows.append(row)
-    show("Normal problem of `spheres`, cold, to 1e-8", rows)
+    show("Normal problem of `spheres`, without initial guess, to 1e-8", rows)
     print(f"written: {write('normal', rows)}")
 
 

@@ -364,7 +364,7 @@ def main():
         table.append(line | {f"{k + 1}": r["error"] for k, r in enumerate(selected)})
     columns = list(max(table, key=len))
     show(
-        f"Errors; columns are {ACROSS} elements across, of the discs {MESHES}",
+        f"Errors; columns: {ACROSS} elements across, for the discs {MESHES}",
         [{column: line.get(column, "") for column in columns} for line in table],
     )
     print(f"written: {write('peaks', rows)}")

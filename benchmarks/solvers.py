@@ -98,7 +98,7 @@ def main():
                     "Qx/muP": outcome.traction[0].sum() / problem.normal.pressure.sum(),
                 }
             )
-    show("Tangential problem of `spheres`, cold, to 1e-8", rows)
+    show("Tangential problem of `spheres`, without initial guess, to 1e-8", rows)
     newton_rows = [r for r in rows if r["method"] == "newton"]
     growth = np.polyfit(
         np.log([r["n"] for r in newton_rows]), np.log([r["applications"] for r in newton_rows]), 1

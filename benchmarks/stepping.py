@@ -211,7 +211,7 @@ def draw(rows):
         solves, missed = [r["solves"] for r in mine], [r["profile error"] for r in mine]
         axes.loglog(solves, missed, style, label=name)
     axes.set(
-        xlabel="contact solves to 15,000 revolutions", ylabel="error of the profile, over its depth"
+        xlabel="contact solutions to 15,000 revolutions", ylabel="error of the profile / depth"
     )
     axes.grid(alpha=0.3)
     axes.legend()

@@ -73,7 +73,7 @@ def main() -> None:
     low, high = table.ellipticity
     ratios = (low, 0.3, 0.42, 0.5, 0.7, 1.0, 1.2, 1.7, 2.0, 2.4, 3.1, 3.7, 3.9, high)
     rows = [at_rest(table, min(max(ratio, low), high)) for ratio in ratios]
-    show("errors of slopes at rest, in percent", rows)
+    show("errors of slopes at zero creepage, in per cent", rows)
     print(write("table_slopes", rows))
     points = anywhere(table, count)
     about = {"points": count, "inside": float(np.mean([row["inside"] for row in points]))}
@@ -82,7 +82,7 @@ def main() -> None:
         about |= {f"{name} median": float(np.median(errors)),
                   f"{name} 95%": float(np.quantile(errors, 0.95)),
                   f"{name} largest": float(errors.max())}  # fmt: skip
-    show(f"errors of gradients at {count} points, over sqrt(K_ii K_jj)", [about])
+    show(f"errors of gradients at {count} points, divided by sqrt(K_ii K_jj)", [about])
     print(write("table_gradients", [about]))
 
 

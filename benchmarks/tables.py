@@ -244,7 +244,7 @@ def draw(rows: list[dict]) -> Path:
     axes.annotate(TABLE, (table["s"], table["worst"]), (10, -4), color="C0", va="top",
                   textcoords="offset points")  # fmt: skip
     axes.set(xscale="log", yscale="log", xlim=(5e-7, 5e-2), ylim=(3e-5, 1.5),
-             xlabel="time of an evaluation, s", ylabel=r"error of $Q_x$, $Q_y$ over $\mu P$",
+             xlabel="time of an evaluation, s", ylabel=r"error of $Q_x$, $Q_y$ divided by $\mu P$",
              title="Median (points) and largest errors (bars)")  # fmt: skip
     axes.grid(alpha=0.3)
     path = RESULTS / "tables.png"

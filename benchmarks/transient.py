@@ -157,7 +157,7 @@ def killed() -> None:
     write("transient_killed", rows)
     print(
         f"{sum(row['same'] for row in rows)} of {len(rows)} identical, "
-        f"apart by {max(row['apart'] for row in rows):.1e} at most"
+        f"largest difference {max(row['apart'] for row in rows):.1e}"
     )
     if bad := [row for row in rows if not row["same"] or row["apart"] > 1e-6]:
         show("not identical", bad)

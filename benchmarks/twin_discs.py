@@ -154,7 +154,7 @@ def every_revolution() -> None:
             history, _ = timed(discs(SAVED[-1], angle=angle))
             reached = [N for N in SAVED if MORE < N <= reference["revolution"][-1]]
             rows += [_compare(angle, f"0 to {N}", history, reference, N) for N in reached]
-    show("Jumps against every revolution", rows)
+    show("Jumps compared with every revolution", rows)
     write("twin_discs_every_revolution", rows)
 
 
@@ -188,7 +188,7 @@ def mesh_convergence() -> None:
                 "energy law": float(np.abs(history.energy_balance - 1.0).max()),
             }
         )
-    show("Over the mesh, beta = 0, N = 15,000", rows)
+    show("Convergence with the mesh, beta = 0, N = 15,000", rows)
     write("twin_discs_mesh", rows)
 
 
@@ -223,7 +223,7 @@ def wear_models() -> None:
                 "Qx/mu P": float(history["Qx_over_P"][i] / 0.6),
             }
         )
-    show("Twin discs, isotropic, against GIWM", rows)
+    show("Twin discs, isotropic, compared with GIWM", rows)
     write("twin_discs_giwm", rows)
     figure = Figure(figsize=(5.4, 3.6), layout="constrained")
     axes = figure.subplots()

@@ -63,7 +63,7 @@ def mesh_convergence():
                 "CONTACT": contact_program.get(str(n), ""),
             }
         )
-    show("`spheres` over meshes", rows)
+    show("`spheres` on several meshes", rows)
     h, q = (np.array([r[k] for r in rows]) for k in ("dx/a", "Qx/muP"))
     fine = h < 0.035
     limit, error = line_through(h[fine] ** 2, q[fine])
@@ -189,7 +189,7 @@ def orthotropic_angles():
                 "closed form y": (0.4**2 - 0.2**2) * s * c / effective,
             }
         )
-    show("`spheres-orthotropic` over the angle of the tribological axes", rows)
+    show("`spheres-orthotropic` against the angle of the tribological axes", rows)
     write("orthotropic_angles", rows)
     figure = Figure(figsize=(5.4, 3.8), layout="constrained")
     axes = figure.subplots()
@@ -211,7 +211,7 @@ def orthotropic_angles():
             color=color,
             label=rf"$Q_{name}/P$, $\xi_x = -0.0031$",
         )
-    axes.set(xlabel=r"$\beta$, degrees", ylabel="force over load", xticks=range(0, 181, 30))
+    axes.set(xlabel=r"$\beta$, degrees", ylabel="force / load", xticks=range(0, 181, 30))
     axes.legend(fontsize=8)
     axes.grid(alpha=0.3)
     figure.savefig(RESULTS / "orthotropic_angles.png", dpi=150)

@@ -35,7 +35,7 @@ def main():
         f"solves, {totals['wall_seconds']:.0f} s"
     )
     paper = paper_seconds()
-    print(f"the paper's scheme: {paper:.2f} s a revolution, {paper * SAVED[-1]:.0f} s for all")
+    print(f"the paper's scheme: {paper:.2f} s per revolution, {paper * SAVED[-1]:.0f} s for all")
     rows = []
     for tolerance in TOLERANCES:
         history, took = timed(discs(SAVED[-1], f"wear.tolerance={tolerance}"))

@@ -100,7 +100,7 @@ def balances() -> list[dict]:
             )
             about = {"friction": friction, "creepage": creepage, "of full slip": share}
             rows.append(about | {"across": across} | ratios)
-    show("Worn section over i/mu times the work supplied", rows)
+    show("Worn cross-section / (i/mu times the supplied work)", rows)
     write("wear_balance", rows)
     return rows
 

@@ -114,8 +114,8 @@ def errors(scene: Scene) -> list[dict]:
 def main() -> None:
     scene = Scene.builtin("twin-discs")
     parts, stress_errors = shares(scene), errors(scene)
-    show("A roll of the twin discs, by parts", parts)
-    show("The largest stress inside, at its place", stress_errors)
+    show("Parts of a run of the twin discs", parts)
+    show("Error of the largest stress inside", stress_errors)
     print(write("whole_roll", parts), write("largest_stress", stress_errors))
 
 

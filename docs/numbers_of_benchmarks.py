@@ -754,16 +754,16 @@ def fit_repeats() -> str:
 
 
 def fit_posterior() -> str:
-    """Return posterior samples of measured twin discs, beside the linearised fit."""
+    """Return posterior samples of measured twin discs, and the linearised fit."""
     columns = {
         "key": ("key", str),
         "fit": ("fit", number(".4g")),
         "standard deviation": ("sd", number(".3g")),
         "mean of the samples": ("mean", number(".4g")),
-        "its error": ("error of mean", number(".1g")),
-        "their standard deviation": ("sd of samples", number(".3g")),
-        "95 % from": ("low", number(".4g")),
-        "to": ("high", number(".4g")),
+        "error of the mean": ("error of mean", number(".1g")),
+        "standard deviation of the samples": ("sd of samples", number(".3g")),
+        "95 % interval, lower end": ("low", number(".4g")),
+        "95 % interval, upper end": ("high", number(".4g")),
         "autocorrelation time, steps": ("autocorrelation", number(".0f")),
     }
     return format_columns(read_rows("fit_posterior.csv"), columns)
