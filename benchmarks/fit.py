@@ -271,7 +271,7 @@ def _cost(name: str, result: ts.FitResult) -> dict:
     }
 
 
-def posterior(walkers: int = 16, steps: int = 2000) -> None:
+def posterior(walkers: int = 8, steps: int = 1200) -> None:
     """Sample the posterior of the measured powers by emcee, beside the linearised fit."""
     import emcee  # noqa: PLC0415 - of the extra benchmarks
 

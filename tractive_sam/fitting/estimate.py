@@ -113,7 +113,7 @@ class Estimate:
         covariance = self.covariance[:n, :n]
         deviation = np.sqrt(np.diag(covariance))
         with np.errstate(invalid="ignore"):
-            return covariance / np.outer(deviation, deviation)
+            return np.clip(covariance / np.outer(deviation, deviation), -1.0, 1.0)
 
     @property
     def band(self) -> np.ndarray:

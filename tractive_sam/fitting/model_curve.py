@@ -45,7 +45,8 @@ def curve_variables(best: Estimate, fit: Fit) -> Variables:
                 series.key, measured, fit.scene, best.problem.parameters, best.problem.evaluations
             )
             problem = replace(best.problem, series=(curve,))
-            predicted, slopes = problem.predict(best.u[:n]), problem.jacobian(best.u[:n])
+            predicted = problem.predict(best.u[:n], derivatives=True)
+            slopes = problem.jacobian(best.u[:n])
         except FitError:  # a value between the measured ones that cannot be computed
             continue
         wide = np.pad(slopes, ((0, 0), (0, best.u.size - n)))

@@ -40,7 +40,7 @@ def rank_tests(best: Estimate, fit: Fit) -> list[Gain]:
         for label, measured in _measured_tests(test):
             problem = _problem_of(best.problem, f"fit.test[{k}]", measured, fit)
             slopes = problem.jacobian(best.u[:n])
-            noise = noise_at(test.uncertainty, problem.predict(best.u[:n]))
+            noise = noise_at(test.uncertainty, problem.predict(best.u[:n], derivatives=True))
             wide = np.zeros((len(slopes), best.u.size))
             wide[:, :n] = slopes / noise[:, None]
             after = information + wide.T @ wide

@@ -106,9 +106,17 @@ class FitProblem:
         np.fill_diagonal(rows, self.parameters.slopes(u) / sd)
         return rows[np.isfinite(mean)]
 
-    def predict(self, u: np.ndarray) -> np.ndarray:
-        """Return predicted values, shape (points,); nan if a computation failed."""
-        replies = self._replies({"": u})
+    def predict(self, u: np.ndarray, derivatives: bool = False) -> np.ndarray:
+        """Return predicted values, shape (points,); nan if a computation failed.
+
+        Parameters
+        ----------
+        u : ndarray, shape (size,)
+            Coordinates.
+        derivatives : bool
+            Whether exact derivatives are computed as well, for a `jacobian` there.
+        """
+        replies = self._replies({"": u}, derivatives)
         if replies is None:
             return np.full(self.observed.size, math.nan)
         return self._collect(replies, "", u)
@@ -198,17 +206,21 @@ class FitProblem:
         tolerance = max(series.base.solver.tolerance for series in self.series)
         return ROLL_STEP if rolled else max(1e-4, tolerance**0.5)
 
-    def _replies(self, points: Mapping[str, np.ndarray]) -> dict[tuple, Reply] | None:
+    def _replies(
+        self, points: Mapping[str, np.ndarray], derivatives: bool = True
+    ) -> dict[tuple, Reply] | None:
         """Return answers by series, point and group; None if a scene is not valid.
 
-        At points other than "" only cases without an exact derivative are computed.
+        Exact derivatives are computed at the point "", and there only if they are wanted. At other
+        points, only what has no exact derivative is computed.
         """
         cases: dict[tuple, FitCase] = {}
         try:
             for n, series in enumerate(self.series):
                 for point, u in points.items():
                     if not (point and point in series.exact):
-                        series_cases = series.cases(self.parameters.named(u), n, not point)
+                        wanted = derivatives and not point
+                        series_cases = series.cases(self.parameters.named(u), n, wanted)
                         cases |= {(n, point, k): case for k, case in enumerate(series_cases)}
         except SceneError as error:
             self.failures.append(str(error.faults[0]))

@@ -115,7 +115,7 @@ class Search:
                 max_nfev=fit.iterations,
             )
             u, message, iterations = inner.at(found.x), ENDS[found.status], found.nfev
-        predicted = problem.predict(u)
+        predicted = problem.predict(u, derivatives=True)
         squares = np.square((problem.observed - predicted) / problem.noise)
         losses, weights = LOSSES[fit.loss](squares)
         prior, _ = LOSSES[fit.loss](np.square(problem.prior_residuals(u)))
@@ -156,7 +156,7 @@ class _Residuals:
     def residuals(self, part: np.ndarray) -> np.ndarray:
         """Return predicted less measured values over the noise, and the residuals of the priors."""
         u = self.at(part)
-        return self.problem.residuals(u, self.problem.predict(u))
+        return self.problem.residuals(u, self.problem.predict(u, derivatives=True))
 
     def slopes(self, part: np.ndarray) -> np.ndarray:
         """Return the derivatives of the residuals."""

@@ -75,7 +75,7 @@ def list_notes(best: Estimate, table: Fit) -> list[str]:
         cure = "the noise is larger than stated, or the model does not describe the data"
         notes.append(f"chi-square {best.chi2:.3g} is above its expected range: {cure}")
     if best.chi2 < low:
-        notes.append(f"chi-square {best.chi2:.3g} is below its expected range: less noise")
+        notes.append(f"chi-square {best.chi2:.3g} is below its expected range: smaller noise")
     if best.degrees <= 0:
         notes.append("as many parameters as points: chi-square says nothing about the model")
     for key, value, low_end, high_end in zip(
