@@ -848,6 +848,5 @@ TABLES = {
         fit_exact,
         fit_repeats,
         fit_cost,
-        fit_posterior,
     )
 }
