@@ -141,8 +141,11 @@ def _friction_state(
     fields = outcome.fields
     if model.laws.friction is None:
         return fields.pressure > 0.0, None, 0.0
-    sliding, allowed = problem.sliding(*fields)
-    bound = _traction_bound(model, fields.pressure, allowed.radius)
+    sliding, radius = outcome.sliding, outcome.radius
+    if sliding is None or radius is None:
+        sliding, allowed = problem.sliding(*fields)
+        radius = allowed.radius
+    bound = _traction_bound(model, fields.pressure, radius)
     if not model.friction_law.falls:
         return sliding, bound, 0.0
     steepness = outcome.steepness

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from tractive_sam.operators.fft import PaddedTransform, PlanCache, plan
+from tractive_sam.operators.fft import PlanCache, plan
 from tractive_sam.operators.fftw import pyfftw
 from tractive_sam.operators.meter import count_transform
 from tractive_sam.operators.threads import threads_for_transform
@@ -48,11 +48,28 @@ def block_edges(rows: int, padded: tuple[int, int], cache: int = 2**18) -> list[
     return [*pairwise(k * rows // count for k in range(count + 1))]
 
 
+def column_stride(px: int, gap: int = 4) -> int:
+    """Return the distance of contiguous columns of the length p_x in memory.
+
+    Parameters
+    ----------
+    px : int
+        Padded length.
+    gap : int
+        Numbers between two columns. Without it, lengths such as 128 and 192 put the numbers of a
+        row into the same few lines of the cache: the transforms along y take three times as long.
+    """
+    return px + gap
+
+
 def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> list[np.ndarray]:
     """Return contiguous kernels (entries, m) of each tile, of spectra (entries, p_x, p_y/2 + 1)."""
     edges = tile_edges(fields, padded)
     if len(edges) == 2:
-        return [spectra.reshape(len(spectra), -1)]
+        entries, px, half = spectra.shape
+        columns = np.zeros((entries, half, column_stride(px)), spectra.dtype)
+        columns[..., :px] = spectra.swapaxes(1, 2)
+        return [columns.reshape(entries, -1)]
     tiles = (spectra[..., a:b] for a, b in pairwise(edges))
     return [np.ascontiguousarray(tile).reshape(len(spectra), -1) for tile in tiles]
 
@@ -69,6 +86,9 @@ class Convolver(Protocol):
 class UntiledConvolution:
     """The convolution on a mesh with spectra that fit the cache (`Convolver`).
 
+    Columns are stored contiguously: the transforms along x take a quarter less time, and those
+    along y read and write at a stride at hardly any cost.
+
     Parameters
     ----------
     fields, shape, padded, single
@@ -78,15 +98,42 @@ class UntiledConvolution:
     def __init__(
         self, fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool
     ) -> None:
-        self._transform = PaddedTransform(fields, shape, padded, single)
+        (nx, self._ny), (px, py) = shape, padded
+        self._fields, self._padded = fields, padded
+        real, spectral = _kinds(single)
+        self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
+        stored = (fields, py // 2 + 1, column_stride(px))
+        whole, product = (pyfftw.zeros_aligned(stored, dtype=spectral) for _ in range(2))
+        self._spectrum = product.reshape(fields, -1)
+        columns, spectrum = whole[..., :px], product[..., :px]
+
+        def rows_of(columns: np.ndarray) -> np.ndarray:
+            return columns[..., :nx].swapaxes(1, 2)
+
+        # Forward along x does not change its input, so that the padding of `columns` stays zero.
+        self._forward = (
+            plan(self._real, rows_of(columns), 2, "FFTW_FORWARD"),
+            plan(columns, spectrum, 2, "FFTW_FORWARD"),
+        )
+        self._backward = (
+            plan(spectrum, spectrum, 2, "FFTW_BACKWARD"),
+            plan(rows_of(spectrum), self._real, 2, "FFTW_BACKWARD"),
+        )
+        columns[:] = 0.0  # planning wrote into it
 
     def __call__(
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
         """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
-        spectrum = self._transform.forward(fields)
-        product(kernels[0], spectrum.reshape(len(spectrum), -1))
-        return self._transform.backward().copy()
+        self._real[..., : self._ny] = fields
+        self._real[..., self._ny :] = 0.0
+        count_transform(2 * self._fields, self._padded)
+        for transform in self._forward:
+            transform.execute()
+        product(kernels[0], self._spectrum)
+        for transform in self._backward:
+            transform.execute()
+        return self._real[..., : self._ny].copy()
 
 
 class RowBuffer(NamedTuple):

@@ -48,6 +48,7 @@ class Record:
         process_values: Mapping[str, Any],
         *,
         user_columns: Iterable[Quantity] = (),
+        chosen: dict[str, Quantity] | None = None,
         with_fields: bool = True,
         stress: Iterable[PlaneStress] = (),
         user_fields: Mapping[Quantity, np.ndarray] | None = None,
@@ -63,6 +64,8 @@ class Record:
             the contact are nan without them.
         user_columns : iterable of Quantity
             Columns in addition to `COLUMNS`.
+        chosen : dict of str to Quantity, optional
+            All columns by name, if they are known already.
         with_fields : bool
             Whether to store the fields.
         stress : iterable of PlaneStress
@@ -70,7 +73,7 @@ class Record:
         user_fields : mapping of Quantity to ndarray, optional
             Fields in addition to `FIELDS`, shape (n_x, n_y).
         """
-        names = columns(contact.scene, user_columns)
+        names = columns(contact.scene, user_columns) if chosen is None else chosen
         values = {
             name: process_values[name] if name in process_values else _read(column, contact)
             for name, column in names.items()

@@ -260,7 +260,7 @@ class State:
         """Traction in the norm of the friction law, ||p_t||_mu, MPa; zero without friction."""
         if self.frame is None:
             return np.zeros_like(self.pressure)
-        return np.hypot(*self.frame.to_scaled(self.traction))
+        return np.sqrt((self.frame.to_scaled(self.traction) ** 2).sum(axis=0))
 
     @property
     def bound(self) -> np.ndarray:

@@ -30,6 +30,7 @@ from tractive_sam.results import (
     Record,
     State,
     Status,
+    columns,
     restart_fields,
 )
 from tractive_sam.rolling.observer import Observer
@@ -235,6 +236,25 @@ class Recorder:
 
     columns: tuple[Quantity, ...] = ()
     measured: Gap | None = None
+    _last: list[tuple[Scene, list[Quantity], dict[str, Quantity]]] = field(
+        default_factory=list, init=False
+    )
+
+    def choose_columns(self, scene: Scene, own: list[Quantity]) -> dict[str, Quantity]:
+        """Return the columns of a record by name; those of the last record are remembered.
+
+        Parameters
+        ----------
+        scene : Scene
+            The scene of the contact.
+        own : list of Quantity
+            Columns in addition to those of the package.
+        """
+        for known, before, chosen in self._last:
+            if known is scene and list(map(id, before)) == list(map(id, own)):
+                return chosen
+        self._last[:] = [(scene, own, columns(scene, own))]
+        return self._last[0][2]
 
 
 AnyStep = TypeVar("AnyStep", bound=Step)
@@ -427,21 +447,28 @@ class Process(ABC, Generic[AnyStep]):
         store = (may_store and step.place in contact.scene.schedule) or not step.converged
         if recorder.measured is not None:
             values["measured_profile"] = gap_across(recorder.measured, contact.grid)
-        columns = [*recorder.columns, *self.columns]
+        user_columns = [*recorder.columns, *self.columns]
         if PARTS.name in values:
-            columns.append(PARTS)
+            user_columns.append(PARTS)
         of_fields: dict[Quantity, np.ndarray] = {}
         stress: list[PlaneStress] = []
         for seen in self._recording(step):
             contact = seen.complete(contact, block)
             values |= seen.record_block(block)
-            columns += seen.columns
+            user_columns += seen.columns
             if store:
                 arrays = seen.record_fields(block)
                 of_fields |= {quantity: arrays[quantity.name] for quantity in seen.fields}
                 stress += seen.record_stress(block)
-        user_defined = {"user_columns": columns, "user_fields": of_fields}
-        return Record.of(contact, values, **user_defined, with_fields=store, stress=stress)
+        chosen = recorder.choose_columns(contact.scene, user_columns)
+        return Record.of(
+            contact,
+            values,
+            chosen=chosen,
+            with_fields=store,
+            stress=stress,
+            user_fields=of_fields,
+        )
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
         """Return status and message of a history that ends with a step.

@@ -122,6 +122,9 @@ class Outcome:
         because friction falls with sliding.
     steepness : float, optional
         `solvers.uniqueness.steepness` of the solution, if the method has needed it.
+    sliding, radius : ndarray, shape (n_x, n_y), optional
+        Where the solution slides and the radius of its bound (`Problem.sliding`), if the method
+        knows them.
     """
 
     status: Status
@@ -137,6 +140,8 @@ class Outcome:
     trace: tuple[Note, ...] = ()
     top: tuple[float, float] | None = None
     steepness: float | None = None
+    sliding: np.ndarray | None = None
+    radius: np.ndarray | None = None
 
     @property
     def converged(self) -> bool:

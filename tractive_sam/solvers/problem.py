@@ -389,7 +389,8 @@ class Problem:
         seen = self.friction_slip(pressure, gap)
         opposed = self.opposed(traction, slip, seen)
         bound = self.bound_sliding(self.bound(pressure), pressure, traction, slip, seen)
-        return (pressure > 0.0) & (np.hypot(*(traction - opposed)) > bound.radius), bound
+        beyond = ((traction - opposed) ** 2).sum(axis=0) > bound.radius**2
+        return (pressure > 0.0) & beyond, bound
 
     def at_speed_ratio(self, ratio: float) -> "Problem":
         """Return the problem at `ratio` times the rolling speed; 0 gives static friction."""

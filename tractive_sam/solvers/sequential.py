@@ -80,13 +80,18 @@ class Sequential:
         box = rectangle(pressure > 0.0)
         if start is not None:
             start = _on_part(problem, start, box)
-        solver = needed(self.tangential, "tangential")
-        outcome = solver.solve(problem.within(box), tolerance, start)
-        shape = pressure.shape
+        inner, shape = problem.within(box), pressure.shape
+        outcome = needed(self.tangential, "tangential").solve(inner, tolerance, start)
+        traction = needed(outcome.traction, "outcome.traction")
+        slip = needed(outcome.slip, "outcome.slip")
+        normal = inner.fixed_pressure
+        sliding, bound = inner.sliding(normal.pressure, normal.gap, traction, slip)
         return replace(
             outcome,
-            traction=embed(needed(outcome.traction, "outcome.traction"), box, shape),
-            slip=embed(needed(outcome.slip, "outcome.slip"), box, shape),
+            traction=embed(traction, box, shape),
+            slip=embed(slip, box, shape),
+            sliding=embed(sliding, box, shape),
+            radius=embed(bound.radius, box, shape),
         )
 
 
@@ -182,6 +187,6 @@ def _round_up(first: int, end: int, size: int) -> slice:
 
 def embed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
     """Return a field on a rectangle as a field on the mesh, zero around it."""
-    full = np.zeros((*field.shape[:-2], *shape))
+    full = np.zeros((*field.shape[:-2], *shape), field.dtype)
     full[..., *box] = field
     return full
