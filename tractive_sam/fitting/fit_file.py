@@ -33,6 +33,11 @@ def is_fit(path: str | PathLike[str]) -> bool:
 def open_fit(path: str | PathLike[str]) -> FitResult:
     """Open the result of a fit, also of one that was interrupted.
 
+    Parameters
+    ----------
+    path : path-like
+        File that `fit` wrote (netCDF).
+
     Raises
     ------
     ResultsError

@@ -383,7 +383,15 @@ class CreepTable:
         return bars
 
     def gradient_at(self, points, coordinates: Coordinates) -> np.ndarray:
-        """Return the derivatives of scaled forces by scaled creepages, shape (3, 3, P)."""
+        """Return the derivatives of scaled forces by scaled creepages, shape (3, 3, P).
+
+        Parameters
+        ----------
+        points : sequence of ndarray, shape (P,)
+            Points of `law`: positions on the axes `names`, heading, tilt and u.
+        coordinates : Coordinates
+            Coordinates of the scaled creepages.
+        """
         first = len(points) - len(NAMES)
         shifted = (*points[:first], *coordinates.points_of_slopes)
         by = self.law.parts(shifted, range(first, len(points)))
@@ -394,6 +402,13 @@ class CreepTable:
         """Return the slopes at rest of each scaled force by its creepage, shape (3, P).
 
         The points give the position on the axes `names`; r0 is `unit_radius` there.
+
+        Parameters
+        ----------
+        points : sequence of ndarray, shape (P,)
+            Points of `law`; only the positions on the axes `names` count.
+        r0 : ndarray, shape (P,)
+            `unit_radius` there.
         """
         first, none = len(points) - len(NAMES), np.zeros_like(r0)
         right = np.full_like(r0, 0.5 * np.pi)
@@ -405,7 +420,13 @@ class CreepTable:
         return np.abs(by_u) / r0 * np.array([[1.0], [1.0], [SPIN]])
 
     def gradient_error_at(self, points, coordinates: Coordinates) -> np.ndarray:
-        """Return error bars of `gradient_at`, (3, 3, P); zero in full slip, nan if unknown."""
+        """Return error bars of `gradient_at`, (3, 3, P); zero in full slip, nan if unknown.
+
+        Parameters
+        ----------
+        points, coordinates
+            As for `gradient_at`.
+        """
         nodes, u = self.law.axes[-1], points[-1]
         if self.gradient_bars is None:
             return np.full((3, 3, len(u)), np.nan)

@@ -126,6 +126,8 @@ class VonMises(StressCriterion):
         """Return the equivalent stress of stresses (6, ...), MPa.
 
         `invariants.compute_von_mises` computes it in one pass.
+
+        Parameters as in `StressCriterion.__call__`.
         """
         # Reading and drawing results needs no compiler, which takes long to load.
         from tractive_sam.kernels import invariants  # noqa: PLC0415

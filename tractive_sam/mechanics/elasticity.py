@@ -191,6 +191,8 @@ class HalfSpaces(Elasticity):
         """Return the displacement u_A - u_B of an element per unit traction on another element.
 
         The coefficients are integrals over an element.
+
+        Parameters as in `Elasticity.coefficients`.
         """
         r1, xx, yy, xy, x2, y2 = _integrals_of(dx, dy).at(*offsets)
         nu, K = self.material.poisson, self.material.coupling
@@ -291,6 +293,8 @@ class Strips(HalfSpaces):
 
         The other columns are zero: then the transform in y treats every row separately, also in
         circulant inverses.
+
+        Parameters as in `Elasticity.coefficients`.
         """
         table = np.zeros(offsets)
         x, nu, K = dx * np.arange(offsets[0]), self.material.poisson, self.material.coupling

@@ -82,7 +82,10 @@ class Exponential(SlidingShare):
     half_speed: float
 
     def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return mu(speed)/mu(0) of the exponential law, and its derivative by speed, s/mm."""
+        """Return mu(speed)/mu(0) of the exponential law, and its derivative by speed, s/mm.
+
+        Parameters as in `SlidingShare.at`.
+        """
         rate = np.log(2.0) / self.half_speed
         fall = (1.0 - self.kinetic) * np.exp(-rate * speed)
         return self.kinetic + fall, -rate * fall
@@ -101,7 +104,10 @@ class Rational(SlidingShare):
     half_speed: float
 
     def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the ratio mu(speed)/mu(0) and its derivative by the speed, s/mm."""
+        """Return the ratio mu(speed)/mu(0) and its derivative by the speed, s/mm.
+
+        Parameters as in `SlidingShare.at`.
+        """
         denominator = 1.0 + speed / self.half_speed
         fall = (1.0 - self.kinetic) / denominator
         return self.kinetic + fall, -fall / (denominator * self.half_speed)
@@ -267,7 +273,10 @@ class FallingCoulomb(Coulomb):
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """Return the bound under a slip, with its `Slope`, for a law that `falls`."""
+        """Return the bound under a slip, with its `Slope`, for a law that `falls`.
+
+        Parameters as in `FrictionLaw.bound_sliding`.
+        """
         assert self.sliding is not None  # as the law falls
         size = np.hypot(*slip)
         share, by_speed = self.sliding.at(self.speed * size)
@@ -406,6 +415,8 @@ class FallingCoulombInStep(FallingCoulomb):
         """Return the coefficients under a slip over those at rest, shape (n_x, n_y).
 
         The distance of the step replaces the length.
+
+        Parameters as in `FallingCoulomb.friction_factor`.
         """
         return super().friction_factor(
             pressure, slip, length if self.past is None else self.past.distance

@@ -398,6 +398,13 @@ class VolumeLife(Law):
         """Return the largest density of the integral at its first depth over the largest density.
 
         Near 1 the integral depends on the element size.
+
+        Parameters
+        ----------
+        depth : ndarray, shape (n,)
+            Depths, mm.
+        stress : ndarray, shape (n_y, n)
+            Amplitude, MPa, as for `volume`.
         """
         density = self._density(depth, stress)[1]
         largest = density.max(initial=0.0)
@@ -410,11 +417,27 @@ class VolumeLife(Law):
         return z, above**self.stress_exponent / z**self.depth_exponent
 
     def survival(self, volume: float, cycles: float) -> float:
-        """Return the probability of survival after a number of cycles."""
+        """Return the probability of survival after a number of cycles.
+
+        Parameters
+        ----------
+        volume : float
+            Integral of the stressed volume, from `volume`.
+        cycles : float
+            Number of cycles.
+        """
         return math.exp(-self.constant * cycles**self.slope * volume)
 
     def life(self, volume: float, survival: float = 0.9) -> float:
-        """Return the number of cycles for a probability of survival; inf without stress."""
+        """Return the number of cycles for a probability of survival; inf without stress.
+
+        Parameters
+        ----------
+        volume : float
+            Integral of the stressed volume, from `volume`.
+        survival : float
+            Probability of survival, between 0 and 1.
+        """
         if volume <= 0.0:
             return math.inf
         return (math.log(1.0 / survival) / (self.constant * volume)) ** (1.0 / self.slope)

@@ -311,7 +311,10 @@ class ScaledFriction(FrictionLaw):
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """Return the bound under a slip, with its `Slope`, for a law that `falls`."""
+        """Return the bound under a slip, with its `Slope`, for a law that `falls`.
+
+        Parameters as in `FrictionLaw.bound_sliding`.
+        """
         return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
 
     def on_rows(self, y: np.ndarray) -> "ScaledFriction":

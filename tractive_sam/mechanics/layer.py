@@ -54,6 +54,8 @@ class InterfacialLayer(Elasticity):
         """Return the displacement u_A - u_B of an element per unit traction on another element.
 
         A traction shears only the layer at its own element.
+
+        Parameters as in `Elasticity.coefficients`.
         """
         table = self.bodies.coefficients(component, offsets, dx, dy)
         if component in ("xx", "yy"):
@@ -62,7 +64,10 @@ class InterfacialLayer(Elasticity):
         return table
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return the unit of gaps over the unit of pressures, with which both have like size."""
+        """Return the unit of gaps over the unit of pressures, with which both have like size.
+
+        Parameters as in `Elasticity.gap_per_pressure`.
+        """
         return self.bodies.gap_per_pressure(length, dx, dy)
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
@@ -73,6 +78,8 @@ class InterfacialLayer(Elasticity):
         """Return the displacement by traction over that by pressure, just ahead of a contact edge.
 
         There is no layer outside the contact.
+
+        Parameters as in `Elasticity.opening`.
         """
         return self.bodies.opening(normal, dx, dy)
 

@@ -38,7 +38,15 @@ class Material:
 
     @classmethod
     def from_young(cls, young: float, poisson: float) -> Material:
-        """Build the material from Young's modulus (MPa) and Poisson's ratio."""
+        """Build the material from Young's modulus (MPa) and Poisson's ratio.
+
+        Parameters
+        ----------
+        young : float
+            Young's modulus, MPa.
+        poisson : float
+            Poisson's ratio.
+        """
         return cls(young / (2 * (1 + poisson)), poisson)
 
     @property

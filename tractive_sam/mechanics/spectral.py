@@ -75,7 +75,10 @@ class SpectralHalfSpaces(HalfSpaces):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Return the displacement u_A - u_B of an element per unit traction on another element."""
+        """Return the displacement u_A - u_B of an element per unit traction on another element.
+
+        Parameters as in `Elasticity.coefficients`.
+        """
         below = HalfSpaces(self.A, self.B)
         if self.spectrum(component, np.ones((1, 1)), np.ones((1, 1))) is None:
             return below.coefficients(component, offsets, dx, dy)

@@ -170,6 +170,8 @@ class Archard(WearLaw):
         """Return the worn depth per rolling distance of both bodies together, dimensionless.
 
         It does not depend on the traction.
+
+        Parameters as in `WearLaw.rate`.
         """
         return pressure * Frame(self.intensity, self.angle).dual_norm(slip)
 
@@ -190,17 +192,26 @@ class TemperatureScaledWear(WearLaw):
     factor: np.ndarray
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+
+        Parameters as in `WearLaw.rate`.
+        """
         return self.factor * self.law.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+
+        Parameters as in `WearLaw.per_load`.
+        """
         return self.factor * self.law.per_load(pressure, traction, slip)
 
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None."""
+        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
+
+        Parameters as in `WearLaw.shares`.
+        """
         return self.law.shares(pressure, traction, slip)
 
 

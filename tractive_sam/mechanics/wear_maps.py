@@ -44,7 +44,10 @@ class TGammaPerArea(WearLaw):
     recorded_name = "ByWork"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+
+        Parameters as in `WearLaw.rate`.
+        """
         work = frictional_work(traction, slip)
         per_mass = PER_MASS / self.density
         if not self.total:
@@ -56,6 +59,8 @@ class TGammaPerArea(WearLaw):
         """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
 
         At constant load T-gamma of the contact hardly changes.
+
+        Parameters as in `WearLaw.per_load`.
         """
         touching = pressure > 0.0
         each = np.where(touching, pressure, 1.0)
@@ -99,7 +104,10 @@ class TGammaTotal(WearLaw):
         return replace(self, element_area=element_area)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+
+        Parameters as in `WearLaw.rate`.
+        """
         work = frictional_work(traction, slip)
         total = float(work.sum()) * self.element_area
         return PER_SECTION * self.regimes.at(total) / total * work if total else work
@@ -108,6 +116,8 @@ class TGammaTotal(WearLaw):
         """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
 
         At constant load T-gamma of the contact hardly changes.
+
+        Parameters as in `WearLaw.per_load`.
         """
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
@@ -140,7 +150,10 @@ class WearMap(WearLaw):
     recorded_name = "ByChart"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+
+        Parameters as in `WearLaw.rate`.
+        """
         unit = ArchardByWork((1.0 / self.hardness,) * 2, self.mu, self.angle)
         sliding = self.speed * np.hypot(*slip)
         k = wear.chart(
@@ -152,6 +165,8 @@ class WearMap(WearLaw):
         """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
 
         The regime of each element is assumed not to change.
+
+        Parameters as in `WearLaw.per_load`.
         """
         rate = self.rate(pressure, traction, slip)
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
@@ -195,17 +210,25 @@ class PerBody(WearLaw):
         )
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless."""
+        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+
+        Parameters as in `WearLaw.rate`.
+        """
         return self._of_bodies("rate", pressure, traction, slip).sum(axis=0)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa."""
+        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+
+        Parameters as in `WearLaw.per_load`.
+        """
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
 
         Rows without wear have the shares of the contact.
+
+        Parameters as in `WearLaw.shares`.
         """
         each = self._of_bodies("rate", pressure, traction, slip).sum(axis=1)
         total = each.sum(axis=1)
@@ -224,6 +247,8 @@ class PerBody(WearLaw):
         """Return the rate of each body, shape (2, n_x, n_y).
 
         Each body has its law; `share` is not used.
+
+        Parameters as in `WearLaw.rates`.
         """
         return self._of_bodies("rate", pressure, traction, slip)
 

@@ -147,6 +147,8 @@ class SteadyRolling(Kinematics):
         """Return the map from rows of a friction law to tractions that nearly have these rows.
 
         The map is the upwind sweep.
+
+        Parameters as in `Kinematics.approximate_inverse`.
         """
         return partial(
             law.approximate_inverse,
@@ -208,6 +210,8 @@ class RollingStep(Kinematics):
         """Return the map from rows of a friction law to tractions that nearly have these rows.
 
         The map combines the circulant inverse with the local terms.
+
+        Parameters as in `Kinematics.approximate_inverse`.
         """
         inverse_of_step = law.inverse_of_step(operators.self_displacement, stiffness)
         return partial(inverse_of_step, inverse=operators.tangential_inverse)

@@ -82,11 +82,27 @@ class Observer(ABC):
 
     @abstractmethod
     def begin(self, step: Any, model: Model) -> Self:
-        """Return the observer after the first step; `step.observed` has the observers before it."""
+        """Return the observer after the first step; `step.observed` has the observers before it.
+
+        Parameters
+        ----------
+        step : Step
+            The first step.
+        model : Model
+            Model of the process.
+        """
 
     @abstractmethod
     def after(self, step: Any, model: Model) -> Self:
-        """Return the observer after a later step, which may be on a wider mesh."""
+        """Return the observer after a later step, which may be on a wider mesh.
+
+        Parameters
+        ----------
+        step : Step
+            The later step.
+        model : Model
+            Model of the process, on the mesh of the step.
+        """
 
     @abstractmethod
     def restore(self, step: Any, stored: Any) -> Self:
@@ -111,11 +127,27 @@ class Observer(ABC):
         return {}
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block to record, completed by results of the observer."""
+        """Return the contact of a block to record, completed by results of the observer.
+
+        Parameters
+        ----------
+        contact : State
+            Contact of the block.
+        block : int
+            Index of the block in a duty cycle; else 0.
+        """
         return contact
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the values of its columns, given the values recorded from the contact."""
+        """Return the values of its columns, given the values recorded from the contact.
+
+        Parameters
+        ----------
+        model : Model
+            Model of the process.
+        recorded : mapping of str to object
+            Values of the columns that are read from the contact.
+        """
         return {}
 
     def record_block(self, block: int) -> Mapping[str, Any]:

@@ -341,7 +341,15 @@ class Process(ABC, Generic[AnyStep]):
     @classmethod
     @abstractmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
+        """Return the number of records for an element size dx, mm; about, for adaptive steps.
+
+        Parameters
+        ----------
+        scene : Scene
+            Scene of the process.
+        dx : float
+            Element size in the rolling direction, mm.
+        """
 
     def on(self, grid: Grid) -> Self:
         """Return the process on another mesh."""
@@ -357,7 +365,15 @@ class Process(ABC, Generic[AnyStep]):
         return self, self.begin()
 
     def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
-        """Return a restored step completed by the model and the observers."""
+        """Return a restored step completed by the model and the observers.
+
+        Parameters
+        ----------
+        step : Step
+            Step from `restore`.
+        stored : StoredStep
+            The record of the history.
+        """
         observers = {observer.name: observer.restore(step, stored) for observer in self.following}
         return replace(step, observed=observers)
 
@@ -365,6 +381,13 @@ class Process(ABC, Generic[AnyStep]):
         """Return a step with its observers; most do not change if it was not solved.
 
         Each observer receives the step with the observers that come before it.
+
+        Parameters
+        ----------
+        step : Step
+            The step, without its observers.
+        before : Step, optional
+            The step before it, with observers; None for the first step.
         """
         observed: dict[str, Observer] = {}
         for observer in self.following:
@@ -420,6 +443,13 @@ class Process(ABC, Generic[AnyStep]):
 
         It contains fields, and the stress on the planes of the scene, if the scene saves them or
         the contact was not solved. Columns of observers are in every record.
+
+        Parameters
+        ----------
+        step : Step
+            The step.
+        recorder : Recorder
+            Additions to every record.
         """
         record = self._record_contact(step, step.record(), recorder)
         observed = {}

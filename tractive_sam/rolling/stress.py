@@ -43,6 +43,8 @@ class LargestStress(Observer):
         """Return the observer after a stored step.
 
         It does not depend on earlier steps.
+
+        Parameters as in `Observer.restore`.
         """
         return self
 

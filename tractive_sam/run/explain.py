@@ -65,6 +65,11 @@ def explain(scene: Scene) -> Description:
 
     The time is estimated from transforms measured on this machine.
 
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
     Raises
     ------
     GapError

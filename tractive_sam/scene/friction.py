@@ -226,6 +226,8 @@ class Friction(LawTable):
         """Return the rows that describe the table.
 
         They describe the law and its dependences.
+
+        Parameters as in `Table.describe`.
         """
         mu1, mu2 = self.mu
         text = f"isotropic, mu = {mu1:g}"

@@ -116,6 +116,8 @@ class LoadHistory(Table):
         """Return the rows that describe the table.
 
         They describe the blocks made from the file, and their errors.
+
+        Parameters as in `Table.describe`.
         """
         binned = (self.error or {}).items()
         errors = ", ".join(f"{name} {error:.2%}" for name, error in binned if error)

@@ -73,6 +73,8 @@ class Load(Table):
         """Return the rows that describe the table.
 
         They describe the load and the peak pressure.
+
+        Parameters as in `Table.describe`.
         """
         hertz, unit = scene.hertz, scene.force_unit
         key, value = self.prescribed_key, getattr(self, self.prescribed_key)
@@ -119,6 +121,8 @@ class Creepage(Table):
         """Return the rows that describe the table.
 
         They list creepages other than zero, and forces prescribed in their place.
+
+        Parameters as in `Table.describe`.
         """
         load, courses, unit = scene.load, scene.schedule.courses, scene.force_unit
         drives = {

@@ -165,6 +165,8 @@ class Wear(LawTable):
         """Return the rows that describe the table.
 
         They list coefficients, law, revolutions, and the share of each body.
+
+        Parameters as in `Table.describe`.
         """
         rates = f"{self._describe_rates()}{describe_factors(self.temperature)}"
         counted = f"; {self.revolutions} revolutions" if self.revolutions else ""

@@ -321,6 +321,11 @@ class StudyResults:
 def open_study(directory: str | PathLike[str]) -> StudyResults:
     """Read the folder of a study, also while it runs.
 
+    Parameters
+    ----------
+    directory : path-like
+        Folder of the study.
+
     Raises
     ------
     ResultsError

@@ -103,6 +103,8 @@ class ErrorBars(Observer):
         """Return the observer after a stored step.
 
         Nothing is stored, as the coarser meshes are rolled again.
+
+        Parameters as in `Observer.restore`.
         """
         return self
 
