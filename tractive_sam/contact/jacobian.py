@@ -263,7 +263,7 @@ class _Linearised:
     @property
     def applications(self) -> int:
         """Number of applications of the elastic operators so far."""
-        return self.system.applications + 1  # that of the iterate
+        return self.system.applications + 1  # the iterate's
 
     def by_creepages(self, *creepages: float) -> np.ndarray:
         """Return the derivatives by creepages (longitudinal, lateral, spin)."""

@@ -75,7 +75,7 @@ def derivatives_of(
 
 
 def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]) -> dict[str, str]:
-    """Return keys whose derivatives the Jacobian of one contact has, with its column."""
+    """Return keys with derivatives in the Jacobian of one contact, each with its column."""
     law = scene.friction
     if law is None or any(name not in FORMULAS for name in columns):
         return {}

@@ -49,7 +49,7 @@ class ProfileLikelihood:
         Returns
         -------
         low, high : float
-            Ends; NaN where the data set no end, or the bound of the parameter.
+            Ends; NaN, or the bound of the parameter, if the data set no end.
         curve : ndarray, shape (m, 2)
             Values of the parameter, and the rise of twice the cost there.
         """

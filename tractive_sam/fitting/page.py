@@ -82,7 +82,7 @@ def _pictures(result: FitResult) -> Iterator[Html]:
 
 
 def _tables(result: FitResult) -> Iterator[Html]:
-    """Yield the tables of a fit as HTML; that of the estimates has the meanings of the keys."""
+    """Yield the tables of a fit as HTML; the table of estimates has the meanings of the keys."""
     tables = result.tables()
     for row in tables["Estimates"]:
         row["meaning"] = Scene.find_field(base_of(row["parameter"])).title or ""

@@ -60,7 +60,7 @@ def log_posterior(
             return -np.inf
         u = np.concatenate([problem.parameters.coordinates(values[:n]), values[n:]])
         residuals = problem.residuals(u, problem.predict(u))
-        problem.evaluations.stored.clear()  # samplers hardly return to the same values
+        problem.evaluations.stored.clear()  # samplers hardly return to earlier values
         if not np.isfinite(residuals).all():
             return -np.inf
         return -0.5 * float(loss(np.square(residuals))[0].sum())

@@ -90,7 +90,7 @@ class FitProblem:
         return np.concatenate([left, self.prior_residuals(u)])
 
     def residual_slopes(self, u: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-        """Return the derivatives of `residuals` from those of the predictions."""
+        """Return the derivatives of `residuals` from the derivatives of the predictions."""
         return np.concatenate([slopes / self.noise[:, None], self.prior_jacobian(u)])
 
     def prior_residuals(self, u: np.ndarray) -> np.ndarray:

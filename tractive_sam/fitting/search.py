@@ -35,7 +35,7 @@ class Search:
         Change of the coordinates up to which derivatives are not computed again: they change by
         about as much, and so do the intervals.
     reach : float
-        Half width of the region of random starts where a parameter has no bounds.
+        Half width of the region of random starts of a parameter without bounds.
     """
 
     problem: FitProblem

@@ -42,7 +42,7 @@ class Series:
     groups : tuple of (tuple of int, mapping)
         Rows that share a computation, and the entries that set it and fix its mesh and steps.
     exact : mapping of str to str
-        Free keys whose derivatives are exact, with their column of the Jacobian.
+        Free keys with exact derivatives, and their column of the Jacobian.
     unworn : bool
         Whether [wear] is left out once the parameters are set.
     """

@@ -1,4 +1,4 @@
-"""The plane through a point whose shear amplitude and normal stress are the most dangerous.
+"""The plane through a point with the most dangerous shear amplitude and normal stress.
 
 Paths are as in `kernels.fatigue`.
 

@@ -1,6 +1,6 @@
 """Approximate inverses of the linearised friction law: by an upwind sweep, and in a step.
 
-Fields and names are those of `kernels.friction`.
+Fields and names are defined in `kernels.friction`.
 """
 
 import numpy as np
@@ -48,7 +48,7 @@ def split(state, direction, kappa, stiffness, D, row, smooth, rough):
 
 @compiled
 def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out):
-    """Integrate from the leading edge of every row, where the traction is zero.
+    """Integrate from the leading edge of every row, at which the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
     element to the next. Of an element that slips only the part tau along t is integrated, with t.D

@@ -11,7 +11,7 @@ J. Sound Vib. 331, 2141-2155),
 
     d(share)/dt = -(max(V |s|, s0) / d_c) (share - share(V |s|)),
 
-which is integrated along the contact from the leading edge, where the share is one.
+which is integrated along the contact from the leading edge with a share of one.
 """
 
 from abc import ABC, abstractmethod

@@ -67,7 +67,7 @@ class StressLayers:
     its error is rounding, about 1e-15 of the tractions at any depth. The stress of a layer is not
     stored, so that memory does not grow with the number of layers. Bodies under one contact share
     the integrals over an element, which do not depend on Poisson's ratio, and their transforms; up
-    to `MAX_BYTES` bytes of these serve other tractions on the same mesh.
+    to `MAX_BYTES` bytes of these serve other tractions on this mesh.
 
     Parameters
     ----------

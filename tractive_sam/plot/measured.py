@@ -35,7 +35,7 @@ class Measurements(ShortArrays):
 
     @classmethod
     def from_file(cls, path: str | PathLike[str]) -> Self:
-        """Read a text file, whose first row has the names of the columns; empty cells are NaN.
+        """Read a text file with the names of columns in its first row; empty cells are NaN.
 
         Raises
         ------

@@ -197,9 +197,9 @@ class Patch:
     half_length : tuple of float
         Half lengths in x and y within which the undeformed bodies would overlap, mm.
     angle_range : float
-        Difference of the contact angles, rad, where the undeformed bodies would overlap by more
-        than half of the largest depth, which is where Hertz contacts touch. It is large if the
-        contact is conformal.
+        Difference of the contact angles, rad, in the area in which the undeformed bodies would
+        overlap by more than half of the largest depth, the area of a Hertz contact. It is large if
+        the contact is conformal.
     limits : tuple of float
         Lateral positions in the plane beyond which other patches touch, mm.
     """
@@ -250,7 +250,7 @@ class Patch:
     def angle_range_over(self, y: Array) -> float:
         """Return the difference of the contact angles over positions in the plane, rad.
 
-        The contact angle is the mean of those of wheel and rail.
+        The contact angle is the mean of the angles of wheel and rail.
         """
         wheel = self.wheel.profile.angle(self.wheel_profile(y)[1])
         return float(np.ptp(0.5 * (wheel + self.rail.angle(self.rail_profile(y)[1]))))

@@ -1,4 +1,4 @@
-"""Collect values and fields of records to those of a history."""
+"""Collect values and fields of records into the parts of a history."""
 
 from collections.abc import Sequence
 from typing import Any

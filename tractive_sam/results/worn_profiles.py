@@ -64,7 +64,7 @@ class WornProfiles:
         Raises
         ------
         ValueError
-            If the history is that of another scene.
+            If the history belongs to another scene.
         """
         if "wheel_wear" not in history.columns:
             raise ValueError(

@@ -157,7 +157,7 @@ class Damage(Observer):
         Error bars of jumps and of the mesh are added.
         """
         columns = fatigue_columns(self.bodies, model)
-        of_mesh = ("damage", "utilisation", "stressed_volume")  # they give those of other columns
+        of_mesh = ("damage", "utilisation", "stressed_volume")  # error bars of other columns follow
         bars = {name: recorded.get(f"{name}_error") for name in of_mesh}
         if "damage_error" in columns:
             mesh = bars["damage"] or {}

@@ -1,4 +1,4 @@
-"""The contact of a pass, whose wear is part of its gap."""
+"""The contact of a pass, with its wear as a part of its gap."""
 
 from dataclasses import replace
 

@@ -177,7 +177,7 @@ class WheelsetTable(Table):
     normal_load: Positive | None = entry("sum of the normal forces of the patches, N", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("load", "normal_load"),)
     most_patches: ClassVar[int] = 8
-    """Largest number of patches whose fields are stored."""
+    """Largest number of patches with stored fields."""
 
     @property
     def schedule(self) -> Schedule:

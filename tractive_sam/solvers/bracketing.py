@@ -92,7 +92,7 @@ class _Search:
     Attributes
     ----------
     known : Start or Outcome, optional
-        Where the next problem begins: the last outcome, at first the initial guess.
+        Start of the next problem: the last outcome, at first the initial guess.
     outcome : Outcome
         The last outcome, with the cost of all problems before.
     taken : int

@@ -5,7 +5,7 @@ p - gap). In a step the slip of an element that sticks vanishes, and the tractio
 moves along the disc. For bodies of equal material the tractions are the only unknowns, under a
 fixed pressure. Pressure makes dissimilar surfaces slip and tractions make them lift, and
 alternating between both problems diverges for strong coupling: then pressure and tractions are
-unknowns of the same iteration.
+unknowns of one iteration.
 
 The linear systems are preconditioned by the circulant inverse for the pressure and by the
 kinematics for the tractions (`operators.kinematics`). They are solved by generalised conjugate

@@ -115,7 +115,7 @@ def _read_history(file: ResultsFile) -> History:
     centre_x, centre_y = map(float, file.attribute("grid", "centre", (0.0, 0.0)))
     scene = _read_scene(file)
     # Also the dimensions for duty cycles, each block and the wear of each body in each block, and
-    # those of profiles.
+    # columns of profiles.
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
     dims += tuple((name,) for name in PROFILES)
     quantities = columns(scene, _read_user_defined("history", dims, file))

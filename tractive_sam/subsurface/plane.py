@@ -41,7 +41,7 @@ def stress_on_plane(
     Raises
     ------
     ValueError
-        If the plane cannot be read or has no position, there is no such body, or depths are
+        If the plane cannot be read or has no position, the body is not "A" or "B", or depths are
         negative or not finite.
 
     Examples

@@ -31,7 +31,7 @@ class Refinement:
     step : float
         Step of differences of closed forms along heading and tilt.
     first_u : tuple of float
-        First nodes along u: closest at the onset of full slip, where forces change abruptly.
+        First nodes along u: closest at the onset of full slip, at which forces change abruptly.
     """
 
     full: float = 1e4
