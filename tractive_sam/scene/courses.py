@@ -72,9 +72,9 @@ class CreepageCourse(Table):
     """
 
     shifts: ClassVar[Mapping[str, str]] = {
-        "longitudinal": "the shift of A over B in x, mm",
-        "lateral": "the shift of A over B in y, mm",
-        "spin": "the rotation of A over B, radians",
+        "longitudinal": "the shift of A relative to B in x, mm",
+        "lateral": "the shift of A relative to B in y, mm",
+        "spin": "the rotation of A relative to B, radians",
     }
     """Meaning of each course with `start = "shift"`."""
 

@@ -165,7 +165,7 @@ class Gap(Table):
     x: _Axis | None = entry("x of the rows of separation, mm", "an array", None)
     y: _Axis | None = entry("y of the columns of separation, mm", "an array", None)
     separation: _Array | None = entry(
-        "separation in addition to the one due to the radii, mm", "an array", None
+        "separation that is added to the separation of the radii, mm", "an array", None
     )
     body: Literal["A", "B"] | None = entry(
         "body to which the heights belong; by default, the values are a separation", default=None

@@ -55,7 +55,7 @@ class Load(Table):
     normal: Positive | None = entry("normal load P, N; in a line contact, N/mm", default=None)
     approach: Real | None = entry(
         "approach of the bodies, mm; it is zero at the first touch of the unworn bodies or at "
-        "the zero of the separation, see gap.datum",
+        "the zero of the separation (see gap.datum)",
         'a number above 0; with gap.datum = "separation", any number',
         None,
     )

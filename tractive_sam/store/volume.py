@@ -59,7 +59,9 @@ VOLUME = {
 SURFACE = {
     "pressure": FIELDS["pressure"],
     "traction": Quantity("traction", "MPa", "traction on body A, x, y and 0"),
-    "slip": Quantity("slip", "1", "slip of A over B per unit rolling speed, x, y and 0"),
+    "slip": Quantity(
+        "slip", "1", "slip of A relative to B, divided by the rolling speed: x, y and 0"
+    ),
     "wear": FIELDS["wear"],
     "gap": FIELDS["gap"],
 }
