@@ -70,9 +70,9 @@ def _check_cycle_start(entries: ValidEntries) -> Iterator[Fault]:
 class Transient(Table):
     """Courses of load, creepage and friction over the rolling distance, and the steps.
 
-    Values change linearly between the knots; a key without a course has the value of its table. With
-    ``start = "shift"``, the bodies do not roll: the distance is a parameter, and the creepages are
-    the shifts of A relative to B since the bodies were pressed together.
+    Values change linearly between the knots; a key without a course has the value of its table.
+    With ``start = "shift"``, the bodies do not roll: the distance is a parameter, and the creepages
+    are the shifts of A relative to B since the bodies were pressed together.
 
     Examples
     --------
