@@ -25,7 +25,7 @@ from timing import show, write
 import tractive_sam as ts
 from tractive_sam.contact import Model, solve_on_fitted_mesh
 from tractive_sam.run.accuracy.levels import Levels, set_tolerances
-from tractive_sam.subsurface import stress_maxima
+from tractive_sam.subsurface import maxima_by_body
 
 LOAD, STEEL = 1000.0, 208e3
 FINER, MAX_ELEMENTS = 4, 150_000
@@ -101,7 +101,7 @@ def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
     scales = {"Qx": force, "Qy": force, "Mz": force * arm}
     bars = dict(contact.error_bars)
     pairs = [(name, getattr(contact, name), getattr(fine, name)) for name in NAMES]
-    here, finer_maxima = stress_maxima(contact), stress_maxima(fine)
+    here, finer_maxima = maxima_by_body(contact), maxima_by_body(fine)
     pairs += [(f"von_mises_max {b}", here[b].value, finer_maxima[b].value) for b in "AB"]
     bars |= {f"von_mises_max {b}": bars["von_mises_max"][b] for b in "AB"}
     rows = []

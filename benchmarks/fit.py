@@ -276,9 +276,9 @@ def posterior(walkers: int = 8, steps: int = 1200) -> None:
     import emcee  # noqa: PLC0415 - of the extra benchmarks
 
     design = creep(SCENE, HEAT * 1e3 / (SPEED * TRACK), mesh_check=False, curve=0)
-    found = ts.fit(design)
+    result = ts.fit(design)
     density, _ = log_posterior(design)
-    fitted = np.array([*found.values.values()])
+    fitted = np.array([*result.values.values()])
     rng = np.random.default_rng(5)
     sampler = emcee.EnsembleSampler(walkers, fitted.size, density)
     sampler.random_state = np.random.RandomState(5).get_state()
@@ -286,20 +286,20 @@ def posterior(walkers: int = 8, steps: int = 1200) -> None:
     times = sampler.get_autocorr_time(tol=0)
     warm_up = int(5 * times.max())
     samples = sampler.get_chain(discard=warm_up, flat=True)
-    halves = [one.mean(axis=0) for one in np.array_split(samples, 2)]
+    halves = [half.mean(axis=0) for half in np.array_split(samples, 2)]
     rows = [
         {
             "key": key,
-            "fit": found.values[key],
-            "sd": found.sd[key],
+            "fit": result.values[key],
+            "sd": result.sd[key],
             "mean": samples[:, k].mean(),
             "sd of samples": samples[:, k].std(),
             "error of mean": samples[:, k].std() * np.sqrt(times[k] / len(samples)),
             "difference of halves": halves[1][k] - halves[0][k],
             "low": np.quantile(samples[:, k], 0.025),
             "high": np.quantile(samples[:, k], 0.975),
-            "fit low": found.interval(key)[0],
-            "fit high": found.interval(key)[1],
+            "fit low": result.interval(key)[0],
+            "fit high": result.interval(key)[1],
             "autocorrelation": times[k],
             "steps": steps,
             "walkers": walkers,

@@ -44,6 +44,22 @@ def test_help_is_short():
     assert ts.Scene.model_fields  # still there for those who ask
 
 
+@pytest.mark.parametrize(
+    ("package", "earlier", "name"),
+    [
+        ("solvers", "Solver", "ProblemSolver"),
+        ("studies", "Progress", "StudyProgress"),
+        ("studies", "Row", "CaseRow"),
+        ("tables", "Progress", "TableProgress"),
+    ],
+)
+def test_earlier_names_of_packages_warn(package, earlier, name):
+    module = import_module(f"tractive_sam.{package}")
+    with pytest.warns(DeprecationWarning, match=name):
+        present = getattr(module, earlier)
+    assert present is getattr(module, name)
+
+
 def test_version():
     assert ts.__version__[0].isdigit()
 

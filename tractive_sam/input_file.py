@@ -87,7 +87,7 @@ def read_columns(path: str | PathLike[str], max_bytes: int = 2**26) -> dict[str,
     lines = [*_content(read_text(path, max_bytes, "utf-8-sig").splitlines())]
     if not lines:
         raise ValueError("no header row")
-    separator = next((one for one in ";\t" if one in lines[0][1]), ",")
+    separator = next((character for character in ";\t" if character in lines[0][1]), ",")
     rows = [
         [cell.strip() for cell in row]
         for row in csv.reader([line for _, line in lines], delimiter=separator)

@@ -17,7 +17,7 @@ from tractive_sam.run.accuracy.error_bars import (
     relative_error_bars,
 )
 from tractive_sam.run.accuracy.levels import Levels
-from tractive_sam.subsurface import stress_maxima
+from tractive_sam.subsurface import maxima_by_body
 
 pytestmark = pytest.mark.slow  # meshes far finer than requested
 
@@ -136,7 +136,7 @@ def test_bars_hold_against_a_much_finer_mesh(name):
     for quantity in ("Qx", "Qy", "Mz", "approach", "p_max"):
         error = abs(getattr(contact, quantity) - getattr(fine, quantity))
         assert error <= contact.error_bars[quantity], quantity
-    here, there = stress_maxima(contact), stress_maxima(fine)
+    here, there = maxima_by_body(contact), maxima_by_body(fine)
     for body in "AB":
         error = abs(here[body].value - there[body].value)
         assert error <= contact.error_bars["von_mises_max"][body]

@@ -111,6 +111,8 @@ def test_a_resumed_run_is_the_uninterrupted_one(name, tmp_path):
         history.field("energy"), energy, rtol=0, atol=rounding * energy.max()
     )
     assert history.user_fields["energy"].unit == "mJ/mm2"
+    with pytest.warns(DeprecationWarning, match="user_fields"):
+        assert history.own_fields is history.user_fields
     assert whole["energy_max"][-1] > 0.0
 
 

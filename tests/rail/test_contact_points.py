@@ -8,7 +8,7 @@ from tractive_sam.rail import (
     Profile,
     Wheel,
     builtin_profile,
-    contact_points,
+    find_contact_points,
     find_patches,
     free_roll,
     lowest_gap,
@@ -47,7 +47,7 @@ def test_silhouette_has_normals_across_the_rail(wheel, yaw):
 
 def test_contact_point_has_equal_angles_and_the_least_distance(wheel, rail):
     placed = replace(wheel, y=2.0, yaw=0.004)
-    found = contact_points(placed, rail)
+    found = find_contact_points(placed, rail)
     assert found.angles[0, 0] == pytest.approx(found.angles[1, 0], abs=1e-9)
     s = found.s[0] + np.linspace(-1.0, 1.0, 2001)
     points, _ = placed.silhouette(s)
@@ -65,8 +65,8 @@ def test_mirrored_positions_have_mirrored_contacts(wheel, rail, y):
     roll = free_roll(one, rail)
     assert free_roll(other, rail) == pytest.approx(-roll, abs=1e-12)
     left = replace(other, roll=-roll).mirrored()
-    assert contact_points(left, rail).s[0] == pytest.approx(
-        contact_points(replace(one, roll=roll), rail).s[0], abs=1e-9
+    assert find_contact_points(left, rail).s[0] == pytest.approx(
+        find_contact_points(replace(one, roll=roll), rail).s[0], abs=1e-9
     )
 
 
@@ -171,4 +171,7 @@ def test_a_load_that_no_rail_carries_is_reported(wheel, rail):
 
 def test_60e1_at_1_20_touches_farther_outside(wheel, rail):
     steep = place_rail(builtin_profile("60E1"), 20.0, 1435.0)
-    assert contact_points(wheel, steep).points[0, 1] > contact_points(wheel, rail).points[0, 1]
+    assert (
+        find_contact_points(wheel, steep).points[0, 1]
+        > find_contact_points(wheel, rail).points[0, 1]
+    )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
-from tractive_sam.rail import ContactLocus, contact_points, find_locus
+from tractive_sam.rail import ContactLocus, find_contact_points, find_locus
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,7 @@ def test_locus_does_not_depend_on_neighbours(locus, wheel, rail):
 
 def test_contact_points_of_a_locus_are_on_both_profiles(locus, wheel, rail):
     placed = replace(wheel, y=locus.y[30], roll=locus.roll[30])
-    assert contact_points(placed, rail).points[0, 1] == pytest.approx(locus.points[0, 30, 1])
+    assert find_contact_points(placed, rail).points[0, 1] == pytest.approx(locus.points[0, 30, 1])
     assert np.allclose(locus.rail[0, :, 0], locus.points[0, :, 1], atol=1e-9)
 
 

@@ -10,7 +10,7 @@ from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.run import roll
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import stress_at, stress_maxima, stress_maximum, stress_volume
+from tractive_sam.subsurface import maxima_by_body, stress_at, stress_maximum, stress_volume
 
 
 @pytest.fixture(scope="module")
@@ -91,12 +91,12 @@ def test_interior_is_that_of_its_point(spheres, body):
 
 def test_bodies_together_are_as_single_ones():
     contact = steady("spheres-orthotropic", 'subsurface.planes=["y=0"]', elements=41)
-    assert stress_maxima(contact) == {body: stress_maximum(contact, body) for body in "AB"}
+    assert maxima_by_body(contact) == {body: stress_maximum(contact, body) for body in "AB"}
 
 
 def test_equal_bodies_without_friction_are_stressed_alike():
     contact = steady("spheres", "creepage.longitudinal=0", 'subsurface.planes=["y=0"]', elements=41)
-    found = stress_maxima(contact)
+    found = maxima_by_body(contact)
     assert found["A"] == found["B"]
 
 

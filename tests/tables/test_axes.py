@@ -133,7 +133,7 @@ def test_nodes_are_known_by_the_contacts_of_others(requested):
     """Half of all creepages are solved; the rest follows by the symmetry that is left."""
     design = ts.TableDesign(scene=requested, elements=15, tolerance=0.2)
     nodes, contacts = CreepageGrid(*design.symmetries), design.contacts(())
-    assert nodes.whole
+    assert nodes.full_range
     ratio = design.ratio(())
     for heading, tilt in ((0.7, -0.4), (-2.0, -1.0), (-2.5, 0.0), (1.0, -0.5 * math.pi)):
         at, signs = nodes.canonical((heading, tilt, 0.5))

@@ -108,7 +108,7 @@ def check_workers(scheduler: str | None, workers: int | None) -> None:
         raise error_exit(ExitStatus.INVALID, message)
 
 
-def _describe_progress(state: "ts.studies.Progress") -> tuple[str, str]:
+def _describe_progress(state: "ts.studies.StudyProgress") -> tuple[str, str]:
     """Return the text for the progress bar of a study, and the line printed without a bar."""
     count = f"{state.ended} of {state.cases}"
     failed = f", {state.failed} failed" if state.failed else ""

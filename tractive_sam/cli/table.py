@@ -131,7 +131,7 @@ def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.
     try:
         with show_progress() as update, report_warnings():
 
-            def report(state: "ts.tables.Progress") -> None:
+            def report(state: "ts.tables.TableProgress") -> None:
                 nodes = f"{state.nodes} nodes"
                 update(state.done / state.nodes, nodes, "" if state.round in rounds else nodes)
                 rounds.append(state.round)

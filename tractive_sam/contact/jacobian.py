@@ -177,8 +177,8 @@ class _Systems:
     @property
     def applications(self) -> int:
         """Number of applications of the elastic operators so far."""
-        used = {one for one in vars(self).values() if isinstance(one, _Linearised)}
-        return sum(one.applications for one in used)
+        used = {system for system in vars(self).values() if isinstance(system, _Linearised)}
+        return sum(system.applications for system in used)
 
     def rows_and_derivatives(self) -> tuple[list[str], dict[str, Callable[[], np.ndarray]]]:
         """Return the names of the rows, and a function that computes each column."""

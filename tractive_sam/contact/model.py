@@ -11,7 +11,7 @@ from tractive_sam.contact.measured import Gap, lowest_separation, resample, samp
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.contact.units import Units
 from tractive_sam.contact.worn import Worn
-from tractive_sam.mechanics import Coulomb, Frame, Friction, FrictionLaw, WearLaw
+from tractive_sam.mechanics import Coulomb, Frame, FrictionLaw, FrictionOnMesh, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid, State
@@ -23,7 +23,7 @@ from tractive_sam.solvers import (
     NormalProblem,
     PrescribedForces,
     Problem,
-    Solver,
+    ProblemSolver,
     WearInPass,
 )
 
@@ -44,7 +44,7 @@ class Model:
         Mesh to use instead of the scene's.
     laws : Laws, optional
         Laws to use instead of the scene's.
-    solver : Solver, optional
+    solver : ProblemSolver, optional
         Method to use instead of the scene's; it solves a `Problem` with free pressure.
     began : Worn, optional
         Worn bodies with which rolling begins; new ones by default.
@@ -63,7 +63,7 @@ class Model:
         measured: Gap | None = None,
         grid: Grid | None = None,
         laws: Laws | None = None,
-        solver: Solver | None = None,
+        solver: ProblemSolver | None = None,
         began: Worn | None = None,
         profiles: tuple[Gap, ...] = (),
         datum: str = "vertex",
@@ -367,7 +367,7 @@ class Model:
         """
         normal = NormalProblem(self.operators, gap, self.load, self.prescribed_approach)
         x, y = self.grid.x[:, None], self.grid.y[None, :]
-        friction = Friction(self.friction_law, x, y, self.units.pressure, self.units.slip)
+        friction = FrictionOnMesh(self.friction_law, x, y, self.units.pressure, self.units.slip)
         kinematics = SteadyRolling(self.stencil)
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear, kinematics)
 

@@ -17,7 +17,7 @@ from tractive_sam.solvers import (
     PRESSURE_ONLY,
     Outcome,
     Problem,
-    Solver,
+    ProblemSolver,
     Start,
     falling_method,
     needed,
@@ -49,7 +49,7 @@ def solve_problem(
     return _solver_of(model, problem).solve(problem, tolerance, start)
 
 
-def _solver_of(model: Model, problem: Problem) -> Solver:
+def _solver_of(model: Model, problem: Problem) -> ProblemSolver:
     """Return the method for a problem of bodies that touch."""
     if model.laws.friction is None or not problem.has_tangential_cause:
         return PRESSURE_ONLY

@@ -16,7 +16,7 @@ from tractive_sam.contact.solution import solve_problem, state_of
 from tractive_sam.contact.step_result import StepInput, StepResult
 from tractive_sam.contact.step_wear import StepWear
 from tractive_sam.contact.step_work import Particles, StepWork
-from tractive_sam.mechanics import Friction, FrictionLaw, PreviousShare
+from tractive_sam.mechanics import FrictionLaw, FrictionOnMesh, PreviousShare
 from tractive_sam.operators import Advection, ConvolutionMeter, RollingStep
 from tractive_sam.results import Cost, State, Status
 from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start, needed
@@ -220,7 +220,7 @@ class Stepper:
         return Problem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
             np.zeros((2, *grid.elements)),
-            Friction(law, x, y, units.pressure, slip_unit),
+            FrictionOnMesh(law, x, y, units.pressure, slip_unit),
             kinematics=RollingStep(model.stencil),
         )
 
@@ -327,8 +327,8 @@ class Stepper:
         per_distance = model.units.slip / self._elements(advection)
         sought = [k for k in (0, 1) if inputs.forces[k] is not None]
         if sought:
-            found = needed(outcome.creepage, "outcome.creepage")
-            for k, value in zip(sought, found, strict=True):
+            computed = needed(outcome.creepage, "outcome.creepage")
+            for k, value in zip(sought, computed, strict=True):
                 creepages[k] = float(value) * per_distance
         slip = per_distance * model.frame.slip_to_physical(outcome.fields.slip)
         if advection.length:

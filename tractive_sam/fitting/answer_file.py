@@ -79,14 +79,14 @@ def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
 
 def layout_of(numbers: Mapping[str, np.ndarray]) -> str:
     """Return the names and shapes of arrays as text."""
-    return json.dumps([[name, list(np.shape(one))] for name, one in numbers.items()])
+    return json.dumps([[name, list(np.shape(array))] for name, array in numbers.items()])
 
 
 def arrays_of(layout: str, flat: np.ndarray) -> dict[str, np.ndarray]:
     """Return arrays by a layout, from their numbers one after another."""
-    found, first = {}, 0
+    arrays, first = {}, 0
     for name, shape in json.loads(layout):
         count = math.prod(shape)
-        found[name] = flat[first : first + count].reshape(shape)
+        arrays[name] = flat[first : first + count].reshape(shape)
         first += count
-    return found
+    return arrays

@@ -79,8 +79,8 @@ class InWorkers:
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
         """Yield the answers of cases, with their numbers, as they are computed (`Compute`)."""
-        known = self.here.seconds
-        if not known or median(known) * len(cases) < self.worthwhile:
+        times = self.here.seconds
+        if not times or median(times) * len(cases) < self.worthwhile:
             yield from self.here(cases)
             return
         # dask is an extra, and takes long to load

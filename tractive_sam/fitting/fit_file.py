@@ -84,9 +84,9 @@ def make_dataset(
         Attributes of the dataset.
     """
     check_extra("xarray", "fit")
-    found = {}
+    data_variables = {}
     for name, (dims, values, unit, meaning) in variables.items():
         array = np.asarray(values)
         plain = array.astype(object) if array.dtype.kind == "U" else array
-        found[name] = (dims, plain, {"units": unit, "long_name": meaning})
-    return xarray.Dataset(found, attrs={"format": FIT_FORMAT, **attributes})
+        data_variables[name] = (dims, plain, {"units": unit, "long_name": meaning})
+    return xarray.Dataset(data_variables, attrs={"format": FIT_FORMAT, **attributes})

@@ -33,7 +33,7 @@ class ProfileLikelihood:
         Most steps with the derivatives at the minimum before they are computed again.
     """
 
-    found: Estimate
+    best: Estimate
     fit: Fit
     k: int
     accuracy: float = 0.02
@@ -53,21 +53,21 @@ class ProfileLikelihood:
         curve : ndarray, shape (m, 2)
             Values of the parameter, and the rise of twice the cost there.
         """
-        points = [(self.found.u[self.k], 0.0)]
+        points = [(self.best.u[self.k], 0.0)]
         low, high = (self._value(self._end(sign, points)) for sign in (-1.0, 1.0))
         curve = [(self._value(u), rise) for u, rise in sorted(points)]
         return low, high, np.array(curve)
 
     def _value(self, coordinate: float) -> float:
         """Return the value of the parameter at its coordinate."""
-        u = self.found.u.copy()
+        u = self.best.u.copy()
         u[self.k] = coordinate
-        return float(self.found.problem.parameters.values(u)[self.k])
+        return float(self.best.problem.parameters.values(u)[self.k])
 
     @property
     def goal(self) -> float:
         """Root of the rise of twice the cost at the ends of the interval."""
-        return self.found.scatter * float(norm.ppf(0.5 + 0.5 * self.fit.level))
+        return self.best.scatter * float(norm.ppf(0.5 + 0.5 * self.fit.level))
 
     def _end(self, sign: float, points: list[tuple[float, float]]) -> float:
         """Return the coordinate of one end, by the secant of the root of the rise.
@@ -75,24 +75,24 @@ class ProfileLikelihood:
         The others start in proportion to the parameter: first as the covariance has it, then as
         they were at the point before.
         """
-        found, k, goal = self.found, self.k, self.goal
-        variance = found.covariance[k, k]
-        farthest = sign * (float(found.problem.parameters.bounds[int(sign > 0.0)][k]) - found.u[k])
+        best, k, goal = self.best, self.k, self.goal
+        variance = best.covariance[k, k]
+        farthest = sign * (float(best.problem.parameters.bounds[int(sign > 0.0)][k]) - best.u[k])
         if not math.isfinite(variance):
             return math.nan
         if farthest <= 0.0:  # the estimate is at its bound
-            return float(found.u[k])
-        along = np.nan_to_num(found.covariance[:, k] / variance)
+            return float(best.u[k])
+        along = np.nan_to_num(best.covariance[:, k] / variance)
         before, step = (0.0, 0.0), min(goal * math.sqrt(variance), farthest)
         for _ in range(self.points):
-            start = found.u + sign * step * along
-            start[k] = found.u[k] + sign * step
+            start = best.u + sign * step * along
+            start[k] = best.u[k] + sign * step
             try:
-                u, cost = self._least_cost(start)
+                u, cost = self._smallest_cost(start)
             except FitError:
                 return math.nan
-            along = (u - found.u) / (sign * step)
-            rise = max(2.0 * (cost - found.cost), 0.0)
+            along = (u - best.u) / (sign * step)
+            rise = max(2.0 * (cost - best.cost), 0.0)
             points.append((u[k], rise))
             root = math.sqrt(rise)
             if abs(root - goal) < self.accuracy * goal:
@@ -104,7 +104,7 @@ class ProfileLikelihood:
             before, step = (root, step), min(np.clip(further, 0.2 * step, 4.0 * step), farthest)
         return math.nan
 
-    def _least_cost(self, u: np.ndarray) -> tuple[np.ndarray, float]:
+    def _smallest_cost(self, u: np.ndarray) -> tuple[np.ndarray, float]:
         """Return the minimum with the parameter fixed, and its cost.
 
         Gauss-Newton steps with the derivatives at the estimate, which Broyden's update corrects:
@@ -120,9 +120,9 @@ class ProfileLikelihood:
         FitError
             If the predictions there cannot be computed.
         """
-        problem, found = self.found.problem, self.found
+        problem, best = self.best.problem, self.best
         varies = np.arange(problem.size) != self.k
-        slopes, before = found.jacobian, (found.u, found.predicted)
+        slopes, before = best.jacobian, (best.u, best.predicted)
         for _ in range(self.steps):
             predicted = problem.predict(u)
             if not np.isfinite(predicted).all():

@@ -86,8 +86,8 @@ class FitProblem:
 
     def residuals(self, u: np.ndarray, predicted: np.ndarray) -> np.ndarray:
         """Return predicted less measured values over the noise, and the residuals of the priors."""
-        left = (predicted - self.observed) / self.noise
-        return np.concatenate([left, self.prior_residuals(u)])
+        misfit = (predicted - self.observed) / self.noise
+        return np.concatenate([misfit, self.prior_residuals(u)])
 
     def residual_slopes(self, u: np.ndarray, slopes: np.ndarray) -> np.ndarray:
         """Return the derivatives of `residuals` from the derivatives of the predictions."""
@@ -155,8 +155,8 @@ class FitProblem:
             rows.append(block)
         jacobian = np.concatenate(rows)
         if not np.isfinite(jacobian).all():
-            given = f"a step at which the computation failed ({self.failures[-1]})"
-            raise FitError([Fault("fit.step", given, "another step, or other starts")])
+            value = f"a step at which the computation failed ({self.failures[-1]})"
+            raise FitError([Fault("fit.step", value, "another step, or other starts")])
         return jacobian
 
     def aligned(self, u: np.ndarray) -> np.ndarray:

@@ -262,16 +262,16 @@ class FitResult:
         if len(self.keys) > 1:
             tables["Correlation"] = [
                 {"": key} | {
-                    other: "" if math.isnan(number) else f"{number:.2f}"
-                    for other, number in zip(self.keys, numbers, strict=True)
+                    column: "" if math.isnan(number) else f"{number:.2f}"
+                    for column, number in zip(self.keys, numbers, strict=True)
                 }
                 for key, numbers in zip(self.keys, self.correlation, strict=True)
             ]  # fmt: skip
         if tests := self.next_tests():
             tables["Next test"] = [
-                {"next test": one["test"], "gain": f"{one['gain']:.3g}"}
-                | {f"sd of {key}": f"{sd:.3g}" for key, sd in one["sd"].items()}
-                for one in tests
+                {"next test": test["test"], "gain": f"{test['gain']:.3g}"}
+                | {f"sd of {key}": f"{sd:.3g}" for key, sd in test["sd"].items()}
+                for test in tests
             ]
         return tables
 

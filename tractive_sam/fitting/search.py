@@ -55,23 +55,23 @@ class Search:
         """
         first = np.zeros(self.problem.size)
         first[: len(self.problem.parameters)] = 1.0
-        found = self.minimise(self.problem.aligned(first))
+        best = self.minimise(self.problem.aligned(first))
         for u in self._random_starts():
             try:
-                other = self.minimise(self.problem.aligned(u))
+                result = self.minimise(self.problem.aligned(u))
             except FitError:  # a random start that the scene does not allow
                 continue
-            found = other if other.cost < found.cost else found
-        return found
+            best = result if result.cost < best.cost else best
+        return best
 
     def _random_starts(self) -> list[np.ndarray]:
         """Return random starting points of the search, within the bounds."""
-        n, others = len(self.problem.parameters), self.fit.starts - 1
+        n, count = len(self.problem.parameters), self.fit.starts - 1
         low, high = self.problem.parameters.bounds
         low = np.where(np.isfinite(low), low, 1.0 - self.reach)
         high = np.where(np.isfinite(high), high, 1.0 + self.reach)
-        shares = qmc.LatinHypercube(n, rng=np.random.default_rng(self.fit.seed)).random(others)
-        starts = np.zeros((others, self.problem.size))
+        shares = qmc.LatinHypercube(n, rng=np.random.default_rng(self.fit.seed)).random(count)
+        starts = np.zeros((count, self.problem.size))
         starts[:, :n] = low + shares * (high - low)
         return list(starts)
 
@@ -95,15 +95,15 @@ class Search:
         varies = inner.varies
         if not np.isfinite(inner.residuals(u[varies])).all():
             reason = problem.failures[-1] if problem.failures else "no result"
-            given = f"first values at which the scene cannot be computed ({reason})"
+            value = f"first values at which the scene cannot be computed ({reason})"
             cure = "other starts, or a scene that can be computed there"
-            raise FitError([Fault("fit.parameter", given, cure)])
+            raise FitError([Fault("fit.parameter", value, cure)])
         message, iterations = "no coordinate varies", 0
         if varies.any():
             low, high = problem.bounds
             # The cost is expected to be half the number of degrees of freedom.
             degrees = max(problem.observed.size + problem.priors - problem.size, 1)
-            found = least_squares(
+            solution = least_squares(
                 inner.residuals,
                 np.clip(u, low, high)[varies],
                 inner.slopes,
@@ -114,7 +114,7 @@ class Search:
                 gtol=1e-8,
                 max_nfev=fit.iterations,
             )
-            u, message, iterations = inner.at(found.x), ENDS[found.status], found.nfev
+            u, message, iterations = inner.at(solution.x), ENDS[solution.status], solution.nfev
         predicted = problem.predict(u, derivatives=True)
         squares = np.square((problem.observed - predicted) / problem.noise)
         losses, weights = LOSSES[fit.loss](squares)
@@ -149,9 +149,9 @@ class _Residuals:
 
     def at(self, part: np.ndarray) -> np.ndarray:
         """Return all coordinates, given the ones that vary."""
-        found = self.u.copy()
-        found[self.varies] = part
-        return found
+        u = self.u.copy()
+        u[self.varies] = part
+        return u
 
     def residuals(self, part: np.ndarray) -> np.ndarray:
         """Return predicted less measured values over the noise, and the residuals of the priors."""

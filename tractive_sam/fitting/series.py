@@ -97,16 +97,16 @@ class Series:
                 bare.scene_at(start.named(np.ones(len(start))), settings)
             groups, exact = [], {}
             for rows, settings in _groups_of(measured):
-                first, *others = bare._scenes_near(start, settings)
+                first, *neighbours = bare._scenes_near(start, settings)
                 shared.add(first, [float(measured.places[row]) for row in rows])
                 if done is None or not shared.complete:
                     continue
-                changes = prepare.fixed(first, others, shared.of(first), done.remember)
+                changes = prepare.fixed(first, neighbours, shared.of(first), done.remember)
                 groups.append((rows, {**settings, **changes}))
-                one = is_steady(first)
-                exact = exact_columns(first, columns, start.keys) if one else {}
+                is_contact = is_steady(first)
+                exact = exact_columns(first, columns, start.keys) if is_contact else {}
         except SceneError as error:
-            raise FitError(one.under(key) for one in error.faults) from None
+            raise FitError(fault.under(key) for fault in error.faults) from None
         return replace(bare, groups=tuple(groups), exact=exact)
 
     def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
@@ -149,15 +149,15 @@ class Series:
             Whether the exact derivatives are wanted, too.
         """
         wanted = tuple(self.exact.values()) if derivatives else ()
-        found = []
+        cases = []
         for k, (rows, settings) in enumerate(self.groups):
             places = tuple(float(self.measured.places[row]) for row in rows)
             scene = self.scene_at(values, settings)
             places = (
                 (math.nan,) if is_steady(scene) else tuple({repr(at): at for at in places}.values())
             )
-            found.append(FitCase(scene, self.columns, places, wanted, (number, k)))
-        return found
+            cases.append(FitCase(scene, self.columns, places, wanted, (number, k)))
+        return cases
 
     def predictions(self, replies: list[Reply], position: np.ndarray, of: str = "") -> np.ndarray:
         """Return predicted values of the rows, or a derivative of them.
@@ -173,13 +173,13 @@ class Series:
         """
         if self.measured.data.profile:
             return self.position.predict(*self.profile_of(replies[0]), position)[:, None]
-        found = np.full(self.measured.observed.shape, math.nan)
+        predictions = np.full(self.measured.observed.shape, math.nan)
         for (rows, _), reply in zip(self.groups, replies, strict=True):
             if not reply.failed:
                 places = [float(self.measured.places[row]) for row in rows]
                 for column, name in enumerate(self.columns):
-                    found[list(rows), column] = reply.at(name + of, places)
-        return found
+                    predictions[list(rows), column] = reply.at(name + of, places)
+        return predictions
 
     def profile_of(self, reply: Reply) -> tuple[np.ndarray, np.ndarray]:
         """Return lateral places and depths of the predicted profile, each of shape (n_y,)."""

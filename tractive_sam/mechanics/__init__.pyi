@@ -32,7 +32,7 @@ from .friction import Linearisation as Linearisation
 from .friction import PreviousShare as PreviousShare
 from .friction import SlipDependence as SlipDependence
 from .friction import Slope as Slope
-from .friction_on_mesh import Friction as Friction
+from .friction_on_mesh import FrictionOnMesh as FrictionOnMesh
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry
 from .invariants import max_shear as max_shear

@@ -8,7 +8,7 @@ from tractive_sam.mechanics.friction import Bound, Coulomb, FrictionLaw
 
 
 @dataclass(frozen=True, eq=False)
-class Friction:
+class FrictionOnMesh:
     """A friction law on the elements of a mesh, dimensionless, for the solvers.
 
     Parameters
@@ -57,10 +57,10 @@ class Friction:
             slope = replace(slope, by_share=slope.by_share / self.unit, by_slip=by_slip)
         return replace(bound, radius=bound.radius / self.unit, slope=slope)
 
-    def at_speed_ratio(self, ratio: float) -> "Friction":
+    def at_speed_ratio(self, ratio: float) -> "FrictionOnMesh":
         """Return the law with the rolling speed multiplied by `ratio`; 0 gives static friction."""
         return replace(self, law=self.law.at_speed_ratio(ratio))
 
-    def on(self, x: np.ndarray, y: np.ndarray) -> "Friction":
+    def on(self, x: np.ndarray, y: np.ndarray) -> "FrictionOnMesh":
         """Return the law on other elements."""
         return replace(self, x=x, y=y)

@@ -5,7 +5,7 @@ group of the paper's figures and yields its findings one by one: statements, fig
 result on the page is computed in one run.
 """
 
-from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict
+from tractive_sam.paper.finding import Chapter, Finding, FindingTable, Picture, Statement, Verdict
 from tractive_sam.paper.reproduce import CHAPTERS, reproduce
 from tractive_sam.paper.size import FULL, REDUCED, Size
 
@@ -15,10 +15,10 @@ __all__ = [
     "REDUCED",
     "Chapter",
     "Finding",
+    "FindingTable",
     "Picture",
     "Size",
     "Statement",
-    "Table",
     "Verdict",
     "reproduce",
 ]

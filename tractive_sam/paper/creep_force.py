@@ -10,9 +10,9 @@ from tractive_sam import plot
 from tractive_sam.mechanics import full_slip_force
 from tractive_sam.paper.finding import (
     Finding,
+    FindingTable,
     Picture,
     Statement,
-    Table,
     Verdict,
     Work,
     join,
@@ -46,7 +46,7 @@ NOTHING = 1e-6
 """Force over mu1 P that is zero: far above the errors of the solver."""
 
 
-def find(work: Work) -> Iterator[Finding]:
+def creep_force_findings(work: Work) -> Iterator[Finding]:
     """Yield the statements of the paper on Fig. 6, each with the computed result."""
     yield from _isotropic(work)
     yield from _orthotropic(work)
@@ -108,7 +108,7 @@ def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> State
     )
 
 
-def _compare_meshes(work: Work) -> Table:
+def _compare_meshes(work: Work) -> FindingTable:
     """Return the creep-force curve on several meshes and by both formulas."""
     parameters, columns = (0.05, 0.2, 0.5, 0.8), []
     for elements in work.size.meshes:
@@ -118,7 +118,7 @@ def _compare_meshes(work: Work) -> Table:
     cells = [[f"{value:.4f}" for value in column] for column in (*columns, *formulas)]
     rows = zip((f"{xi:g}" for xi in parameters), *cells, strict=True)
     heads = (f"{n} × {n}" for n in work.size.meshes)
-    return Table(
+    return FindingTable(
         "Q_x/(µP): the mesh-converged curve and both formulas.",
         ("ξ", *heads, "eq. (42)", "eq. (41)"),
         list(rows),

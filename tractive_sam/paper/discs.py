@@ -7,9 +7,9 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import (
     Finding,
+    FindingTable,
     Picture,
     Statement,
-    Table,
     Verdict,
     Work,
     join,
@@ -25,7 +25,7 @@ Histories = Mapping[float, History]
 """Histories by the angle, degrees."""
 
 
-def find(work: Work) -> Iterator[Finding]:
+def disc_findings(work: Work) -> Iterator[Finding]:
     """Yield the statements of the paper on the twin discs, each with the computed result."""
     histories = {
         angle: roll_into_file(work, discs(work.size, angle), f"twin-discs-{angle:.0f}")
@@ -183,7 +183,7 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
     )
 
 
-def _table(angle: float, history: History) -> Table:
+def _table(angle: float, history: History) -> FindingTable:
     """Return the results at the stored revolutions for one angle."""
     names = ("wear_max", "half_width_x", "half_width_y", "p_max", "p_max_at", "Qx_over_P")
     depth, a, b, p, p_at, Q_x = (read_saved(history, name) for name in names)
@@ -206,7 +206,7 @@ def _table(angle: float, history: History) -> Table:
         )
         for k, N in enumerate(history.field_revolutions.tolist())
     ]
-    return Table(
+    return FindingTable(
         f"Twin discs, β = {angle:g}°. Last columns: largest equivalent stress over p_0, and its "
         "place: x/a_0, y/b_0, depth/a_0; at the surface it depends on the mesh.",
         (

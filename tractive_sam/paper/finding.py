@@ -84,7 +84,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Table:
+class FindingTable:
     """A table; the first column names the rows.
 
     Attributes
@@ -102,7 +102,7 @@ class Table:
     rows: Sequence[Sequence[str]]
 
 
-Finding: TypeAlias = Statement | Picture | Table
+Finding: TypeAlias = Statement | Picture | FindingTable
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import (
     Finding,
+    FindingTable,
     Picture,
     Statement,
-    Table,
     Verdict,
     Work,
     join,
@@ -20,7 +20,7 @@ from tractive_sam.run import solve
 from tractive_sam.subsurface import stress_maximum, stress_on_plane
 
 
-def find(work: Work) -> Iterator[Finding]:
+def orthotropic_findings(work: Work) -> Iterator[Finding]:
     """Yield the statements of the paper on Figs. 7 and 8, each with the computed result."""
     contacts = {}
     for angle in ANGLES:
@@ -111,7 +111,7 @@ def _sides(contacts: dict[float, State], symmetric: float = 1e-3) -> Statement:
     )
 
 
-def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> Table:
+def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> FindingTable:
     """Return the forces and the maxima of the stress at each angle."""
     rows = []
     for angle, contact in contacts.items():
@@ -130,7 +130,7 @@ def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> Table:
                 f"{x_surface:+.2f}, {y_surface:z.2f}",
             )
         )
-    return Table(
+    return FindingTable(
         "Forces on body A, and the maxima of its equivalent stress over p_0; places in a_0.",
         ("β", "Q_x/P", "Q_y/P", "sticks", "inside", "at x, depth", "surface", "at x, y"),
         rows,

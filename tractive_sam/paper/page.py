@@ -11,7 +11,7 @@ from platform import python_version
 
 from tractive_sam.markup import Html, as_html, fill, security_policy
 from tractive_sam.pages import style
-from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Table, Verdict
+from tractive_sam.paper.finding import Chapter, Finding, FindingTable, Picture, Statement, Verdict
 from tractive_sam.paper.size import FULL, Size
 
 
@@ -104,7 +104,7 @@ def _block(finding: Finding) -> Html:
             return _statement(finding)
         case Picture():
             return _picture(finding)
-        case Table():
+        case FindingTable():
             return _table(finding)
 
 
@@ -148,7 +148,7 @@ def _picture(picture: Picture, wide: float = 7.0) -> Html:
     )
 
 
-def _table(table: Table) -> Html:
+def _table(table: FindingTable) -> Html:
     """Return a table with its caption."""
     rows = (
         fill("<tr>$cells</tr>\n", cells=(fill("<td>$cell</td>", cell=text(cell)) for cell in row))

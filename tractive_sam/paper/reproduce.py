@@ -16,11 +16,11 @@ from tractive_sam.paper.size import FULL, Size
 from tractive_sam.plot import FORMATS
 
 CHAPTERS = (
-    Chapter("Two spheres: stick, slip and stress", "Fig. 5", spheres.find),
-    Chapter("Force against creepage", "Fig. 6", creep_force.find),
-    Chapter("Orthotropic friction", "Figs. 7 and 8", orthotropic.find),
-    Chapter("Wear against a global model", "Fig. 15, Table 1", wear_depth.find),
-    Chapter("Twin discs: wear over the revolutions", "Figs. 9-14, 16-18", discs.find),
+    Chapter("Two spheres: stick, slip and stress", "Fig. 5", spheres.sphere_findings),
+    Chapter("Force against creepage", "Fig. 6", creep_force.creep_force_findings),
+    Chapter("Orthotropic friction", "Figs. 7 and 8", orthotropic.orthotropic_findings),
+    Chapter("Wear against a global model", "Fig. 15, Table 1", wear_depth.wear_depth_findings),
+    Chapter("Twin discs: wear over the revolutions", "Figs. 9-14, 16-18", discs.disc_findings),
 )
 """Groups of figures of the paper."""
 

@@ -9,9 +9,9 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import (
     Finding,
+    FindingTable,
     Picture,
     Statement,
-    Table,
     Verdict,
     Work,
     format_deviation,
@@ -29,7 +29,7 @@ PLANES = {"y=0": "y = 0", "y=0.75a": "y = 0.75 a_0"}
 """Planes of the figure, and their names in the paper."""
 
 
-def find(work: Work) -> Iterator[Finding]:
+def sphere_findings(work: Work) -> Iterator[Finding]:
     """Yield the statements of the paper on Fig. 5, each with the computed result."""
     work.report("two spheres")
     contact = solve(spheres(work.size))
@@ -180,7 +180,7 @@ def _maxima(contact: State, same_place: float = 0.1) -> Iterator[Finding]:
         Verdict.from_conditions(*near),
         f"if within {same_place} a_0",
     )
-    yield Table(
+    yield FindingTable(
         "Maxima of the equivalent stress over p_0, and their places in a_0. Values at the "
         "surface depend on the mesh.",
         ("section", "inside", "at x", "at depth", "at the surface", "at x", "stick ends at x"),

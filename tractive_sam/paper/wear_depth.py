@@ -7,9 +7,9 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.paper.finding import (
     Finding,
+    FindingTable,
     Picture,
     Statement,
-    Table,
     Verdict,
     Work,
     format_deviation,
@@ -22,7 +22,7 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import required
 
 
-def find(work: Work, good: float = 0.1) -> Iterator[Finding]:
+def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
     """Yield the statements of the paper on Fig. 15, each with the computed result.
 
     Depths within a relative distance of `good` agree well.
@@ -75,7 +75,7 @@ def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
     )
 
 
-def _table(history: History, course: GlobalWear, saved: list[int]) -> Table:
+def _table(history: History, course: GlobalWear, saved: list[int]) -> FindingTable:
     """Return depths and half widths, computed and by GIWM."""
     depth, b = (read_saved(history, name)[1:] for name in ("wear_max", "half_width_y"))
     rows = [
@@ -89,7 +89,7 @@ def _table(history: History, course: GlobalWear, saved: list[int]) -> Table:
         )
         for k, N in enumerate(saved)
     ]
-    return Table(
+    return FindingTable(
         "Worn depth of both discs and half width b of the contact, computed and by GIWM (Table 1).",
         ("N", "depth, µm", "GIWM, µm", "difference", "b, mm", "GIWM, mm"),
         rows,

@@ -103,9 +103,9 @@ class Measurements(ShortArrays):
         stored = history[column][:, BODIES.index(body)] if body else history[column]
         course = history[history.coordinate.name]
         places, measured = self.columns[history.coordinate.name], self.columns[name]
-        known = np.isfinite(measured) & (places >= course[0]) & (places <= course[-1])
-        differences = np.interp(places[known], course, stored) - measured[known]
-        rms = math.sqrt(np.mean(differences**2)) if known.any() else math.nan
+        valid = np.isfinite(measured) & (places >= course[0]) & (places <= course[-1])
+        differences = np.interp(places[valid], course, stored) - measured[valid]
+        rms = math.sqrt(np.mean(differences**2)) if valid.any() else math.nan
         unit = format_unit(quantity.unit)
         return places, measured, f"measured, rms of differences {rms:.2g} {unit}".rstrip()
 

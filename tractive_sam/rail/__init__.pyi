@@ -5,7 +5,7 @@ from .builtin import builtin_profile as builtin_profile
 from .contact import Clearance as Clearance
 from .contact import NoContactError as NoContactError
 from .contact import Patch as Patch
-from .contact import contact_points as contact_points
+from .contact import find_contact_points as find_contact_points
 from .contact import find_patches as find_patches
 from .contact import free_roll as free_roll
 from .contact import lowest_gap as lowest_gap

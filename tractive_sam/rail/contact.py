@@ -75,7 +75,7 @@ def _steepness(wheel: Wheel, rail: Profile, s: float) -> float:
     return float(clearance.angles[0, 0] - clearance.angles[1, 0])
 
 
-def contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
+def find_contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
     """Return the points of first touch of wheel and rail, and of near touch.
 
     Parameters
@@ -129,7 +129,7 @@ def _equal_angles(wheel: Wheel, rail: Profile, node: int) -> float:
 
 def lowest_gap(wheel: Wheel, rail: Profile) -> float:
     """Return the least vertical distance of a wheel from the rail, mm."""
-    return float(contact_points(wheel, rail).gap[0])
+    return float(find_contact_points(wheel, rail).gap[0])
 
 
 def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-11) -> float:
@@ -351,7 +351,7 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
     Raises
     ------
     NoContactError
-        See `contact_points`.
+        See `find_contact_points`.
     """
     wheel = wheel.at_contact(lowest_gap(wheel, rail))
     coarse = Clearance.measure(wheel, rail, wheel.profile.s)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from .contact import contact_points, free_roll
+from .contact import find_contact_points, free_roll
 from .profile import Array, Profile
 from .wheelset import Wheel
 
@@ -174,7 +174,7 @@ def find_locus(
     Raises
     ------
     NoContactError
-        See `contact_points`.
+        See `find_contact_points`.
     """
     pairs, rolls, angle = [], [], wheel.roll
     ordered = sorted(map(float, positions))
@@ -183,7 +183,7 @@ def find_locus(
         angle = free_roll(placed, rail) if roll is None else roll
         rolls.append(angle)
         placed = replace(placed, roll=angle)
-        pairs.append([contact_points(side, rail) for side in (placed, placed.mirrored())])
+        pairs.append([find_contact_points(side, rail) for side in (placed, placed.mirrored())])
     sides = [[pair[k] for pair in pairs] for k in (0, 1)]
     wheel_s = np.array([[contact.s[0] for contact in side] for side in sides])
     rail_s = np.array([[contact.rail_s[0] for contact in side] for side in sides])

@@ -265,7 +265,9 @@ def _in_place_of(package: Quantity, replacing: Mapping[str, Quantity]) -> Quanti
     """
     if package.role not in replacing:
         return package
-    user_names = {one.name: replacing[one.role].name for one in COLUMNS if one.role in replacing}
+    user_names = {
+        column.name: replacing[column.role].name for column in COLUMNS if column.role in replacing
+    }
     return replace(
         replacing[package.role],
         needs=package.needs,

@@ -20,4 +20,4 @@ from .registry import process_of as process_of
 from .registry import process_type as process_type
 from .registry import steps as steps
 from .stress import LargestStress as LargestStress
-from .transient import Transient as Transient
+from .transient import TransientProcess as TransientProcess

@@ -104,7 +104,7 @@ class PositionWear:
 def implicit_step(
     worn: list[tuple[float, PatchWear]],
     nodes: tuple[np.ndarray, np.ndarray],
-    most: int,
+    longest: int,
     deepest: float,
 ) -> tuple[Depths, int]:
     """Return the change of the depths in a linearly implicit step, and its revolutions.
@@ -115,7 +115,7 @@ def implicit_step(
         Share of the position, and wear of a patch in it.
     nodes : tuple of ndarray
         Arc lengths of the nodes of both profiles, mm.
-    most : int
+    longest : int
         Largest number of revolutions.
     deepest : float
         Largest depth of wear, mm.
@@ -128,7 +128,7 @@ def implicit_step(
     rate = sum(
         share * matrix @ total for (share, _), matrix, total in zip(worn, onto, totals, strict=True)
     )
-    length = max(1, int(min(most, deepest / max(float(rate.max()), 1e-300))))
+    length = max(1, int(min(longest, deepest / max(float(rate.max()), 1e-300))))
     active = np.flatnonzero(rate > 0.0)
     system = np.eye(active.size)
     for (share, patch), matrix in zip(worn, onto, strict=True):
@@ -150,11 +150,11 @@ def _onto_nodes(
     return np.concatenate([_interpolation(at, s) * part for at, s, part in triples])
 
 
-def _interpolation(known: np.ndarray, at: np.ndarray) -> np.ndarray:
+def _interpolation(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Return the matrix of linear interpolation, shape (len(at), len(known)); zero beyond it."""
-    k = np.clip(np.searchsorted(known, at) - 1, 0, known.size - 2)
-    share = (at - known[k]) / (known[k + 1] - known[k])
-    matrix, rows = np.zeros((at.size, known.size)), np.arange(at.size)
+    k = np.clip(np.searchsorted(nodes, at) - 1, 0, nodes.size - 2)
+    share = (at - nodes[k]) / (nodes[k + 1] - nodes[k])
+    matrix, rows = np.zeros((at.size, nodes.size)), np.arange(at.size)
     inside = (share >= 0.0) & (share <= 1.0)
     matrix[rows, k], matrix[rows, k + 1] = inside * (1.0 - share), inside * share
     return matrix

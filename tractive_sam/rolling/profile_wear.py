@@ -65,18 +65,18 @@ class WornStep(Step):
     ) -> WornStep:
         """Return the step with these positions, and the change in the next one."""
         schedule, worn = scene.schedule, []
-        left = [stop - revolution for stop in schedule.stops if stop > revolution]
-        if not left or not all(one.contact.converged for one in positions):
+        lengths = [stop - revolution for stop in schedule.stops if stop > revolution]
+        if not lengths or not all(position.contact.converged for position in positions):
             return cls(revolution, depths, positions, mesh, depths, 0)
-        most = left[0] if schedule.adaptive or schedule.fixed else 1
+        longest = lengths[0] if schedule.adaptive or schedule.fixed else 1
         deepest = scene.wear.largest_step if schedule.adaptive else np.inf
         worn = [(position.share, patch) for position in positions for patch in position.worn]
         nodes = scene.wheel.curve.s, scene.rail.unplaced_curve.s
-        change, jump = implicit_step(worn, nodes, int(most), deepest)
+        change, jump = implicit_step(worn, nodes, int(longest), deepest)
         return cls(revolution, depths, positions, mesh, change, jump)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "contacts", tuple(one.contact for one in self.positions))
+        object.__setattr__(self, "contacts", tuple(position.contact for position in self.positions))
 
     @property
     def place(self) -> int:
@@ -91,7 +91,9 @@ class WornStep(Step):
     @property
     def contact(self) -> State:
         """The contact that determines how the step ended (`Step.contact`)."""
-        return next((one for one in self.contacts if not one.converged), self.contacts[0])
+        return next(
+            (contact for contact in self.contacts if not contact.converged), self.contacts[0]
+        )
 
     @property
     def grid(self) -> Grid:
@@ -159,21 +161,21 @@ class ProfileWear(Process[WornStep]):
         """
         scene, spectrum = self.model.scene, self.model.scene.spectrum
         observers = self._recording(step)
-        own = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
+        extra = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
         records = [
-            Record.of(one.contact, one.values, user_columns=own, with_fields=False)
-            for one in step.positions
+            Record.of(position.contact, position.values, user_columns=extra, with_fields=False)
+            for position in step.positions
         ]
         # Depths are those at the nodes of the profiles; the meshes of the contacts differ.
         across = np.full(step.mesh.elements[1], np.nan)
-        values = {name: across for name, one in columns(scene).items() if one.dims == ("y",)}
+        values = {name: across for name, column in columns(scene).items() if column.dims == ("y",)}
         values |= self._values(step)
         for seen in observers:
             values |= seen.record(self.model, {})
         if spectrum is None:
             return replace(records[0], values={**records[0].values, **values})
         each = [records[k] for k in spectrum.places]
-        return cycle_record(each, spectrum.each, values | {"seconds": np.nan}, scene, own)
+        return cycle_record(each, spectrum.each, values | {"seconds": np.nan}, scene, extra)
 
     def _values(self, step: WornStep) -> dict[str, Any]:
         """Return the columns of both bodies and of the step."""
@@ -200,7 +202,7 @@ class ProfileWear(Process[WornStep]):
         depths = history["wheel_wear"][row], history["rail_wear"][row]
         stored.require(("wheel_wear", "rail_wear"))
         positions = []
-        for k, (share, one) in enumerate(_positions(scene)):
+        for k, (share, local) in enumerate(_positions(scene)):
             start = f"position{k}_"
             state = {
                 name.removeprefix(start): array
@@ -213,7 +215,7 @@ class ProfileWear(Process[WornStep]):
             fields = dict.fromkeys(
                 ("pressure", "traction_x", "traction_y", "slip_x", "slip_y"), none
             )
-            contact = replace(of_block.contact(row, fields | {"wear": none}), scene=one)
+            contact = replace(of_block.contact(row, fields | {"wear": none}), scene=local)
             positions.append(PositionWear.restore(share, contact, state))
         revolution = int(history["revolution"][row])
         return WornStep.from_positions(scene, revolution, depths, tuple(positions), history.grid)
@@ -231,11 +233,11 @@ class ProfileWear(Process[WornStep]):
         if not per_work:
             return 50
         depth = 0.0
-        for share, one in _positions(scene):
-            patch, motion = one.wheel_rail.patches[0], one.creepage
+        for share, local in _positions(scene):
+            patch, motion = local.wheel_rail.patches[0], local.creepage
             width = 2.0 * patch.half_length[1]
             slip = abs(motion.spin) * width / 4.0 + np.hypot(motion.longitudinal, motion.lateral)
-            depth += share * max(per_work) * one.friction.mu[0] * one.load.normal * slip / width
+            depth += share * max(per_work) * local.friction.mu[0] * local.load.normal * slip / width
         return 1 + int(np.ceil(0.5 * depth * schedule.end / scene.wear.largest_step))
 
     @property
@@ -256,8 +258,8 @@ class ProfileWear(Process[WornStep]):
         wheel, rail = scene.wheel.curve.worn(depths[0], 1.0), scene.rail.curve.worn(depths[1], -1.0)
         try:
             positions = tuple(
-                self._position(share, one, (wheel, rail), starts.get(k))
-                for k, (share, one) in enumerate(_positions(scene))
+                self._position(share, local, (wheel, rail), starts.get(k))
+                for k, (share, local) in enumerate(_positions(scene))
             )
         except ValueError as error:
             raise SceneError([Fault("wear", f"revolution {revolution}", str(error))]) from error
@@ -270,15 +272,16 @@ class ProfileWear(Process[WornStep]):
         model = Model(scene, wheel_rail=WheelRail.of_profiles(scene, *profiles))
         model, contacts = solve_patches_on_fitted_mesh(model, start, self.load_tolerance)
         pairs = [*zip(contacts, model.wheel_rail.patches, strict=True)]
-        touching = [(one, patch) for one, patch in pairs if one.touching.any()] or pairs[:1]
+        touching = [(state, patch) for state, patch in pairs if state.touching.any()] or pairs[:1]
         contact, patch = max(touching, key=lambda pair: (not pair[0].converged, pair[0].P))
         if not contact.converged:
             return PositionWear(share, contact, contacts[0])
         worn = tuple(
-            self._wear_of_patch(model.of_patch(patch), one, profiles[0]) for one, patch in touching
+            self._wear_of_patch(model.of_patch(patch), state, profiles[0])
+            for state, patch in touching
         )
         values = describe_patch(patch, contact, len(touching))
-        main = next(k for k, (one, _) in enumerate(touching) if one is contact)
+        main = next(k for k, (state, _) in enumerate(touching) if state is contact)
         passed = worn[main].rates / self._passes
         values["worn_area"] = float(passed.sum() * contact.grid.dy)
         values |= {"solves": 1, "jump": 1}

@@ -10,7 +10,7 @@ from tractive_sam.rolling.process import Process, Step
 from tractive_sam.rolling.profile_wear import ProfileWear
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
 from tractive_sam.rolling.stress import LargestStress
-from tractive_sam.rolling.transient import Transient
+from tractive_sam.rolling.transient import TransientProcess
 from tractive_sam.rolling.wheel_rail import WheelRailPatches
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, build_law, load_law_class
@@ -29,7 +29,7 @@ def process_type(scene: Scene) -> type[Process[Any]]:
     if scene.wheelset is not None:
         return WheelRailPatches if scene.wear is None else ProfileWear
     if not scene.schedule.revolves:
-        return Transient
+        return TransientProcess
     return DutyCycle if scene.spectrum else Revolutions
 
 

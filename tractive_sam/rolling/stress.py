@@ -9,7 +9,7 @@ from tractive_sam.contact import Model
 from tractive_sam.description import Row
 from tractive_sam.results import Maximum, PlaneStress, Quantity, State, stress_columns
 from tractive_sam.rolling.observer import Observer
-from tractive_sam.subsurface import stress_maxima, stress_on_planes
+from tractive_sam.subsurface import maxima_by_body, stress_on_planes
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class LargestStress(Observer):
         if self.model is None:
             return ()
         blocks = zip(self.contacts, self.model.blocks, strict=True)
-        return tuple(stress_maxima(contact, block.laws) for contact, block in blocks)
+        return tuple(maxima_by_body(contact, block.laws) for contact, block in blocks)
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
         """Return the values of the columns that exist for each block of a duty cycle."""

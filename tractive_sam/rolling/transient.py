@@ -33,7 +33,7 @@ from tractive_sam.rolling.stress_history import StressHistory
 from tractive_sam.scene import FewestElements, Scene
 
 
-class Transient(Process[Moment]):
+class TransientProcess(Process[Moment]):
     """Rolls or shifts the bodies of a model through the courses of its scene."""
 
     observers = (TransientHeat, StressHistory)

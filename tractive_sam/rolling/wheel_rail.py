@@ -95,7 +95,7 @@ class WheelRailPatches(Process[PatchStep]):
 
     def begin_fitted(self) -> tuple[Self, PatchStep]:
         """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
-        model, steps = solve_patches(self.model)
+        model, steps = solve_patch_steps(self.model)
         process = self._with(model)
         process.solved = steps
         return process, steps[0]
@@ -104,7 +104,7 @@ class WheelRailPatches(Process[PatchStep]):
 
     def advance(self, last: PatchStep) -> Iterator[PatchStep]:
         """Yield the steps after one, to the end or to a contact that is not solved."""
-        steps = self.solved or solve_patches(self.model)[1]
+        steps = self.solved or solve_patch_steps(self.model)[1]
         yield from (step for step in steps if step.number > last.number and last.converged)
 
     @classmethod
@@ -119,7 +119,7 @@ class WheelRailPatches(Process[PatchStep]):
         return len(scene.wheel_rail.patches)
 
 
-def solve_patches(model: Model) -> tuple[Model, tuple[PatchStep, ...]]:
+def solve_patch_steps(model: Model) -> tuple[Model, tuple[PatchStep, ...]]:
     """Return the patches that touch, by increasing load, and the model on their mesh."""
     model, contacts = solve_patches_on_fitted_mesh(model)
     pairs = [*zip(contacts, model.scene.wheel_rail.patches, strict=True)]

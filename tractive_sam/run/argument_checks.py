@@ -23,7 +23,7 @@ from tractive_sam.results import (
 from tractive_sam.rolling import Observer
 from tractive_sam.scene import Scene
 from tractive_sam.schema import LARGEST, shorten
-from tractive_sam.solvers import Solver
+from tractive_sam.solvers import ProblemSolver
 from tractive_sam.store import read_gap
 
 DEEPEST = 1e6
@@ -38,7 +38,7 @@ def check_scene(scene: Scene) -> None:
 
 
 def model_of(
-    laws: Laws | None, solver: Solver | None, began: Worn | None = None
+    laws: Laws | None, solver: ProblemSolver | None, began: Worn | None = None
 ) -> Callable[..., Model]:
     """Return a function that makes models with user-defined laws, solver and worn bodies."""
     if not isinstance(laws, Laws | None):

@@ -36,7 +36,7 @@ from tractive_sam.run.resume import (
 from tractive_sam.run.start import check_start_of_file, describe_origin, worn_bodies
 from tractive_sam.scene import Scene, pressure_notes
 from tractive_sam.schema import PlausibilityWarning, warn
-from tractive_sam.solvers import Solver
+from tractive_sam.solvers import ProblemSolver
 from tractive_sam.store import open_history, results_writer
 
 
@@ -48,7 +48,7 @@ def solve(
     start: State | None = None,
     throw: bool = True,
     laws: Laws | None = None,
-    solver: Solver | None = None,
+    solver: ProblemSolver | None = None,
     jacobian: bool = False,
     progress: bool | None = None,
 ) -> State:
@@ -66,7 +66,7 @@ def solve(
         Whether to raise an error if the solve did not converge.
     laws : Laws, optional
         Laws of friction and wear in place of the scene's.
-    solver : Solver, optional
+    solver : ProblemSolver, optional
         Method in place of the scene's: any object with `solve(problem, tolerance, start)`, see
         `solvers`.
     jacobian : bool
@@ -156,7 +156,7 @@ def roll(
     resume: bool = False,
     progress: bool | Callable[[Record], None] | None = None,
     laws: Laws | None = None,
-    solver: Solver | None = None,
+    solver: ProblemSolver | None = None,
     columns: Iterable[Quantity] = (),
     observers: Iterable[Observer] = (),
 ) -> History:
@@ -183,7 +183,7 @@ def roll(
     progress : bool or callable, optional
         Function to call with each record. True shows a progress bar, False none. By default a bar
         appears in a terminal or a notebook after two seconds.
-    laws, solver : Laws and Solver, optional
+    laws, solver : Laws and ProblemSolver, optional
         See `solve`.
     columns : iterable of Quantity, optional
         Columns to record in addition to the package's; nan in records from before.

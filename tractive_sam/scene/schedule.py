@@ -67,7 +67,7 @@ class Schedule:
         return scene
 
 
-class Revolutions(Schedule):
+class RevolutionSchedule(Schedule):
     """Schedule of a scene with [wear]."""
 
     message_start = "revolution {}: "
@@ -96,7 +96,7 @@ class Shifts(Distance):
     message_start = "after {:g} of the parameter: "
 
 
-class Patches(Schedule):
+class PatchSchedule(Schedule):
     """Schedule of the patches of a wheel, by increasing load."""
 
     save_key = end_key = "wheelset"

@@ -25,7 +25,7 @@ from tractive_sam.schema import (
 
 from .describe import format_pair
 from .friction import Factors, describe_factors
-from .schedule import Revolutions, Schedule
+from .schedule import RevolutionSchedule, Schedule
 from .wear_course import describe_densities, describe_stepping, describe_turns
 from .wear_laws import (
     ALL_LAWS,
@@ -159,7 +159,7 @@ class Wear(LawTable):
     def schedule(self) -> Schedule:
         """Schedule of the revolutions."""
         adaptive, fixed = self.stepping == "adaptive", self.stepping == "saved"
-        return Revolutions(self.revolutions, self.save, adaptive, fixed)
+        return RevolutionSchedule(self.revolutions, self.save, adaptive, fixed)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Return the rows that describe the table.

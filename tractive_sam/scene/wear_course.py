@@ -32,15 +32,15 @@ def describe_turns(counting: str, turns: Mapping[str, float]) -> str:
     """
     if counting == "equal":
         return "equal: N counts the revolutions of body A; both bodies turn once in each"
-    counted, other = "AB" if turns["A"] else "BA"
+    counted, second = "AB" if turns["A"] else "BA"
     count = f"N counts the revolutions of body {counted}"
-    if turns[other] == 0.0:
+    if turns[second] == 0.0:
         return (
-            f"{count}; {other} is flat and passes the contact only once: it enters unworn, and "
+            f"{count}; {second} is flat and passes the contact only once: it enters unworn, and "
             "its depth is the wear of a single pass"
         )
     return (
-        f"{count}; {other} turns {turns[other]:.6g} times in each. Worn material returns after "
+        f"{count}; {second} turns {turns[second]:.6g} times in each. Worn material returns after "
         "a turn of its body, averaged over the phase; slip is not counted"
     )
 
@@ -50,6 +50,6 @@ def describe_densities(bodies: Any) -> str:
     densities = []
     for name in "AB":
         body = getattr(bodies, name)
-        given = "" if "density" in body.model_fields_set else " (steel, by default)"
-        densities.append(f"{name} {body.density:g} kg/m3{given}")
+        origin = "" if "density" in body.model_fields_set else " (steel, by default)"
+        densities.append(f"{name} {body.density:g} kg/m3{origin}")
     return ", ".join(densities)

@@ -19,7 +19,7 @@ from tractive_sam.rail import (
     Patch,
     Profile,
     Wheel,
-    contact_points,
+    find_contact_points,
     find_locus,
     find_patches,
     free_roll,
@@ -121,7 +121,7 @@ def _find(
     patches = find_patches(sides[wheelset.side == "left"], rail, load, e_star)
     if wheelset.pitch != "free":
         return WheelRail(patches[0].wheel, rail, roll, float(wheelset.pitch), tuple(patches))
-    s = np.array([contact_points(side, rail).s[0] for side in sides])
+    s = np.array([find_contact_points(side, rail).s[0] for side in sides])
     mean = radius + float(profile.at(s)[:, 1].mean())
     return WheelRail(patches[0].wheel, rail, roll, radius / mean - 1.0, tuple(patches))
 

@@ -22,7 +22,7 @@ from tractive_sam.rail import (
 from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one
 
 from .gap import absolute_path, may_be_missing
-from .schedule import Patches, Schedule
+from .schedule import PatchSchedule, Schedule
 
 
 def _check_profile(name: str) -> str:
@@ -176,13 +176,13 @@ class WheelsetTable(Table):
     load: Positive | None = entry("vertical force on this wheel, N", default=None)
     normal_load: Positive | None = entry("sum of the normal forces of the patches, N", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("load", "normal_load"),)
-    most_patches: ClassVar[int] = 8
+    max_patches: ClassVar[int] = 8
     """Largest number of patches with stored fields."""
 
     @property
     def schedule(self) -> Schedule:
         """Schedule of the patches: as many as there may be."""
-        return Patches(self.most_patches, tuple(range(1, self.most_patches + 1)))
+        return PatchSchedule(self.max_patches, tuple(range(1, self.max_patches + 1)))
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Return the rows that describe the table (`Table.describe`)."""

@@ -22,7 +22,7 @@ from .valid_entries import InvalidEntryError, ValidEntries
 
 
 @dataclass
-class Reading:
+class TableReading:
     """Result of reading a table.
 
     Attributes
@@ -51,12 +51,12 @@ class Reading:
         self.faults.append(Fault(str(key), shorten(self.given[key]), allowed))
 
 
-def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> Reading:
+def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> TableReading:
     """Read the entries of a table of a class, and check them.
 
     Returns
     -------
-    Reading
+    TableReading
         The valid values, and all faults.
     """
     faults: list[Fault] = []
@@ -66,7 +66,7 @@ def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> Reading:
         faults += error.faults
         faulty = {fault.key.split(".")[0] for fault in faults}
         entries = {key: value for key, value in entries.items() if key not in faulty}
-    reading = Reading(
+    reading = TableReading(
         {key: value for key, value in entries.items() if value is not None}, faults=faults
     )
     for key in reading.given:
@@ -90,7 +90,7 @@ def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> Reading:
     return reading
 
 
-def _read_default(reading: Reading, key: str, info: FieldInfo) -> None:
+def _read_default(reading: TableReading, key: str, info: FieldInfo) -> None:
     """Read the default of a key that is not given."""
     if info.is_required():
         reading.faults.append(Fault(key, "nothing", _describe_field(info)))
@@ -102,7 +102,7 @@ def _read_default(reading: Reading, key: str, info: FieldInfo) -> None:
             reading.entries.add(key, read_entries(type(value), value.entries()).entries)
 
 
-def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
+def _read_table(reading: TableReading, key: str, table: type[TableBase]) -> None:
     """Read the entries of a nested table."""
     value = reading.given[key]
     if isinstance(value, table):
@@ -117,7 +117,9 @@ def _read_table(reading: Reading, key: str, table: type[TableBase]) -> None:
         reading.store(key, table.model_construct(_fields_set=set(inner.given), **inner.values))
 
 
-def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[TableBase]) -> None:
+def _read_array(
+    reading: TableReading, key: str, table: type[TableBase], outer: type[TableBase]
+) -> None:
     """Read an array of tables: each table separately, and then their number."""
     value = reading.given[key]
     if not isinstance(value, list | tuple):
@@ -125,7 +127,7 @@ def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[
         return
     before, items = len(reading.faults), []
     for place, entries in enumerate(value):
-        item = Reading({key: entries})
+        item = TableReading({key: entries})
         _read_table(item, key, table)
         reading.faults.extend(fault.at(key, place) for fault in item.faults)
         items.append(item.values.get(key))
@@ -133,7 +135,7 @@ def _read_array(reading: Reading, key: str, table: type[TableBase], outer: type[
         _read_value(reading, key, outer, tuple(items))
 
 
-def _read_value(reading: Reading, key: str, table: type[TableBase], value: Any) -> None:
+def _read_value(reading: TableReading, key: str, table: type[TableBase], value: Any) -> None:
     """Read and check the value of a key."""
     adapter = _adapter(table, key)
     try:

@@ -19,6 +19,7 @@ _RENAMED = {
     "Held": "FixedPressure",
     "InSequence": "Sequential",
     "OneAfterTheOther": "RoughSequential",
+    "Solver": "ProblemSolver",
 }
 __getattr__ = with_renamed(__name__, _lookup, _RENAMED)
 
@@ -39,9 +40,9 @@ __all__ = [
     "Outcome",
     "PrescribedForces",
     "Problem",
+    "ProblemSolver",
     "RoughSequential",
     "Sequential",
-    "Solver",
     "Start",
     "Status",
     "Uzawa",

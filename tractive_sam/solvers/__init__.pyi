@@ -20,7 +20,7 @@ from .newton_system import System as System
 from .outcome import Cost as Cost
 from .outcome import Note as Note
 from .outcome import Outcome as Outcome
-from .outcome import Solver as Solver
+from .outcome import ProblemSolver as ProblemSolver
 from .outcome import Start as Start
 from .outcome import Status as Status
 from .outcome import needed as needed

@@ -14,7 +14,7 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Status
 from tractive_sam.solvers.continuation import Continuation
-from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start, needed
+from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start, needed
 from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
@@ -28,7 +28,7 @@ class Bracketing:
 
     Attributes
     ----------
-    solver : Solver
+    solver : ProblemSolver
         Solves each problem, from the outcome of the one before.
     continuation : Continuation
         Solves, under given creepages, what `solver` does not.
@@ -40,7 +40,7 @@ class Bracketing:
         Force missed, over the sum of all tractions, from which the solver leads to the end.
     """
 
-    solver: Solver
+    solver: ProblemSolver
     continuation: Continuation
     first: float = 1.0
     growth: float = 8.0
@@ -50,7 +50,7 @@ class Bracketing:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve between creepages; see `Solver`. Problems of given creepages are continued.
+        """Solve between creepages; see `ProblemSolver`. Problems of given creepages are continued.
 
         Returns
         -------

@@ -8,7 +8,7 @@ of the path that fails is halved.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start
+from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start
 from tractive_sam.solvers.problem import Problem
 
 
@@ -18,7 +18,7 @@ class Continuation:
 
     Attributes
     ----------
-    solver : Solver
+    solver : ProblemSolver
         Solves each problem, from the outcome of the one before.
     full : float
         Creepages at the beginning of the path, over the prescribed ones.
@@ -28,7 +28,7 @@ class Continuation:
         Residual of the problems before the last.
     """
 
-    solver: Solver
+    solver: ProblemSolver
     full: float = 1e3
     first: float = 0.25
     shortest: float = 1.0 / 64.0
@@ -37,7 +37,7 @@ class Continuation:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem by a path of easier problems; see `Solver`.
+        """Solve a problem by a path of easier problems; see `ProblemSolver`.
 
         Returns
         -------

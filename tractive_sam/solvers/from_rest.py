@@ -12,7 +12,7 @@ import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.solvers.continuation import follow_path
-from tractive_sam.solvers.outcome import Outcome, Solver, Start
+from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start
 from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
@@ -22,9 +22,9 @@ class FromRest:
 
     Attributes
     ----------
-    solver : Solver
+    solver : ProblemSolver
         Solves the first problem of the path, and the last one if nothing else does.
-    nearby : Solver
+    nearby : ProblemSolver
         Solves every other problem from a start nearby.
     sliding : bool
         Whether the path begins at great speed.
@@ -36,8 +36,8 @@ class FromRest:
         Growth of the creepage from step to step, up to the maximum of the traction curve.
     """
 
-    solver: Solver
-    nearby: Solver
+    solver: ProblemSolver
+    nearby: ProblemSolver
     sliding: bool = False
     rough: float = 1e-3
     first: float = 0.25
@@ -47,7 +47,7 @@ class FromRest:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; see `Solver`. The outcome has the cost of all steps.
+        """Solve a problem; see `ProblemSolver`. The outcome has the cost of all steps.
 
         From a start nearby at once.
         """

@@ -9,7 +9,7 @@ from tractive_sam.solvers.continuation import Continuation
 from tractive_sam.solvers.from_rest import FromRest
 from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
-from tractive_sam.solvers.outcome import Outcome, Solver, Start
+from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start
 from tractive_sam.solvers.problem import Problem
 from tractive_sam.solvers.sequential import RoughSequential, Sequential
 from tractive_sam.solvers.uniqueness import UniqueSolution
@@ -22,22 +22,22 @@ class Ladder:
 
     Attributes
     ----------
-    rungs : tuple of Solver
+    rungs : tuple of ProblemSolver
         The methods, the first one first.
     with_forces : int
         Number of methods, from the first one, that take prescribed tangential forces.
-    begin : Solver, optional
+    begin : ProblemSolver, optional
         Finds a start for the second and later methods if there is none.
     """
 
-    rungs: tuple[Solver, ...]
+    rungs: tuple[ProblemSolver, ...]
     with_forces: int
-    begin: Solver | None = None
+    begin: ProblemSolver | None = None
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; see `Solver`. The outcome has the cost and trace of every rung."""
+        """Solve a problem; the outcome has the cost and trace of all rungs. See `ProblemSolver`."""
         rungs = self.rungs[: self.with_forces] if len(problem.forces) else self.rungs
         outcome = rungs[0].solve(problem, tolerance, start)
         for rung in rungs[1:]:
@@ -56,9 +56,9 @@ class Method:
 
     Attributes
     ----------
-    alike : Solver
+    alike : ProblemSolver
         For bodies of equal material: the pressure does not depend on the tractions.
-    dissimilar : Solver
+    dissimilar : ProblemSolver
         For bodies of different material.
     description : str
         Description of the method.
@@ -70,8 +70,8 @@ class Method:
         Whether its cost is known beforehand.
     """
 
-    alike: Solver
-    dissimilar: Solver
+    alike: ProblemSolver
+    dissimilar: ProblemSolver
     description: str
     cure: str = (
         "raise solver.tolerance, or refine the mesh with grid.elements if the contact is only a "
@@ -81,7 +81,7 @@ class Method:
     predictable: bool = True
 
     @classmethod
-    def of(cls, solver: Solver) -> "Method":
+    def of(cls, solver: ProblemSolver) -> "Method":
         """Return a user-defined solver as a method for all bodies."""
         return cls(solver, solver, repr(solver))
 
@@ -140,12 +140,12 @@ METHODS = {
 """Methods by the names that ``solver.method`` may have."""
 
 
-def falling_method(solver: Solver, sliding: bool) -> Solver:
+def falling_method(solver: ProblemSolver, sliding: bool) -> ProblemSolver:
     """Return a method for friction that falls with sliding.
 
     Parameters
     ----------
-    solver : Solver
+    solver : ProblemSolver
         The method for friction that does not.
     sliding : bool
         Whether the solution reached from great speed is sought; else the one from rest.

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from tractive_sam.solvers.outcome import Outcome, Solver, Start, needed
+from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start, needed
 from tractive_sam.solvers.problem import NormalProblem, Problem
 from tractive_sam.solvers.progress import report_progress
 
@@ -68,12 +68,12 @@ class Nested:
 
     Attributes
     ----------
-    solver : Solver
+    solver : ProblemSolver
         Method on each mesh.
-    begin : Solver, optional
+    begin : ProblemSolver, optional
         Finds the start on the coarsest mesh, or above a mesh that was not solved; without it
         `solver` starts from nothing there.
-    nearby : Solver, optional
+    nearby : ProblemSolver, optional
         Method from a start that is given; by default `solver`.
     coarsest : int
         A mesh is coarsened as long as its shorter side has more elements than this.
@@ -81,9 +81,9 @@ class Nested:
         Residual on coarser meshes: below their own discretisation error.
     """
 
-    solver: Solver
-    begin: Solver | None = None
-    nearby: Solver | None = None
+    solver: ProblemSolver
+    begin: ProblemSolver | None = None
+    nearby: ProblemSolver | None = None
     coarsest: int = 24
     coarse_tolerance: float = 1e-3
 
@@ -93,7 +93,7 @@ class Nested:
         tolerance: float,
         start: Start | Outcome | None = None,
     ) -> Outcome:
-        """Solve a normal or a tangential problem; see `Solver`."""
+        """Solve a normal or a tangential problem; see `ProblemSolver`."""
         if start is not None:
             return (self.nearby or self.solver).solve(problem, tolerance, start)
         earlier, share = [], 1.0

@@ -164,7 +164,7 @@ class Outcome:
         return replace(self.costing(earlier), trace=earlier.trace + self.trace)
 
 
-class Solver(Protocol):
+class ProblemSolver(Protocol):
     """Protocol of solvers: any object with this method, for example a frozen dataclass."""
 
     def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:

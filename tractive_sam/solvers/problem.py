@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 
 from tractive_sam.deprecation import renamed_attributes
-from tractive_sam.mechanics import Bound, Friction, Linearisation
+from tractive_sam.mechanics import Bound, FrictionOnMesh, Linearisation
 from tractive_sam.operators import (
     Box,
     Convolution,
@@ -182,7 +182,7 @@ class Problem:
         Slip that does not depend on the unknowns: the slip of the undeformed bodies, in a step less
         the former displacements of the particles, under a fixed pressure plus the slip that it
         causes.
-    friction : Friction
+    friction : FrictionOnMesh
         The friction law on the mesh.
     forces : PrescribedForces
         Forces prescribed in place of creepages.
@@ -195,7 +195,7 @@ class Problem:
 
     normal: NormalProblem | FixedPressure
     rigid: np.ndarray
-    friction: Friction = field(default_factory=Friction)
+    friction: FrictionOnMesh = field(default_factory=FrictionOnMesh)
     forces: PrescribedForces = field(default_factory=PrescribedForces)
     wear: WearInPass | None = None
     kinematics: Kinematics = field(default_factory=SteadyRolling)

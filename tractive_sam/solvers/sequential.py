@@ -8,7 +8,7 @@ from tractive_sam.operators import Box
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import natural_residual
 from tractive_sam.solvers.nested import shares
-from tractive_sam.solvers.outcome import Note, Outcome, Solver, Start, needed
+from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start, needed
 from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem
 
 
@@ -20,20 +20,20 @@ class Sequential:
 
     Attributes
     ----------
-    normal, tangential : Solver
+    normal, tangential : ProblemSolver
         Methods of both problems. Without the second there is no traction.
     around : int
         Elements around a contact nearby in which the normal problem is solved.
     """
 
-    normal: Solver
-    tangential: Solver | None = None
+    normal: ProblemSolver
+    tangential: ProblemSolver | None = None
     around: int = 2
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem with free or fixed pressure; see `Solver`."""
+        """Solve a problem with free or fixed pressure; see `ProblemSolver`."""
         if problem.is_pressure_fixed:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
@@ -117,20 +117,20 @@ class RoughSequential:
 
     Attributes
     ----------
-    normal, tangential : Solver
+    normal, tangential : ProblemSolver
         Methods of both problems.
     rough : float
         Residual to which to solve, for any tolerance.
     """
 
-    normal: Solver
-    tangential: Solver
+    normal: ProblemSolver
+    tangential: ProblemSolver
     rough: float = 1e-3
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem with free pressure, without a start; see `Solver`."""
+        """Solve a problem with free pressure, without a start; see `ProblemSolver`."""
         normal = self.normal.solve(problem.normal, self.rough)
         pressure = needed(normal.pressure, "outcome.pressure")
         tangential = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))

@@ -19,7 +19,7 @@ import numpy as np
 
 from tractive_sam.mechanics import Bound
 from tractive_sam.operators import FrictionSlip
-from tractive_sam.solvers.outcome import Outcome, Solver, Start, needed
+from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start, needed
 from tractive_sam.solvers.problem import FixedPressure, Problem
 
 
@@ -75,19 +75,19 @@ class UniqueSolution:
 
     Attributes
     ----------
-    nearby : Solver
+    nearby : ProblemSolver
         Solves a problem from a start.
-    path : Solver
+    path : ProblemSolver
         Solves it without a start, if `nearby` fails or finds one of several solutions.
     """
 
-    nearby: Solver
-    path: Solver
+    nearby: ProblemSolver
+    path: ProblemSolver
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; see `Solver`. In steady rolling a start decides between solutions."""
+        """Solve a problem; in steady rolling a start decides between solutions."""
         if start is None or not problem.kinematics.joint:
             return self.path.solve(problem, tolerance, start)
         outcome = self.nearby.solve(problem, tolerance, start)

@@ -26,7 +26,7 @@ def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: st
     """
     dataset = group.create_dataset(name, data=values)
     dataset.make_scale(name)
-    describe(dataset, Quantity(name, "1", about))
+    describe_dataset(dataset, Quantity(name, "1", about))
 
 
 def create_scale(
@@ -38,7 +38,7 @@ def create_scale(
         name, data=values, maxshape=(None,), chunks=(chunk,), fletcher32=True
     )
     dataset.make_scale(name)
-    return describe(dataset, quantity)
+    return describe_dataset(dataset, quantity)
 
 
 def create_rows(
@@ -67,16 +67,16 @@ def create_rows(
         dimension.attach_scale(scale)
     if coordinate not in ("", name):
         dataset.attrs["coordinates"] = coordinate
-    return describe(dataset, quantity)
+    return describe_dataset(dataset, quantity)
 
 
-def describe(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
+def describe_dataset(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
     """Store the unit and the description of a dataset."""
     dataset.attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
     return dataset
 
 
-def stress_path(body: str, plane: Plane | str, block: int | None = None) -> str:
+def plane_path(body: str, plane: Plane | str, block: int | None = None) -> str:
     """Return the path within /stress of a plane of a body."""
     return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
 
@@ -85,6 +85,6 @@ def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
     """Add a further array from which the run resumes."""
     chunks = tuple(max(1, n) for n in values.shape)
     about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
-    describe(
+    describe_dataset(
         state.create_dataset(name, data=values, **about), Quantity(name, "", "to continue from")
     )

@@ -64,8 +64,8 @@ from tractive_sam.store.datasets import (
     create_labels,
     create_rows,
     create_scale,
-    describe,
-    stress_path,
+    describe_dataset,
+    plane_path,
 )
 from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.store.versions import FORMAT, FORMAT_VERSION, versions
@@ -182,7 +182,7 @@ def set_scene(file: h5py.File, scene: Scene) -> None:
             dataset.attrs[name] = value
     for name, of_hertz in REFERENCE.items():
         dataset.attrs[name] = np.nan if hertz is None else getattr(hertz, of_hertz)
-    describe(dataset, Quantity("scene", "1", "the scene that was computed, as TOML"))
+    describe_dataset(dataset, Quantity("scene", "1", "the scene that was computed, as TOML"))
     set_text(dataset, "digest", digest(text))
 
 
@@ -208,7 +208,7 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
             created |= record.columns.keys()
         _create_missing_fields(file["fields"], record)
         for plane in record.stress:
-            if (path := stress_path(plane.body, plane.plane, plane.block)) not in file["stress"]:
+            if (path := plane_path(plane.body, plane.plane, plane.block)) not in file["stress"]:
                 group = file["stress"].create_group(path)
                 _create_plane(group, file["grid"], plane, record.coordinate)
         for body in record.cycles:

@@ -62,7 +62,7 @@ def read_grid(file: h5py.File) -> Grid:
 
 def _field_groups(record: Record) -> list[str]:
     """Return the names of the fields of a record and the groups of its stress and fatigue."""
-    planes = [datasets.stress_path(plane.body, plane.plane, plane.block) for plane in record.stress]
+    planes = [datasets.plane_path(plane.body, plane.plane, plane.block) for plane in record.stress]
     return [*record.fields, *planes, *(plane.body for plane in record.cycles)]
 
 
@@ -71,7 +71,7 @@ def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Recor
     _append_group(file["fields"], rows, records, [record.fields for record in records], OUTSIDE)
     for planes in zip(*(record.stress for record in records), strict=True):
         group = file["stress"][
-            datasets.stress_path(planes[0].body, planes[0].plane, planes[0].block)
+            datasets.plane_path(planes[0].body, planes[0].plane, planes[0].block)
         ]
         values = [plane.components | {VON_MISES.name: plane.by(VON_MISES)} for plane in planes]
         unknown = dict.fromkeys(values[0], np.nan)  # outside a narrower mesh

@@ -7,7 +7,7 @@ import numpy as np
 
 from tractive_sam.results import COMPONENTS, FATIGUE_FIELDS, BodyFatigue, PlaneStress
 from tractive_sam.scene import Plane
-from tractive_sam.store.datasets import stress_path
+from tractive_sam.store.datasets import plane_path
 from tractive_sam.store.opening import open_results
 
 
@@ -69,7 +69,7 @@ class StoredStress:
     def __getitem__(self, row: int) -> "PlaneStress":
         """Return the stress of a record, on the mesh that it was computed on."""
         with open_results(self.path) as file:
-            group = f"stress/{stress_path(self.body, self.plane, self.block)}"
+            group = f"stress/{plane_path(self.body, self.plane, self.block)}"
             names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
             lengths = {name: file.length(f"{group}/{name}") for name in names}
             axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}

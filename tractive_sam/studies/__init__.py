@@ -103,8 +103,11 @@ of a scheduler end with it, and have to be started again as well. If the client 
 have begun end on their workers, and the next client finds them.
 """
 
+from tractive_sam.deprecation import with_renamed
 from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used: a worker needs no figures, and
 # whoever reads results no compilers.
-__getattr__, __dir__, __all__ = attach_names(__name__, __file__)
+_lookup, __dir__, __all__ = attach_names(__name__, __file__)
+_RENAMED = {"Progress": "StudyProgress", "Row": "CaseRow"}
+__getattr__ = with_renamed(__name__, _lookup, _RENAMED)

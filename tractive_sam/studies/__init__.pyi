@@ -18,9 +18,9 @@ from .design import StudyError as StudyError
 from .design import is_study as is_study
 from .figures import save_figures as save_figures
 from .results import STATUSES as STATUSES
-from .results import Row as Row
+from .results import CaseRow as CaseRow
 from .results import StudyResults as StudyResults
 from .results import open_study as open_study
 from .run import SCHEDULER_ENCRYPTS as SCHEDULER_ENCRYPTS
-from .run import Progress as Progress
+from .run import StudyProgress as StudyProgress
 from .run import study as study

@@ -34,7 +34,7 @@ STATUSES = (COMPLETE, RUNNING, INTERRUPTED, FAILED, WAITING)
 
 
 @dataclass(frozen=True)
-class Row:
+class CaseRow:
     """The result of a case.
 
     Attributes
@@ -104,7 +104,7 @@ class StudyResults:
 
     path: Path
     study: Study
-    rows: tuple[Row, ...]
+    rows: tuple[CaseRow, ...]
     damage_note: str = ""
 
     def __len__(self) -> int:
@@ -353,10 +353,12 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
         interrupt.raise_if_interrupted()
         file, entry = folder.file_of(case, files), logged.entries.get(case.digest)
         if entry and study.keep == "scalars" and not entry["size"]:
-            rows.append(Row(case, COMPLETE, entry["message"], None, entry["row"], entry["version"]))
+            rows.append(
+                CaseRow(case, COMPLETE, entry["message"], None, entry["row"], entry["version"])
+            )
         elif entry and case.digest in files and file.stat().st_size == entry["size"]:
             result = entry["message"], file, entry["row"], entry["version"]
-            rows.append(Row(case, COMPLETE, *result))
+            rows.append(CaseRow(case, COMPLETE, *result))
         else:
             rows.append(_row(case, file, failures.get(case.digest, "")))
     return StudyResults(folder.path, study, tuple(rows), logged.damage_note)
@@ -368,27 +370,27 @@ def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
     return (min(column), max(column)) if numbers else (column[0], column[-1])
 
 
-def _row(case: Case, file: Path, failure: str) -> Row:
+def _row(case: Case, file: Path, failure: str) -> CaseRow:
     """Return the result of a case from its results file."""
     running = is_written(file)
     if not file.exists():
         status = RUNNING if running else FAILED if failure else WAITING
-        return Row(case, status, "" if running else failure)
+        return CaseRow(case, status, "" if running else failure)
     try:
         history = open_history(file)
     except ResultsError as error:
-        return Row(case, FAILED, str(error), file)
+        return CaseRow(case, FAILED, str(error), file)
     result = file, summary(history), history.versions.get("tractive-sam", "")
     if history.finished:
-        return Row(case, COMPLETE, history.message, *result)
+        return CaseRow(case, COMPLETE, history.message, *result)
     if running:
-        return Row(case, RUNNING, "", *result)
+        return CaseRow(case, RUNNING, "", *result)
     if failure or history.status != "running":
-        return Row(case, FAILED, failure or history.message, *result)
-    return Row(case, INTERRUPTED, "", *result)
+        return CaseRow(case, FAILED, failure or history.message, *result)
+    return CaseRow(case, INTERRUPTED, "", *result)
 
 
-def _at(row: Row, name: str, revolution: int) -> float:
+def _at(row: CaseRow, name: str, revolution: int) -> float:
     """Return a quantity of a case at one revolution; nan if it is unknown."""
     if row.file is None:
         values = row.last if row.last.get("revolution") == revolution else {}

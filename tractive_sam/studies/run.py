@@ -27,7 +27,7 @@ SCHEDULER_ENCRYPTS = (
 
 
 @dataclass(frozen=True)
-class Progress:
+class StudyProgress:
     """Progress of a study after a case has ended.
 
     Attributes
@@ -46,7 +46,7 @@ class Progress:
     >>> import tractive_sam as ts
     >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
     >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
-    >>> def report(progress: ts.studies.Progress) -> None:
+    >>> def report(progress: ts.studies.StudyProgress) -> None:
     ...     print(f"{progress.ended} of {progress.cases}, {progress.share:.0%} of the work")
     >>> results = ts.study(study, "friction", workers=0, progress=report)
     0 of 2, 0% of the work
@@ -69,7 +69,7 @@ def study(
     scheduler: str | None = None,
     workers: int | None = None,
     encrypted: bool | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[StudyProgress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> StudyResults:
     """Run the cases of a study that are not complete, long ones first.
@@ -146,7 +146,7 @@ def study(
         # The progress refers to the remaining work, without cases that are complete already.
         total = sum(task.seconds for task in tasks) or 1.0
         ended, failed, share = done, 0, 0.0
-        report(Progress(len(all_cases), ended, failed, share))
+        report(StudyProgress(len(all_cases), ended, failed, share))
         for task, outcome in _run_tasks(tasks, scheduler, workers, encrypted, say):
             if outcome.status == COMPLETE:
                 folder.log_complete(task, outcome)
@@ -157,7 +157,7 @@ def study(
             ended += 1
             failed += outcome.status != COMPLETE
             share += task.seconds / total
-            report(Progress(len(all_cases), ended, failed, share, task.case, outcome))
+            report(StudyProgress(len(all_cases), ended, failed, share, task.case, outcome))
     return open_study(directory)
 
 

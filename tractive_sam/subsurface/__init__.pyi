@@ -11,7 +11,7 @@ from .displacement_field import displacement as displacement
 from .displacement_field import elastic_energy as elastic_energy
 from .layers import stress_layers as stress_layers
 from .maximum import Maximum as Maximum
-from .maximum import stress_maxima as stress_maxima
+from .maximum import maxima_by_body as maxima_by_body
 from .maximum import stress_maximum as stress_maximum
 from .plane import PlaneStress as PlaneStress
 from .plane import stress_on_plane as stress_on_plane

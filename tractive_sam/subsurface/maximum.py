@@ -16,7 +16,7 @@ _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
 
 @dataclass(frozen=True)
-class Search:
+class MaximumSearch:
     """Settings of the search for the largest stress below the surface.
 
     Attributes
@@ -48,7 +48,7 @@ class Search:
     close: float = 0.99
 
 
-_SEARCH = Search()
+_SEARCH = MaximumSearch()
 
 
 def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) -> Maximum:
@@ -94,12 +94,12 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
     return _maxima(contact, (body,), laws)[body]
 
 
-def stress_maxima(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
+def maxima_by_body(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
     """Return the largest stress in each body of [subsurface] of the scene; see `stress_maximum`.
 
     Examples
     --------
-    >>> list(stress_maxima(contact))
+    >>> list(maxima_by_body(contact))
     ['A', 'B']
     """
     subsurface = contact.scene.subsurface

@@ -8,7 +8,7 @@ from tractive_sam.kernels import stress_sum
 
 
 @dataclass(frozen=True, eq=False)
-class Patches:
+class PatchLoads:
     """Loaded elements of a half-space.
 
     Attributes
@@ -36,7 +36,7 @@ class Patches:
         sides: tuple[float, float],
         tractions: np.ndarray,
         poisson: float,
-    ) -> "Patches":
+    ) -> "PatchLoads":
         """Return the loaded elements of a mesh with centres x, y and tractions (3, n_x, n_y)."""
         i, j = np.nonzero(tractions.any(axis=0))
         loads = np.ascontiguousarray(tractions[:, i, j].T)

@@ -12,7 +12,7 @@ from tractive_sam.results import Grid
 from tractive_sam.subsurface.distant import DistantLoads
 from tractive_sam.subsurface.mirror import tractions_on_bodies
 from tractive_sam.subsurface.multilevel import MultiLevel
-from tractive_sam.subsurface.patches import Patches
+from tractive_sam.subsurface.patches import PatchLoads
 from tractive_sam.subsurface.strips import StripLevels, StripLoads
 
 
@@ -113,7 +113,7 @@ class PatchStress:
         """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
         grid, sides = self._grid, (self._grid.dx, self._grid.dy)
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
-        patches = [Patches.on_mesh(grid.x, grid.y, sides, on_body, nu) for on_body, nu in each]
+        patches = [PatchLoads.on_mesh(grid.x, grid.y, sides, on_body, nu) for on_body, nu in each]
         return np.stack([patch.stress(points).T for patch in patches])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:

@@ -8,7 +8,10 @@
 `tractive_sam.lookup.coordinates` describes the law, its scaling and its symmetries.
 """
 
+from tractive_sam.deprecation import with_renamed
 from tractive_sam.lazy_names import attach_names
 
 # Names, listed in __init__.pyi, are looked up when first used: who reads a table computes nothing.
-__getattr__, __dir__, __all__ = attach_names(__name__, __file__)
+_lookup, __dir__, __all__ = attach_names(__name__, __file__)
+_RENAMED = {"Progress": "TableProgress"}
+__getattr__ = with_renamed(__name__, _lookup, _RENAMED)

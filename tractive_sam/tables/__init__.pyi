@@ -12,4 +12,4 @@ from .fmu import write_fmu as write_fmu
 from .opening import builtin_tables as builtin_tables
 from .opening import is_table as is_table
 from .opening import open_table as open_table
-from .refinement import Progress as Progress
+from .refinement import TableProgress as TableProgress

@@ -13,7 +13,7 @@ from tractive_sam.studies import check_installed, local_cluster
 from tractive_sam.tables.builder import TableBuilder
 from tractive_sam.tables.design import TableDesign
 from tractive_sam.tables.opening import is_table, open_table
-from tractive_sam.tables.refinement import Progress, Refinement
+from tractive_sam.tables.refinement import Refinement, TableProgress
 from tractive_sam.tables.solving import Solve, solve_here, solve_on_workers
 from tractive_sam.tables.table_contacts import TableContacts
 
@@ -21,7 +21,7 @@ from tractive_sam.tables.table_contacts import TableContacts
 def build_table(
     design: TableDesign | str | PathLike[str],
     path: str | PathLike[str] | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[TableProgress], None] | None = None,
     *,
     scheduler: str | None = None,
     workers: int = 0,

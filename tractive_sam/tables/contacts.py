@@ -43,7 +43,7 @@ class Solved:
     gradient_bar: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
 
 
-def hertz_of(scene: Scene) -> HertzContact | HertzLine:
+def required_hertz(scene: Scene) -> HertzContact | HertzLine:
     """Return the Hertz contact of a scene: a table needs it."""
     if scene.hertz is None:
         raise SceneError(
@@ -52,7 +52,7 @@ def hertz_of(scene: Scene) -> HertzContact | HertzLine:
     return scene.hertz
 
 
-def friction_of(scene: Scene) -> Friction:
+def required_friction(scene: Scene) -> Friction:
     """Return the friction of a scene: a table needs it."""
     return required(scene.friction, "friction")
 
@@ -71,7 +71,7 @@ class Contacts:
     def __init__(self, scene: Scene, contact: tuple[float, ...] | None = None):
         self.scene = scene
         if contact is None:
-            hertz, mu = hertz_of(scene), friction_of(scene).mu[0]
+            hertz, mu = required_hertz(scene), required_friction(scene).mu[0]
             load = required(scene.normal_load, "load.normal")
             contact = hertz.a, hertz.b, load, mu, scene.material.shear
         a, b, load, mu, shear = contact
@@ -143,7 +143,7 @@ class Contacts:
     def _reach(self) -> tuple[float, float]:
         """Largest distance of the contact from the middle in x and y, mm."""
         if self.scene.gap is None:
-            hertz = hertz_of(self.scene)
+            hertz = required_hertz(self.scene)
             return float(hertz.a), float(hertz.b)
         smooth = self.scene.replace(friction=None, creepage=None)
         model, contact = solve_on_fitted_mesh(Model(smooth, read_measured_gap(smooth)))

@@ -25,7 +25,7 @@ from tractive_sam.schema import (
     shorten,
 )
 from tractive_sam.tables.axis import TableAxis
-from tractive_sam.tables.contacts import Contacts, friction_of, hertz_of, unit_scene
+from tractive_sam.tables.contacts import Contacts, required_friction, required_hertz, unit_scene
 
 
 class TableError(SceneError):
@@ -235,7 +235,7 @@ class TableDesign(Document):
         """Contact that scales the forces of the table of a scene."""
         if self.scene is None:
             return None
-        hertz, mu = hertz_of(self.scene), friction_of(self.scene).mu[0]
+        hertz, mu = required_hertz(self.scene), required_friction(self.scene).mu[0]
         load = required(self.scene.normal_load, "load.normal")
         values = (hertz.a, hertz.b, load, mu, self.scene.material.shear)
         return dict(zip(CONTACT, map(float, values), strict=True))
@@ -258,7 +258,7 @@ class TableDesign(Document):
     def ratio(self, place: tuple[float, ...]) -> float:
         """Return a/b at a place along the axes `names`."""
         if self.scene is not None:
-            hertz = hertz_of(self.scene)
+            hertz = required_hertz(self.scene)
             return float(hertz.a / hertz.b)
         return float(np.exp(place[0]))
 
@@ -285,7 +285,7 @@ class TableDesign(Document):
                 rolls = {"longitudinal": 0.0, "lateral": 0.0, "spin": 0.0}
                 speed = None if self.scene.creepage is None else self.scene.creepage.speed
                 rolls |= {} if speed is None else {"speed": speed}
-                answers = friction_of(self.scene).temperature is not None
+                answers = required_friction(self.scene).temperature is not None
                 omitted = dict.fromkeys(OMITTED if answers else (*OMITTED, "heat"))
                 scene = self.scene.replace(**omitted, creepage=rolls)
             return scene.replace(**entries) if entries else scene
@@ -307,7 +307,7 @@ def _move_faults(error: SceneError) -> list[Fault]:
 
 def _mirrored(scene: Scene) -> bool:
     """Return the scene mirrored at y = 0."""
-    friction = friction_of(scene)
+    friction = required_friction(scene)
     mu1, mu2 = friction.mu
     aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
     uneven = scene.gap is not None or friction.across is not None

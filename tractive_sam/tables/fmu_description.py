@@ -21,7 +21,7 @@ UNITS = {
 
 
 @dataclass(frozen=True)
-class Variable:
+class FmuVariable:
     """A variable of a unit.
 
     Attributes
@@ -65,32 +65,32 @@ class Variable:
 _INPUTS = {
     variable.name: variable
     for variable in (
-        Variable("xi_x", "longitudinal creepage", "1", 0.0),
-        Variable("xi_y", "lateral creepage", "1", 0.0),
-        Variable("spin", "spin", "1/mm", 0.0),
-        Variable("a", "semi-axis in rolling direction", "mm", 1.0, 0.0),
-        Variable("b", "semi-axis in lateral direction", "mm", 1.0, 0.0),
-        Variable("load", "normal load; 0 of separated bodies", "N", 1000.0, 0.0),
-        Variable("mu", "coefficient of friction", "1", 0.3, 0.0),
-        Variable("shear", "combined shear modulus", "MPa", 80e3, 0.0),
+        FmuVariable("xi_x", "longitudinal creepage", "1", 0.0),
+        FmuVariable("xi_y", "lateral creepage", "1", 0.0),
+        FmuVariable("spin", "spin", "1/mm", 0.0),
+        FmuVariable("a", "semi-axis in rolling direction", "mm", 1.0, 0.0),
+        FmuVariable("b", "semi-axis in lateral direction", "mm", 1.0, 0.0),
+        FmuVariable("load", "normal load; 0 of separated bodies", "N", 1000.0, 0.0),
+        FmuVariable("mu", "coefficient of friction", "1", 0.3, 0.0),
+        FmuVariable("shear", "combined shear modulus", "MPa", 80e3, 0.0),
     )
 }
 
 _FORCES = (
-    Variable("Qx", "longitudinal force on body A", "N"),
-    Variable("Qy", "lateral force on body A", "N"),
-    Variable("Mz", "spin moment on body A", "N.mm"),
+    FmuVariable("Qx", "longitudinal force on body A", "N"),
+    FmuVariable("Qy", "lateral force on body A", "N"),
+    FmuVariable("Mz", "spin moment on body A", "N.mm"),
 )
 
 
-def inputs_of(table: CreepTable) -> list[Variable]:
+def inputs_of(table: CreepTable) -> list[FmuVariable]:
     """Return the inputs of the unit of a table, in the order of its function in C."""
     inputs = []
     for name in arguments_of(table):
         if name in table.names:
             nodes = table.axis(name)
             low, high = float(nodes[0]), float(nodes[-1])
-            inputs.append(Variable(name, name, "1", low, low, high))
+            inputs.append(FmuVariable(name, name, "1", low, low, high))
         elif name == "a":  # at an a/b of the table
             inputs.append(replace(_INPUTS[name], start=float(np.sqrt(np.prod(table.ellipticity)))))
         else:
@@ -98,14 +98,14 @@ def inputs_of(table: CreepTable) -> list[Variable]:
     return inputs
 
 
-def outputs_of() -> list[Variable]:
+def outputs_of() -> list[FmuVariable]:
     """Return the outputs of a unit: forces, and their derivatives by creepages."""
     slopes = {("N", "1/mm"): "N.mm", ("N.mm", "1/mm"): "N.mm2"}
     creepages = [_INPUTS[name] for name in ("xi_x", "xi_y", "spin")]
     return [
         *_FORCES,
         *(
-            Variable(
+            FmuVariable(
                 f"{force.name}_by_{by.name}",
                 f"derivative of {force.name} by {by.name}",
                 slopes.get((force.unit, by.unit), force.unit),

@@ -51,7 +51,7 @@ class Refinement:
 
 
 @dataclass(frozen=True)
-class Progress:
+class TableProgress:
     """Progress of a table.
 
     Attributes

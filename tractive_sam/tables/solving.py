@@ -56,7 +56,7 @@ Solve = Callable[[Sequence[Job]], Iterator[tuple[int, Batch]]]
 """Solves jobs; yields batches with the number of their first job as they are complete."""
 
 
-def solve(text: str, jobs: Sequence[Job]) -> Batch:
+def solve_jobs(text: str, jobs: Sequence[Job]) -> Batch:
     """Solve jobs at one place of a design, which is given as TOML."""
     began = process_time()
     design, contacts = _contacts_at(text, jobs[0].place)
@@ -102,7 +102,7 @@ def solve_here(design: TableDesign) -> Solve:
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
         for first, some in divide_jobs(jobs):
-            yield first, solve(text, some)
+            yield first, solve_jobs(text, some)
 
     return run
 
@@ -115,7 +115,7 @@ def solve_on_workers(
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
         parts = divide_jobs(jobs)
-        calls = [(solve, text, some) for _, some in parts]
+        calls = [(solve_jobs, text, some) for _, some in parts]
         for k, batch in computed(calls, address, log, security):
             yield parts[k][0], batch
 

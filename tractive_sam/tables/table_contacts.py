@@ -14,7 +14,7 @@ from tractive_sam.schema import Fault
 from tractive_sam.tables.contacts import Solved
 from tractive_sam.tables.design import TableDesign, TableError
 from tractive_sam.tables.grid import CreepageGrid
-from tractive_sam.tables.refinement import Progress, Refinement
+from tractive_sam.tables.refinement import Refinement, TableProgress
 from tractive_sam.tables.solving import Job, Solve
 
 Point: TypeAlias = tuple[float, ...]
@@ -57,7 +57,7 @@ class TableContacts:
 
     design: TableDesign
     solver: Solve
-    report: Callable[[Progress], None]
+    report: Callable[[TableProgress], None]
     refinement: Refinement
     solved: dict[Job, Solved] = field(default_factory=dict)
     nodes: dict[Point, Solved] = field(default_factory=dict)
@@ -118,7 +118,7 @@ class TableContacts:
             self.number += batch.contacts
             self.seconds += batch.seconds
             done += len(batch.solutions)
-            self.report(Progress(nodes, nodes - len(unsolved) + done, self.round))
+            self.report(TableProgress(nodes, nodes - len(unsolved) + done, self.round))
             for solved in batch.solutions:
                 self._check_bar(solved)
 

@@ -10,7 +10,7 @@ from tractive_sam.run.accuracy.assessment import assess
 from tractive_sam.run.accuracy.error_bars import Sample
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
-from tractive_sam.subsurface import fatigue, stress_maxima
+from tractive_sam.subsurface import fatigue, maxima_by_body
 
 
 @dataclass(frozen=True)
@@ -70,4 +70,4 @@ def _sample(contact: State, laws: Laws) -> Sample:
     """Return the quantities of a contact, with its stress maxima and its fatigue."""
     has_fatigue = contact.scene.has("fatigue") and not contact.scene.schedule.end
     cycles = fatigue(contact, laws=laws) if has_fatigue else {}
-    return Sample.of(contact, stress_maxima(contact, laws), cycles)
+    return Sample.of(contact, maxima_by_body(contact, laws), cycles)
