@@ -70,7 +70,7 @@ class Quantity:
         How a duty cycle combines the values of its blocks, one of `OVER_BLOCKS`; the mean is
         weighted with their revolutions.
     place_of, error_of : str
-        Name of the column of which this one contains the place or the error bar.
+        Name of the column to which this position or error bar belongs.
 
     Examples
     --------
