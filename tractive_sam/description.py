@@ -1,8 +1,8 @@
 """Formats of numbers, units and symbols, and descriptions in rows, for all outputs.
 
-Terminals, notebooks, figures, pages and messages use these functions. What is described is a
-`Description`: sections of rows, each a label and a text. This package knows no physics: whoever
-computes something describes it.
+Terminals, notebooks, figures, pages and messages use these functions. A `Description` consists of
+sections of rows, each a label and a text. This module contains no physics: a module that computes a
+quantity also describes it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Row:
     Attributes
     ----------
     label : str
-        What is described.
+        Name of the quantity or setting.
     text : str
         Its description, with numbers and units.
     brief : bool

@@ -109,7 +109,7 @@ def jacobian_of(
     Parameters
     ----------
     model : Model
-        What was solved.
+        Model that was solved.
     contact : State
         Its solution.
     only : container of str, optional

@@ -137,7 +137,7 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
     Parameters
     ----------
     case : Case
-        What to compute.
+        The case.
     start : State, optional
         The contact of a similar case: the initial guess if the meshes are equal.
 

@@ -20,7 +20,7 @@ class Estimate:
     Attributes
     ----------
     problem : FitProblem
-        What was minimised.
+        Problem that was minimised.
     u : ndarray, shape (size,)
         Coordinates of the minimum.
     predicted : ndarray, shape (points,)

@@ -15,7 +15,7 @@ from tractive_sam.optional import xarray
 from tractive_sam.store import ResultsError, netcdf_format, read_netcdf, write_netcdf
 
 FIT_FORMAT = "fit 1"
-"""What a file says of itself; another number is another version."""
+"""Attribute `format` of a file; the number is the version of the format."""
 
 
 def is_fit(path: str | PathLike[str]) -> bool:

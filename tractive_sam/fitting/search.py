@@ -29,7 +29,7 @@ class Search:
         Change of the parameters, in standard deviations, at which the search ends. Elements that
         begin to slip leave kinks of about this size.
     converged : float
-        Change of the coordinates at which the search ends. Of data without noise the cost falls to
+        Change of the coordinates at which the search ends. For data without noise the cost falls to
         zero, and this change decides.
     near : float
         Change of the coordinates up to which derivatives are not computed again: they change by

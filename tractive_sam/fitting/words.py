@@ -1,4 +1,4 @@
-"""What data do not determine, and what is doubtful about a fit, in words."""
+"""Sentences on undetermined parameters and caveats of a fit."""
 
 from __future__ import annotations
 

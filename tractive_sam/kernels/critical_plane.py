@@ -59,8 +59,8 @@ ENOUGH = 1e-4
 
 LIKELY = 0.5
 """Share of the most by which a value may fall towards the corner of a cell: with all of it nothing
-can be missed, at twice the time. Of 11,000 paths, of lines and discs, out of phase and random, none
-missed `ENOUGH` with half of it, and 26 of them, up to 0.2 %, with less than a third."""
+can be missed, at twice the time. In 11,000 paths of lines and discs, out of phase and random, none
+missed `ENOUGH` with half of it; 26 did, by up to 0.2 %, with less than a third."""
 
 DIVIDED = 12
 """How often a cell is divided at most: its normals are then within a hundredth of a degree."""

@@ -128,8 +128,8 @@ def index_of_largest(values):
 def _move_weights(weights, target, count, dependent):
     """Move weights towards a target while all are positive; return the first that reaches zero.
 
-    Of dependent points the target is a direction, along which they keep their mean and the radius
-    grows.
+    For dependent points the target is a direction along which the radius grows and the mean does
+    not change.
     """
     step, leaving = math.inf if dependent else 1.0, -1
     for j in range(count):

@@ -1,4 +1,4 @@
-"""What a cycle of stress does to the point that lives through it.
+"""Fatigue of a material point by a cycle of stress.
 
 A path is the stress of one point along the cycle, (n, 6) with the components xx, yy, zz, xy, xz,
 yz. Deviators s are points of a space of five dimensions, in which the distance is

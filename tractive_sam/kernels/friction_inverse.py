@@ -51,7 +51,7 @@ def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out)
     """Integrate from the leading edge of every row, at which the traction is zero.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
-    element to the next. Of an element that slips only the part tau along t is integrated, with t.D
+    element to the next. In an element that slips only the part tau along t is integrated, with t.D
     (t tau) = t.D (ahead + smooth). A local term gamma restrains it: 2 t.D (t tau - ahead - smooth)
     + gamma tau = rough. The part along the direction of slip, and both parts in an open element,
     are taken from ``row``.

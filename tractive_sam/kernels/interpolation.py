@@ -15,7 +15,7 @@ def monotone(out, x, values, at):
     Parameters
     ----------
     out : ndarray, shape (rows, m)
-        Of the values.
+        Set to the interpolated values.
     x : ndarray, shape (n,)
         Ascending, at least three.
     values : ndarray, shape (rows, n)

@@ -43,9 +43,8 @@ The others follow by exchange of x and y. A, the solid angle of the patch, is
 
 **Cancellation.** Corner sums cancel as written. So corners are first paired along an edge, their
 difference is taken algebraically, and the logarithms and arctangents of all four merge into one
-call each. What is left, the difference between opposite edges, loses digits with the cube of
-distance over side; far from the patch Gauss-Legendre sums take over (`near_radius`,
-`nodes_needed`).
+call each. The remaining difference between opposite edges loses digits with the cube of distance
+over side; far from the patch Gauss-Legendre sums take over (`near_radius`, `nodes_needed`).
 
 **Accuracy.** Largest error of the stress of one load, relative to its norm, against corner sums of
 90 digits; 20,000 points each on axes, on and beside edges, up to 1e4 sides away, z from 0 to
@@ -136,7 +135,8 @@ def log_argument(y1, y2, r1, r2, q, width):
 def edge(x, y1, y2, r1, r2, z, width):
     """Return the differences between the ends (x, y1) and (x, y2) of an edge of length `width`.
 
-    Of y / R, of y / (R (x^2 + z^2)), of y / (R + z), and the ratio of y + R; r1, r2 are the R.
+    They are the differences of y / R, y / (R (x^2 + z^2)) and y / (R + z), and the ratio of y + R;
+    r1 and r2 are the values of R.
     """
     q = x * x + z * z
     m = cross(y1, y2, r1, r2, q, width)

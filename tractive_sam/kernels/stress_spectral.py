@@ -22,7 +22,7 @@ def layer_product(out, packs, loads, sign, nu, first, last):
     loads : ndarray of complex, shape (3, p_x, p_y/2 + 1)
         Spectra of (p_x, p_y, p_n).
     sign : float
-        What p_x and p_y are taken times.
+        Factors of p_x and p_y.
     nu : float
         Poisson's ratio.
     first, last : int
@@ -103,7 +103,7 @@ def plane_product(out, packs, loads, sign, nu):
         Spectra of the jumps of (p_x, p_y, p_n) at the edges at the distance +-x of the plane: their
         sum, and their difference.
     sign : float
-        What p_x and p_y are taken times.
+        Factors of p_x and p_y.
     nu : float
         Poisson's ratio.
     """

@@ -74,7 +74,8 @@ NOTHING = 1e-12
 def summed(tractions):
     """Return cumulative sums of tractions (3, n_x, n_y) over patches, (n_x + 1, n_y + 1, 3, 4).
 
-    Of the tractions, and of them times i, times j and times both: the indices of the patches.
+    The sums contain the tractions, and the tractions times i, j and i j, the indices of the
+    patches.
     """
     fields, nx, ny = tractions.shape
     sums = np.empty((nx + 1, ny + 1, fields, 4))
@@ -110,7 +111,7 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
     around : ndarray, shape (m, 3)
         A place near the points of each group.
     signs : ndarray, shape (m,)
-        What p_x and p_y are taken times.
+        Factors of p_x and p_y.
     poisson : ndarray, shape (m,)
         Poisson's ratios.
     corner : tuple of float
@@ -156,7 +157,7 @@ def stress_at_columns(
     depths : ndarray, shape (k,)
         Depths z > 0, ascending.
     signs, poisson : ndarray, shape (bodies,)
-        What p_x and p_y are taken times, and Poisson's ratio, of each body.
+        Factors of p_x and p_y, and Poisson's ratio, of each body.
     corner, sums, sides, blocks, widest
         See `stress_around`.
     spread : float

@@ -44,7 +44,7 @@ def at_corners(out, displacement, tractions, signs, dx, dy, nu):
     tractions : ndarray, shape (3, n_x, n_y)
         (p_x, p_y, p_n) on the elements, as in `kernels.stress`.
     signs : sequence of float
-        What p_x and p_y are taken times, for each body.
+        Factors of p_x and p_y, for each body.
     dx, dy : float
         Sides of the elements.
     nu : float

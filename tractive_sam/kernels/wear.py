@@ -51,7 +51,7 @@ def chart(speed, pressure, borders, limit, coefficients):
     limit : float
         Pressure over hardness.
     coefficients : tuple of float
-        Of the four regimes.
+        Coefficients of the four regimes.
 
     Returns
     -------

@@ -80,7 +80,7 @@ class PaddedTransform:
     Attributes
     ----------
     spectrum : ndarray of complex, shape (fields, p_x, p_y/2 + 1)
-        What `forward` returns, and `backward` starts from.
+        Spectra that `forward` returns and `backward` transforms.
     """
 
     def __init__(

@@ -93,7 +93,7 @@ class HeatMemory:
     Attributes
     ----------
     shape : tuple of int
-        Of the fields of the past: their number, and elements in x and y with the margin.
+        Shape of the fields of the past: their number, and elements in x and y with the margin.
     exponentials : Exponentials
         The inverse root of the lag.
     factor : float

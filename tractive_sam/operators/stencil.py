@@ -352,4 +352,4 @@ UPWIND = Stencil(staggered=False)
 """The paper's, eq. (28), of first order."""
 
 STAGGERED = Stencil(staggered=True)
-"""Of second order."""
+"""The default, of second order."""

@@ -23,7 +23,7 @@ class StripLayers:
     poisson : sequence of float
         Poisson's ratio of each half-space.
     signs : sequence of float
-        What p_x and p_y are taken times, for each half-space.
+        Factors of p_x and p_y, for each half-space.
     """
 
     def __init__(

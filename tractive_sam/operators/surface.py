@@ -50,7 +50,7 @@ def surface_stress(
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
     """Return u_x, u_y at the centres by tangential traction and by pressure, (4, n_x, n_y).
 
-    They belong to the transform. Of unit shear modulus.
+    The shear modulus is one. The transform owns the arrays.
     """
     spectra = transform(3, lattice.shape, lattice.padded).forward(tractions)
     back = transform(4, lattice.shape, lattice.padded)

@@ -1,9 +1,9 @@
 """Convolutions of large meshes, in tiles of spectral columns that stay in the processor's cache.
 
-A padded transform is done axis by axis: rows along y, in blocks, then columns along x. Of the
-transformed rows, the columns are independent: a tile of them is padded, transformed, multiplied by
-the kernels, and transformed back, before the next tile is loaded. Spectra pass through the memory
-once instead of five times, and the padding is never stored.
+A padded transform is done axis by axis: rows along y, in blocks, then columns along x. The columns
+of the transformed rows are independent: a tile of them is padded, transformed, multiplied by the
+kernels, and transformed back, before the next tile is loaded. Spectra pass through the memory once
+instead of five times, and the padding is never stored.
 """
 
 from collections.abc import Callable, Sequence

@@ -10,7 +10,7 @@ from tractive_sam.operators.fftw import pyfftw
 from tractive_sam.output_file import make_folder, write_file
 
 PRECISIONS = ("double", "single")
-"""Those in use, in FFTW's order."""
+"""Precisions in use, in FFTW's order."""
 
 
 def _file(precision: str) -> Path:

@@ -21,7 +21,8 @@ class InsideLayout(ConstrainedLayoutEngine):
 
     The size of the axes depends on the labels of their ticks, and the number of ticks on the size
     of the axes. Constrained layout may alternate between two sets of ticks: it then reserves space
-    for one set, and the other is drawn. What is outside after the layout narrows its rectangle.
+    for one set, and the other is drawn. If a label lies outside after the layout, its rectangle is
+    narrowed.
     """
 
     def execute(self, fig: matplotlib.figure.Figure) -> None:

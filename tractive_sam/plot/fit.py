@@ -18,7 +18,7 @@ class FittedCurve(ShortArrays):
     Attributes
     ----------
     x : Variable
-        What varies, n values.
+        The quantity that varies, n values.
     observed : Variable
         Measured values.
     noise, predicted, band, residual : ndarray, shape (n,)

@@ -19,7 +19,7 @@ class Need:
     holds : callable
         Whether the `History`, or the `ContactView` of a figure of one contact, meets it.
     text : str
-        What is needed, and how to get it: the end of "it needs ...".
+        The need and how to meet it: the end of "it needs ...".
 
     Examples
     --------

@@ -91,7 +91,7 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
     points : ndarray, shape (n, 2)
         Lateral positions and heights along the profile, mm, in any of the four directions.
     kind : {"wheel", "rail"}
-        What they describe.
+        Kind of the profile.
     smoothing : float, optional
         See `read_profile`.
 

@@ -25,9 +25,9 @@ class SteadyBalance:
     """
 
     dissipated: ClassVar[str] = "friction dissipates"
-    """What the energy balance compares with the supplied work."""
+    """Quantity that the energy balance compares with the supplied work."""
     worn: ClassVar[str] = "section"
-    """What the wear balance compares with the wear that the work of friction causes."""
+    """Quantity that the wear balance compares with the wear that the work of friction causes."""
 
     def __init__(self, history: Recorded):
         self.history = history

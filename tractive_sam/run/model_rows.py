@@ -77,7 +77,7 @@ MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
     "process": _process,
     "heat": _heat,
 }
-"""What the model adds to the rows of a table that is given."""
+"""Rows that the model adds to the rows of a given table."""
 
 
 def describe_laws_of_packages(model: Model) -> Iterator[Row]:

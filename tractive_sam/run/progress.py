@@ -41,7 +41,7 @@ def show_roll_progress(
     Parameters
     ----------
     scene : Scene
-        What is rolled.
+        Scene that is rolled.
     progress : bool or callable, optional
         Function to call instead. True shows a bar, False none. By default a bar appears in a
         terminal or a notebook if the roll takes long.

@@ -1,4 +1,4 @@
-"""What a field allows, in words, from its type and its constraints."""
+"""Descriptions of the values that a field allows, from its type and its constraints."""
 
 from __future__ import annotations
 

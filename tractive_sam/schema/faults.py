@@ -24,7 +24,7 @@ class Fault:
     given : str
         The value found there, shortened.
     allowed : str
-        What is allowed there, or how to correct it.
+        Allowed values, or a correction.
     """
 
     key: str

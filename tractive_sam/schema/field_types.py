@@ -114,8 +114,8 @@ def entry(meaning: str, allowed: str | None = None, default: Any = ..., **bounds
     meaning : str
         Meaning of the key, with its unit; the title of the field.
     allowed : str, optional
-        What is allowed, for messages and for the list of keys; the description of the field. By
-        default it is written from the type and the bounds (`allowed_text.describe_allowed`).
+        Allowed values as text, for messages and for the list of keys; the description of the field.
+        By default it is written from the type and the bounds (`allowed_text.describe_allowed`).
     default : optional
         Value if the key is not given; without a default the key is required.
     **bounds

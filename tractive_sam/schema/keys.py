@@ -32,9 +32,9 @@ class Key:
     name : str
         Its name in the table.
     meaning : str
-        What it stands for, with its unit.
+        Meaning of the key, with its unit.
     allowed : str
-        What may be given.
+        Allowed values.
     default : str
         Default as it is written in a scene file; "required", "none", or "from other keys" if it
         follows from other entries.

@@ -74,7 +74,7 @@ def follow_path(
     solve : callable
         Solves the problem at a part of the path, from the outcome of the one before.
     along : str
-        What changes.
+        Name of the quantity that changes along the path.
     first, shortest : float
         Stretches: the first one, and the shortest before giving up.
 

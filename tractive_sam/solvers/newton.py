@@ -227,7 +227,7 @@ class Newton:
         step : ndarray, shape (2 or 3, n_x, n_y)
             Change of the fields.
         extra : ndarray
-            Of the approach, under a load, and of the creepages.
+            Change of the approach, under a load, and of the creepages.
         response : ndarray, optional
             Response of the operator to the step, if it is known.
         """

@@ -13,7 +13,7 @@ from tractive_sam.solvers.outcome import closed, relative
 from tractive_sam.solvers.problem import Problem
 
 ROUNDING = 4.0 * float(np.finfo(float).eps)
-"""Of what the operator answers, relative."""
+"""Relative rounding error of a response of the operator."""
 
 
 class Iterate:

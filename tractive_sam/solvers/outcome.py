@@ -1,4 +1,4 @@
-"""What a solver takes and returns: a start, and a solution with its residual, cost and course."""
+"""Input and output of a solver: a start, and a solution with its residual, cost and course."""
 
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol, TypeVar
@@ -123,8 +123,8 @@ class Outcome:
     steepness : float, optional
         `solvers.uniqueness.steepness` of the solution, if the method has needed it.
     sliding, radius : ndarray, shape (n_x, n_y), optional
-        Where the solution slides and the radius of its bound (`Problem.sliding`), if the method
-        knows them.
+        Elements that slide, and the radius of the bound (`Problem.sliding`), if the method knows
+        them.
     """
 
     status: Status
@@ -173,7 +173,7 @@ class ProblemSolver(Protocol):
         Parameters
         ----------
         problem : Problem or NormalProblem
-            What the method takes.
+            The problem.
         tolerance : float
             Natural residual, relative, at which to stop.
         start : Start or Outcome, optional

@@ -1,4 +1,4 @@
-"""What a solver is given: dimensionless contact problems (units: `operators.elastic`).
+"""Dimensionless contact problems, the input of solvers (units: `operators.elastic`).
 
 The pressure is an unknown of a `Problem`, or it is **fixed**: of bodies of equal material it does
 not depend on the tractions and is solved for beforehand. Problems are never changed, other ones are

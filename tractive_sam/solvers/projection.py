@@ -51,7 +51,7 @@ class Evaluation:
     residual : float
         Natural residual of the state, relative.
     gap, slip : ndarray, shapes (n_x, n_y) and (2, n_x, n_y)
-        Of the state.
+        Gap and slip of the state.
     """
 
     image: Array

@@ -38,9 +38,9 @@ def steepness(
     problem : Problem
         The problem that was solved.
     pressure, gap : ndarray, shape (n_x, n_y)
-        Of the solution, dimensionless.
+        Pressure and gap of the solution, dimensionless.
     traction, slip : ndarray, shape (2, n_x, n_y)
-        Of the solution, dimensionless; slip of the leading faces.
+        Traction of the solution and slip of the leading faces, dimensionless.
     reaction : float
         Ratio of an element's compliance with elastic neighbours to that with fixed ones. With it,
         18 of 22 random line contacts from 1 on have another solution, and none of 38 below

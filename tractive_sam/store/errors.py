@@ -53,7 +53,7 @@ class GapError(ValueError):
     value : str
         The fault in the file.
     allowed : str
-        What the file must contain instead.
+        Required content of the file.
 
     Examples
     --------

@@ -98,7 +98,7 @@ DESCRIBED = (
 """Attributes of a user-defined quantity that are stored."""
 
 RELATIONS = ("place_of", "error_of")
-"""Those that are stored if there is one: earlier versions do not know them."""
+"""Attributes that are stored only if they are set: earlier versions do not know them."""
 
 
 def package_columns() -> set[str]:

@@ -92,8 +92,8 @@ Scripts may compute in separate processes, started in any way: ``fork`` waits fo
 transforms that other threads are making. With ``spawn``, the script needs ``if __name__ ==
 "__main__":``.
 
-What holds when something dies
-------------------------------
+Failures of workers and clients
+-------------------------------
 The state of a study is in its files (see `folder`), not in the scheduler. A case is complete when
 its results file says so, and is then never run again. Running the study again resumes it, also with
 other axes: cases are identified by the hash of their scenes. If a worker dies, its case passes to

@@ -26,7 +26,7 @@ MAX_CASES = 1_000_000
 """Cases of a study, and values of an axis."""
 
 DIGITS = 12
-"""Of the values of a range: what rounding leaves beyond them would only be in the way."""
+"""Decimal digits of the values of a range: further digits are rounding."""
 
 SAMPLE = "sample"
 """Name of the dimension of a Latin hypercube."""

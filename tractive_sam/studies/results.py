@@ -50,7 +50,7 @@ class CaseRow:
     last : mapping of str to number
         Its last record, by the names of `COLUMNS`, of bodies as ``von_mises_max A``; its totals.
     version : str
-        Of this package, that computed it.
+        Version of this package that computed it.
 
     Examples
     --------
@@ -83,8 +83,8 @@ class StudyResults:
     rows : tuple of Row
         The result of each case, in their order.
     damage_note : str
-        What to report of the log of complete cases if lines of it disagree with their checksums;
-        without a results file, their cases count as not computed.
+        Note on the log of complete cases if lines of it disagree with their checksums; without a
+        results file, their cases count as not computed.
 
     Examples
     --------
