@@ -111,7 +111,7 @@ def jacobian_of(
     model : Model
         Model that was solved.
     contact : State
-        Its solution.
+        Solution of the model.
     only : container of str, optional
         Columns that are wanted; by default all but "mu". That one, for both coefficients of
         friction together, needs one linear system instead of two.

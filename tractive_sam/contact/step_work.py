@@ -47,7 +47,7 @@ class Particles:
     rigid : ndarray, shape (2, n_x, n_y)
         Slip of the undeformed bodies, dimensionless.
     weight : float
-        Their part of the work.
+        Share of these particles in the work.
     earlier : bool
         Whether they are at the nodes before the step.
     wearing : ndarray, shape (n_x, n_y), or float

@@ -23,7 +23,7 @@ class Measured:
     Attributes
     ----------
     data : Data
-        Its description.
+        Table that describes the data set.
     settings : tuple of mapping
         Entries that are set in the scene, of each row; of a profile one for all rows.
     places : ndarray, shape (rows,)

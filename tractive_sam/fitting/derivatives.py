@@ -50,7 +50,7 @@ def derivatives_of(
     contact : State
         The contact.
     jacobian : xarray.DataArray
-        Its Jacobian.
+        Jacobian of the contact.
 
     Returns
     -------

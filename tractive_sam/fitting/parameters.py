@@ -21,7 +21,7 @@ class Parameters:
     Attributes
     ----------
     keys : tuple of str
-        Their keys.
+        Keys of the parameters.
     start, scale, lower, upper : ndarray, shape (n,)
         First values, scales of the linear ones, and bounds of the values.
     logarithmic : ndarray of bool, shape (n,)

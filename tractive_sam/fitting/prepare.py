@@ -100,7 +100,7 @@ def fixed(
     Parameters
     ----------
     scene : Scene
-        At the first values of the parameters.
+        Scene at the first values of the parameters.
     neighbours : iterable of Scene
         At other values of each: a mesh that these share is left to the scene.
     places : sequence of float

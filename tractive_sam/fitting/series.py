@@ -32,7 +32,7 @@ class Series:
     Attributes
     ----------
     key : str
-        Its key in messages.
+        Key of the data set in messages.
     measured : Measured
         The measurements.
     base : Scene
@@ -70,7 +70,7 @@ class Series:
         Parameters
         ----------
         key : str
-            Its key in messages.
+            Key of the data set in messages.
         measured : Measured
             The measurements.
         scene : Scene

@@ -25,7 +25,7 @@ def parameter_variables(best: Estimate, intervals: Intervals, shift: np.ndarray)
     best : Estimate
         The minimum.
     intervals : Intervals
-        Its intervals.
+        Intervals of the estimate.
     shift : ndarray, shape (n,)
         Change of the estimates by a finer mesh.
     """

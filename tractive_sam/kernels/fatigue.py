@@ -44,7 +44,7 @@ def enclosing_radii(out, paths):
     Parameters
     ----------
     out : ndarray, shape (paths,)
-        In the unit of the stress.
+        Set to the values of the criterion, in the unit of the stress.
     paths : ndarray, shape (paths, 6, n)
         Stresses.
     """

@@ -75,11 +75,11 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
 
     Parameters
     ----------
-    stress : ndarray, shape (bodies, 6, n_x - 1, n_y - 1), of strips (bodies, 6, n_x - 1, 1)
+    stress : ndarray, shape (bodies, 6, n_x - 1, n_y - 1), for strips (bodies, 6, n_x - 1, 1)
         Stress at the corners between the elements.
     pressure : ndarray, shape (n_x, n_y)
         Pressure on the elements; the bodies share it.
-    kinds : ndarray, shape (n_x - 1, n_y - 1), of strips (n_x - 1, 1)
+    kinds : ndarray, shape (n_x - 1, n_y - 1), for strips (n_x - 1, 1)
         Kinds from `kinds_of_corners`.
     poisson : sequence of float
         Poisson's ratios.
@@ -89,9 +89,9 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
     Returns
     -------
     stresses : ndarray, shape (6, bodies, n)
-        In the unit of the stress.
+        Stresses at the points, in the unit of `stress`.
     places : ndarray, shape (2, n)
-        In elements from the first corner.
+        Places of the points, in elements from the first corner.
     """
     # With room for all steps: beyond the last corners there is no contact.
     nx, ny = kinds.shape

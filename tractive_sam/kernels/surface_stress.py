@@ -36,7 +36,7 @@ def at_corners(out, displacement, tractions, signs, dx, dy, nu):
 
     Parameters
     ----------
-    out : ndarray, shape (bodies, 6, n_x - 1, n_y - 1), of strips (bodies, 6, n_x - 1, 1)
+    out : ndarray, shape (bodies, 6, n_x - 1, n_y - 1), for strips (bodies, 6, n_x - 1, 1)
         Stresses in the order of `stress.COMPONENTS`, in the unit of the tractions.
     displacement : ndarray, shape (4, n_x, n_y)
         (u_x, u_y) at the centres by p_x and p_y, and by p_n, for a shear modulus of one unit of the

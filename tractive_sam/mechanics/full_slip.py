@@ -26,7 +26,7 @@ def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
     mu : (float, float)
         Friction coefficients mu1, mu2.
     angle : float
-        From x to e1, radians.
+        Angle from x to e1, radians.
     slip : (float, float)
         Slip (s_x, s_y) of A over B; only its direction counts.
 

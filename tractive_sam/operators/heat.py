@@ -63,7 +63,7 @@ def temperature_coefficients(
     x, y : ndarray, shapes (m,) and (n,)
         Points on the surface, mm: none on a side of the element.
     dx, dy : float
-        Its sides, mm; dy = inf of a strip.
+        Sides of the element, mm; dy = inf for a strip.
     speed : float
         V, mm/s; at least 0.
     kappa : float

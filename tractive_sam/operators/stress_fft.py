@@ -24,7 +24,7 @@ class LayerTransform:
     Attributes
     ----------
     tables : ndarray, shape (4, p_x, p_y)
-        For `forward`.
+        Packed tables, the input of `forward`.
     packs : ndarray of complex, shape (4, p_x, p_y/2 + 1)
         Spectra of the tables.
     spectra : ndarray of complex, shape (6, p_x, p_y/2 + 1)
@@ -69,7 +69,7 @@ class EdgeTransform:
     Attributes
     ----------
     tables : ndarray, shape (8, edges, p)
-        For `forward`.
+        Packed tables, the input of `forward`.
     packs : ndarray of complex, shape (8, edges, p/2 + 1)
         Spectra of the tables.
     """

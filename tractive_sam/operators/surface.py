@@ -36,7 +36,7 @@ def surface_stress(
 
     Returns
     -------
-    ndarray, shape (bodies, 6, n_x - 1, n_y - 1), of strips (bodies, 6, n_x - 1, 1)
+    ndarray, shape (bodies, 6, n_x - 1, n_y - 1), for strips (bodies, 6, n_x - 1, 1)
         In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
         of edges that two strips do.
     """

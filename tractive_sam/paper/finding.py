@@ -41,7 +41,7 @@ class Statement:
     place : str
         Place in the paper: "Sec. 8.1.1", "Fig. 6(a)".
     paper : str
-        Its statement.
+        Statement of the paper.
     ours : str
         The computed result, in numbers.
     verdict : Verdict

@@ -22,7 +22,7 @@ class MapFrame:
     Attributes
     ----------
     left, right, bottom, top : float
-        Its sides.
+        Sides of the frame.
     width, height : float
         Size on paper, inches.
     """

@@ -16,7 +16,7 @@ class StressMaximum:
     kind : str
         "interior", "surface", or "largest".
     value : float
-        In the unit of the values.
+        Value of the maximum, in the unit of the values.
     at : tuple of float
         Coordinates along the axes of the plane, in their unit.
 

@@ -137,7 +137,7 @@ class Drawing:
     name : str
         Name of its file, without ending.
     entry : FigureEntry
-        Its registration.
+        Registration of the figure.
     draw : callable
         Returns the figure.
 

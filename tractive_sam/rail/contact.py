@@ -158,7 +158,7 @@ def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) 
     Parameters
     ----------
     clearance : Clearance
-        At the nodes of the wheel profile.
+        Distance at the nodes of the wheel profile.
     wheel : Wheel
         The wheel.
     flange_top : float

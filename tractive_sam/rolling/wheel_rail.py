@@ -50,7 +50,7 @@ class PatchStep(Step):
     Attributes
     ----------
     patch : Patch
-        Its geometry.
+        Geometry of the patch.
     number : int
         Its place among the patches by increasing load, from 1.
     patches : int

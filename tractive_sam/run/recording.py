@@ -37,7 +37,7 @@ class Recording:
     scene : Scene
         Scene to roll.
     measured : Gap, optional
-        Its measured separation.
+        Measured separation of the scene.
     model_of : callable
         Makes the model of a scene, a measured separation and a mesh.
     path : path-like, optional

@@ -214,7 +214,7 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, largest: fl
         The bodies; the radius of each body and the combined radius are compared, as conforming
         bodies have a large combined radius.
     contact : HertzContact or HertzLine
-        Their unworn contact.
+        Unworn contact of the bodies.
     largest : float
         Semi-axis over radius up to which bodies are half-spaces without a warning.
     """

@@ -156,7 +156,7 @@ class Spectrum:
     scenes : tuple of Scene
         Scenes of the different blocks.
     shifts : tuple of float
-        Their lateral positions, mm.
+        Lateral positions of the blocks, mm.
     revolutions : tuple of int
         Revolutions of each different block in a cycle.
     places : tuple of int

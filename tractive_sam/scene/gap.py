@@ -234,7 +234,7 @@ class Gap(Table):
         Returns
         -------
         x, y, separation : ndarray
-            In mm.
+            Coordinates and separation, mm.
         """
         length = LENGTHS[self.length_unit or units[0]]
         height = LENGTHS[self.unit or units[1]]

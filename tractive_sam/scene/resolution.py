@@ -21,7 +21,7 @@ class FewestElements:
         For the contact itself: with one or two elements its extent and its pressure depend on the
         mesh only, and no element has neighbours in contact on both sides.
     slip : int
-        For a stick and a slip area.
+        Number that resolves a stick and a slip area.
     """
 
     contact: int = 3

@@ -137,7 +137,7 @@ def required(value: Value | None, key: str) -> Value:
     value : object or None
         The part, for example a table.
     key : str
-        Its dotted key.
+        Dotted key of the part.
 
     Raises
     ------

@@ -30,7 +30,7 @@ class Key:
     Attributes
     ----------
     name : str
-        Its name in the table.
+        Name of the key in the table.
     meaning : str
         Meaning of the key, with its unit.
     allowed : str

@@ -138,7 +138,7 @@ def build_law(
     key : str
         Dotted key that names the law, as ``friction.law``.
     law : NamedLaw
-        Its name and parameters.
+        Name and parameters of the law.
     base : type
         Base class that the law must have.
     provided : mapping, optional

@@ -70,7 +70,7 @@ def follow_path(
     Parameters
     ----------
     outcome : Outcome
-        At the beginning of the path.
+        Outcome at the beginning of the path.
     solve : callable
         Solves the problem at a part of the path, from the outcome of the one before.
     along : str

@@ -46,7 +46,7 @@ class CaseRow:
     message : str
         How it ended; empty if it has not.
     file : Path or None
-        Its results file, if there is one.
+        Results file of the case, if there is one.
     last : mapping of str to number
         Its last record, by the names of `COLUMNS`, of bodies as ``von_mises_max A``; its totals.
     version : str

@@ -39,7 +39,7 @@ class StudyProgress:
     case : Case or None
         The case that has ended; None at the beginning.
     outcome : Outcome or None
-        Its outcome.
+        Outcome of the case.
 
     Examples
     --------

@@ -19,7 +19,7 @@ class Task:
     case : Case
         The case.
     file : Path or None
-        Its results file; None if the study keeps scalars.
+        Results file of the case; None if the study keeps scalars.
     seconds : float
         Expected time; long cases are first.
     """

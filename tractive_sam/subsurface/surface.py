@@ -105,9 +105,9 @@ def surface_cycles(
 
     Returns
     -------
-    cycles : ndarray, shape (6, n, n_y - 1), of strips (6, n, 1)
+    cycles : ndarray, shape (6, n, n_y - 1), for strips (6, n, 1)
         Stresses, in no order along the row, MPa.
-    is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
+    is_valid : ndarray of bool, shape (n_y - 1,), for strips (1,)
         Rows with a valid path: not those that only touch the edge of the contact.
     """
     stress, even, is_valid, rough, (_, row) = _surface_stresses(
@@ -137,7 +137,7 @@ def surface_points(
         MPa.
     column, row : ndarray of int, shape (n,)
         Numbers of the corners in x and in y.
-    is_valid : ndarray of bool, shape (n_y - 1,), of strips (1,)
+    is_valid : ndarray of bool, shape (n_y - 1,), for strips (1,)
         As by `surface_cycles`.
     """
     stress, even, is_valid, rough, places = _surface_stresses(
@@ -160,13 +160,13 @@ def _surface_stresses(
     Returns
     -------
     stress : ndarray, shape (6, n_x - 1, n_y - 1)
-        At the corners.
+        Stress at the corners.
     is_smooth : ndarray of bool, shape (n_x - 1, n_y - 1)
         Corners with smooth stress.
     is_valid : ndarray of bool, shape (n_y - 1,)
         Rows with a valid path.
     edge_stress : ndarray, shape (6, n)
-        At the edges in the rows of corners.
+        Stress at the edges in the rows of corners.
     nearest : ndarray of int, shape (2, n)
         Numbers of the nearest corner of each edge.
     """

@@ -30,7 +30,7 @@ class Solved:
     force : ndarray, shape (3,)
         Q_x, Q_y, M_z.
     bar : ndarray, shape (3,)
-        Their error bars.
+        Error bars of the forces.
     gradient : ndarray, shape (3, 3)
         Derivatives of the three by scaled creepages.
     gradient_bar : ndarray, shape (3, 3)

@@ -179,7 +179,7 @@ def from_level(
     scene : Scene
         Scene with [accuracy], [wear] and the tolerances of `set_tolerances`.
     measured : Gap, optional
-        Its measured separation.
+        Measured separation of the scene.
     level : int
         The level to assess.
     missed : str
@@ -200,7 +200,7 @@ def choose_level(
     scene : Scene
         Scene with [accuracy], [wear] and the tolerances of `set_tolerances`.
     measured : Gap, optional
-        Its measured separation.
+        Measured separation of the scene.
     level : int
         Level of the mesh on which the unworn bodies are accurate enough.
     model_of : callable

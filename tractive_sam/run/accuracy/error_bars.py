@@ -272,7 +272,7 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
     Parameters
     ----------
     relative : mapping of Name to float
-        From `relative_error_bars`.
+        Relative error bars, from `relative_error_bars`.
     fine : Sample
         The sample on the finest mesh.
     """

@@ -16,7 +16,7 @@ class Levels:
     scene : Scene
         Scene with [accuracy].
     measured : Gap, optional
-        Its measured separation.
+        Measured separation of the scene.
     """
 
     first: ClassVar[int] = -4

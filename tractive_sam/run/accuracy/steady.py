@@ -45,7 +45,7 @@ def refine_unworn(
     scene : Scene
         Scene with [accuracy] and the tolerances of `set_tolerances`.
     measured : Gap, optional
-        Its measured separation.
+        Measured separation of the scene.
     model_of : callable
         Makes the model of a scene, a measured separation and a mesh.
     """
