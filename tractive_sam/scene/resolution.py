@@ -52,10 +52,12 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
     if min(across) < FewestElements.contact:
         covered = " x ".join(f"{count:.2g}" for count in across)
         advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
+        fewest = math.ceil(FewestElements.slip * margin)
+        needed = f" and at least {fewest} elements" if min(grid.elements) < fewest else ""
         warn(
             f"grid.elements: {elements} do not resolve the Hertz contact, which covers {covered} "
             "of them; check the units of [load] and of the radii, or use grid.half_length = "
-            f"[{advised}]"
+            f"[{advised}]{needed}"
         )
         return
     needs = [
