@@ -76,6 +76,9 @@ def test_results_of_a_wheel_have_its_columns(call):
     assert call("run", "wheel-rail", *SMALL, "-o", "a.h5").exit_code == 0
     shown = json.loads(call("show", "a.h5", "--json").stdout)
     assert shown["patches"] == [1]
+    again = call("run", "wheel-rail", *SMALL, "-o", "a.h5")
+    assert again.exit_code == 2
+    assert "complete" in again.output  # although a wheel may have more patches
     assert shown["contact_angle"][0] < 0.0
     assert call("plot", "a.h5", "-o", "figures").exit_code == 0
     assert call("explain", "wheel-flange").exit_code == 0

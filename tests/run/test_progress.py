@@ -9,6 +9,7 @@ import pytest
 from rich.console import Console
 
 import tractive_sam as ts
+from tractive_sam.rolling.wheel_rail import WheelRailPatches
 from tractive_sam.run import progress
 
 SCENE = ts.Scene.builtin("twin-discs").with_set(
@@ -20,6 +21,7 @@ SCENE = ts.Scene.builtin("twin-discs").with_set(
     ]
 )
 SCENE = SCENE.replace(subsurface=None)
+PATCH = WheelRailPatches.columns[0]
 
 
 def rolled_on(terminal, requested):
@@ -38,6 +40,17 @@ def test_in_a_terminal_where_it_is_requested():
     assert "revolution 3 of 3" in rolled_on(terminal(), True)
     assert not rolled_on(terminal(), False)
     assert not rolled_on(terminal(is_one=False), True)
+
+
+def test_patches_of_a_wheel_are_counted_without_an_end():
+    scene = ts.Scene.builtin("wheel-rail")
+    values = {"patch": 1, "wear_max": 0.0, "approach": 0.1}
+    record = SimpleNamespace(values=values, at=1, coordinate=PATCH)
+    screen = terminal()
+    with progress.show_roll_progress(scene, True, screen) as show:
+        show(record)
+    assert "patch 1" in screen.file.getvalue()
+    assert "patch 1 of" not in screen.file.getvalue()
 
 
 @pytest.fixture

@@ -222,7 +222,7 @@ def report_compiling() -> Iterator[None]:
     """Print a note once kernels are compiled, as the first run takes longer."""
     from tractive_sam.kernels import compiled
 
-    line = "compiling kernels for this machine, once: 10 to 30 seconds; later runs load them"
+    line = "compiling kernels not yet used here: up to 30 seconds; later commands load them"
     with compiled.notify_compilation(lambda: print_note(line)):
         yield
 

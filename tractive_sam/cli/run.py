@@ -142,7 +142,7 @@ def _describe_existing(path: Path, scene: "ts.Scene") -> str:
         return f"{path} contains another scene ({different}); {cure}, --overwrite replaces it"
     rolled = history[history.coordinate.name][-1] if len(history) else 0
     end, name = scene.schedule.end, history.coordinate.name
-    if history.finished and rolled >= end:
+    if history.finished and (rolled >= end or not scene.schedule.ends_there):
         return f"{path} contains this scene, complete; --overwrite computes it again, {cure}"
     extent = f"up to {name} {rolled:g} of {end:g}" if end else "not to its end"
     cure = "--resume continues it, --overwrite starts again"

@@ -91,13 +91,15 @@ class _RollProgress:
         worn = wear / approach if approach > 0.0 else 0.0
         forecast.add(float(record.at), *numbers, worn=worn)
         if self.at_once or perf_counter() - self.began > DELAY:
-            along = record.coordinate
+            along, total = record.coordinate, None
             place, end = (format(value, along.format) for value in (record.at, forecast.end))
-            text = f"{along.name} {place} of {end}"
+            text, remaining = f"{along.name} {place}", ""
+            if self.scene.schedule.ends_there:
+                text, total = f"{text} of {end}", forecast.done + forecast.left
+                remaining = format_remaining_time(forecast.remaining_seconds)
             if self.scene.has("wear"):
                 text += f", wear {1e3 * wear:.3g} µm"
-            remaining = format_remaining_time(forecast.remaining_seconds)
-            self.bar.show(text, forecast.done, forecast.done + forecast.left, remaining)
+            self.bar.show(text, forecast.done, total, remaining)
 
 
 @contextmanager

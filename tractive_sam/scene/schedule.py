@@ -44,6 +44,8 @@ class Schedule:
     """Key of the scene that lists `save`."""
     end_key: ClassVar[str] = "wear.revolutions"
     """Key of the scene that gives `end`."""
+    ends_there: ClassVar[bool] = True
+    """Whether the last record is at `end`; otherwise `end` is an upper bound."""
     revolves: ClassVar[bool] = True
     """Whether every record is steady rolling, after a number of revolutions."""
     rolls: ClassVar[bool] = True
@@ -100,7 +102,7 @@ class PatchSchedule(Schedule):
     """Schedule of the patches of a wheel, by increasing load."""
 
     save_key = end_key = "wheelset"
-    revolves = False
+    revolves = ends_there = False
     message_start = "patch {:g}: "
 
 

@@ -39,9 +39,10 @@ def describe_turns(counting: str, turns: Mapping[str, float]) -> str:
             f"{count}; {second} is flat and passes the contact only once: it enters unworn, and "
             "its depth is the wear of a single pass"
         )
+    times = "once" if turns[second] == 1.0 else f"{turns[second]:.6g} times"
     return (
-        f"{count}; {second} turns {turns[second]:.6g} times in each. Worn material returns after "
-        "a turn of its body, averaged over the phase; slip is not counted"
+        f"{count}; {second} turns {times} in each. Worn material returns after a turn of its body, "
+        "averaged over the phase; slip is not counted"
     )
 
 
