@@ -27,19 +27,15 @@ def spheres(*settings):
     return ts.Scene.builtin("spheres").with_set([SMALL, *settings])
 
 
-def test_wear_of_profiles_names_its_command():
-    with pytest.raises(ts.SceneError, match="tractive-sam wear"):
-        explain(ts.Scene.builtin("wheel-wear"))
-
-
-@pytest.mark.parametrize("name", sorted({*ts.builtin_names()} - {"wheel-wear"}))
+@pytest.mark.parametrize("name", ts.builtin_names())
 def test_every_scene_is_explained_in_words(name):
     scene = ts.Scene.builtin(name)
     sections = reported(scene)
     given = [t for t in ("transient", "fatigue") if getattr(scene, t) is not None]
     before, after = (given[:1], given[1:]) if "transient" in given else ([], given)
     parts = [*map(str.capitalize, before), "Heat", *map(str.capitalize, after)]
-    wanted = ["Bodies", "State", "Wear", "Stress", *parts, "Mesh", "Work"]
+    blocks = ["Load spectrum"] if scene.duty else []
+    wanted = ["Bodies", "State", "Wear", *blocks, "Stress", *parts, "Mesh", "Work"]
     assert list(sections) == wanted
     assert all(
         answer and isinstance(answer, str) for s in sections.values() for answer in s.values()

@@ -131,6 +131,7 @@ class ProfileWear(Process[WornStep]):
     """Wears the profiles of wheel and rail over the positions of a duty."""
 
     columns = (*WHEEL_COLUMNS, *WornProfiles.columns)
+    first_applications = next_applications = 160.0  # all patches of a position
     load_tolerance = 1e-4
     """Relative error of the load that the patches of a wheel carry together."""
 
