@@ -129,6 +129,7 @@ class Model:
 
     @cached_property
     def _patch_gap(self) -> np.ndarray:
+        """Gap of the undeformed wheel and rail in the patch, shape (n_x, n_y), mm."""
         return required(self.patch, "wheel").gap(self.grid.x, self.grid.y)
 
     @cached_property
