@@ -143,9 +143,9 @@ def test_places_between_nodes_are_those_of_a_parabola(whole, part):
     held = np.ones((12 - way.reach, 1), bool)
     at = x[: len(held)] + whole + part
     np.testing.assert_allclose(
-        way.before(nodes, held), np.stack((at**2 - 3.0 * at, 2.0 * at + 1.0)), rtol=1e-12
+        way.previous_values(nodes, held), np.stack((at**2 - 3.0 * at, 2.0 * at + 1.0)), rtol=1e-12
     )
-    line = way.before(nodes, ~held)
+    line = way.previous_values(nodes, ~held)
     np.testing.assert_allclose(line[1], 2.0 * at + 1.0, rtol=1e-12)
 
 

@@ -16,7 +16,7 @@ def test_spreading_is_the_adjoint_of_interpolation(length):
     parabola = random.random((9, 4)) > 0.5
     values, nodes = random.normal(size=(2, 9, 4)), random.normal(size=(2, 9 + way.reach, 4))
     there = (way.spread(values, parabola) * nodes).sum()
-    assert there == pytest.approx((values * way.before(nodes, parabola)).sum(), rel=1e-12)
+    assert there == pytest.approx((values * way.previous_values(nodes, parabola)).sum(), rel=1e-12)
 
 
 def test_places_after_a_step_lie_on_a_straight_line():
@@ -64,7 +64,7 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
         held = way.inside(touching) & stepper.model.stencil.staggered
         tractions = stepper.model.scaled_fields(past), stepper.model.scaled_fields(now.contact)
         requested = StepInput(now.distance, by)
-        came = way.before(stepper._displacement(before, way.reach), held)
+        came = way.previous_values(stepper._displacement(before, way.reach), held)
         spread = way.spread(tractions[1], held)
         later = stepper.operators.part(spread.shape[1:]).tangential(spread)[:, :columns]
         slips = (

@@ -130,7 +130,9 @@ class Stepper:
         curved = advection.inside(touching) & self.model.stencil.staggered
         rigid = self._rigid(inputs, advection, advection.middle(curved))
         displacement = self._displacement(before, advection.reach)
-        return ParticleMotion(advection, curved, advection.before(displacement, curved), rigid)
+        return ParticleMotion(
+            advection, curved, advection.previous_values(displacement, curved), rigid
+        )
 
     def _kinematics(self, past: State, motion: ParticleMotion) -> RollingStep:
         """Return the kinematics of a step, with the gap that particles close in it.
@@ -141,7 +143,7 @@ class Stepper:
         stencil, advection = self.model.stencil, motion.advection
         gap = np.where(past.touching, 0.0, past.gap) / self.model.units.gap
         nodes = advection.with_nodes_ahead(gap, edge=True)
-        entering = advection.before(nodes, motion.curved)
+        entering = advection.previous_values(nodes, motion.curved)
         if not stencil.staggered:
             edge = nodes.copy()
             for i in range(len(nodes) - 2, -1, -1):
@@ -376,8 +378,8 @@ class Stepper:
         last = self.model.scaled_fields(result.contact)
         after = Particles(result.contact.pressure, last, change, motion.rigid)
         if not advection.part:
-            previous = advection.before(advection.with_nodes_ahead(fields), curved)
-            pressed = advection.before(advection.with_nodes_ahead(past.pressure), curved)
+            previous = advection.previous_values(advection.with_nodes_ahead(fields), curved)
+            pressed = advection.previous_values(advection.with_nodes_ahead(past.pressure), curved)
             mean = 0.5 * (after.pressure + pressed), 0.5 * (after.fields + previous)
             return (replace(after, pressure=mean[0], fields=mean[1]),)
         moves = advection.spread((~result.contact.sticking).astype(float), np.zeros_like(curved))

@@ -103,11 +103,11 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
     number = data["series"].values[rows[0]]
     return FittedCurve(
         x, Variable(name, observed, label + body, quantity.unit), **columns,
-        between=_between(result, number, name),
+        between=_curve_between(result, number, name),
     )  # fmt: skip
 
 
-def _between(result: FitResult, number: int, name: str) -> np.ndarray | None:
+def _curve_between(result: FitResult, number: int, name: str) -> np.ndarray | None:
     """Return abscissas, predictions and their deviations between measured points, if known."""
     if "curve" not in result.dataset:
         return None

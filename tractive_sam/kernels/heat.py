@@ -68,7 +68,7 @@ def _spread(c, s):
 
 
 @compiled(inner=True)
-def _front(x, speed, kappa):
+def _front_time(x, speed, kappa):
     """Return the time s at which a heat front passes a side x, corrected for its spread.
 
     The front in g = (V s² - x)/(2 sqrt(kappa) s) is odd except for the curvature of s(g), which
@@ -84,8 +84,8 @@ def front_integral(x, y, dx, dy, speed, kappa, out):
     """Compute the integral of A B over s at points (x_i, y_j), for step-like heat fronts."""
     width = 2.0 * sqrt(kappa)
     for i in range(x.size):
-        first = _front(-(x[i] + 0.5 * dx), speed, kappa)
-        last = _front(-(x[i] - 0.5 * dx), speed, kappa)
+        first = _front_time(-(x[i] + 0.5 * dx), speed, kappa)
+        last = _front_time(-(x[i] - 0.5 * dx), speed, kappa)
         for j in range(y.size):
             high, low = (y[j] + 0.5 * dy) / width, (y[j] - 0.5 * dy) / width
             out[i, j] = 0.5 * (

@@ -74,7 +74,7 @@ class Advection:
         m, f, d = self.elements, self.part, max(self.length, 1e-300)
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
 
-    def before(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
+    def previous_values(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
         """Return values of a step before at the former places of the particles of the nodes.
 
         Parameters

@@ -48,13 +48,13 @@ class Lattice:
         return fast_length(self.shape[0]), fast_length(self.shape[1])
 
     @property
-    def block(self) -> tuple[int, int]:
+    def coarsening(self) -> tuple[int, int]:
         """Elements in x and y that form one of the next coarser lattice; a row only in x."""
         return min(2, self.shape[0]), min(2, self.shape[1])
 
     def coarsened(self) -> "Lattice":
         """Return a lattice that covers this one, with elements that combine a `block` each."""
-        (nx, ny), (bx, by) = self.shape, self.block
+        (nx, ny), (bx, by) = self.shape, self.coarsening
         return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy)
 
 

@@ -100,7 +100,7 @@ class UntiledConvolution:
     ) -> None:
         (nx, self._ny), (px, py) = shape, padded
         self._fields, self._padded = fields, padded
-        real, spectral = _kinds(single)
+        real, spectral = _number_types(single)
         self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
         stored = (fields, py // 2 + 1, column_stride(px))
         whole, product = (pyfftw.zeros_aligned(stored, dtype=spectral) for _ in range(2))
@@ -148,7 +148,7 @@ class RowBuffer(NamedTuple):
     @classmethod
     def create(cls, rows: int, py: int, single: bool) -> "RowBuffer":
         """Return a buffer for a number of rows of the padded length p_y; its padding stays zero."""
-        real, spectral = _kinds(single)
+        real, spectral = _number_types(single)
         inputs, outputs = (pyfftw.zeros_aligned((rows, py), dtype=real) for _ in range(2))
         spectra = pyfftw.zeros_aligned((rows, py // 2 + 1), dtype=spectral)
         forward = plan(inputs, spectra, 1, "FFTW_FORWARD")
@@ -170,7 +170,7 @@ class ColumnBuffer(NamedTuple):
 
         `single` chooses complex64.
         """
-        columns = pyfftw.zeros_aligned(shape, dtype=_kinds(single)[1])
+        columns = pyfftw.zeros_aligned(shape, dtype=_number_types(single)[1])
         directions = ("FFTW_FORWARD", "FFTW_BACKWARD")
         return cls(columns, *(plan(columns, columns, 1, each) for each in directions))
 
@@ -242,7 +242,7 @@ class TiledConvolution:
     ) -> None:
         self._fields, self._padded = fields, padded
         half = (fields, shape[0], padded[1] // 2 + 1)
-        spectra = pyfftw.zeros_aligned(half, dtype=_kinds(single)[1])
+        spectra = pyfftw.zeros_aligned(half, dtype=_number_types(single)[1])
         threads = threads_for_transform(padded)
         shares = (slice(k, None, threads) for k in range(threads))
         self._workers = [Worker(spectra, padded, share) for share in shares]
@@ -271,7 +271,7 @@ class TiledConvolution:
         return out
 
 
-def _kinds(single: bool) -> tuple[type, type]:
+def _number_types(single: bool) -> tuple[type, type]:
     """Return the types of numbers and of their transforms."""
     return (np.float32, np.complex64) if single else (np.float64, np.complex128)
 

@@ -245,12 +245,12 @@ def _stress(
     for body, plane in sorted(history.planes, key=lambda pair: order.get(pair[1], len(order))):
         interrupt.raise_if_interrupted()
         each = (block.stress(body, plane, at) for at in saved for block in blocks)
-        rows = [_on_mesh(stress, history.grid) for stress in each]
+        rows = [_widen_to_grid(stress, history.grid) for stress in each]
         (first, along), (second, across) = rows[0].axes.items()
         if min(along.size, across.size) < 2:
             continue  # a plane across a line contact is only a line
         sides = [
-            _plane_side(name, states, size, limits.stress_margin)
+            _visible_range(name, states, size, limits.stress_margin)
             for name, size in ((first, along.size), (second, across.size))
         ]
         size = np.prod([side.stop - side.start for side in sides])
@@ -273,7 +273,7 @@ def _stress(
     return maps
 
 
-def _on_mesh(stress: PlaneStress, grid: Grid) -> PlaneStress:
+def _widen_to_grid(stress: PlaneStress, grid: Grid) -> PlaneStress:
     """Return stress that was stored on a narrower mesh on the last one, with nan outside."""
     sizes = {"x": grid.x.size, "y": grid.y.size}
     shape = tuple(sizes.get(name, places.size) for name, places in stress.axes.items())
@@ -294,7 +294,7 @@ def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
     return places - 0.5 * (places[0] + places[-1]) if name == "y" else places
 
 
-def _plane_side(name: str, states: Sequence[ContactView], size: int, margin: float) -> slice:
+def _visible_range(name: str, states: Sequence[ContactView], size: int, margin: float) -> slice:
     """Return the range of an axis of a plane that is shown."""
     if name == "depth":
         return slice(0, size)

@@ -167,7 +167,7 @@ class TransientProcess(Process[Moment]):
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
             moment = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
-            between = self._between(last, moment, saves) if moment.converged else []
+            between = self._moments_to_save(last, moment, saves) if moment.converged else []
             if between and not between[-1].converged:
                 yield between[-1]
                 return
@@ -181,7 +181,7 @@ class TransientProcess(Process[Moment]):
         at_knot = moment.distance in self.courses.knots
         return replace(moment, distance=near[0]) if near and not at_knot else moment
 
-    def _between(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
+    def _moments_to_save(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
         """Return the moments to save between two steps, up to the first that is not solved."""
         moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < end.distance):

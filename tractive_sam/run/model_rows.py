@@ -15,7 +15,7 @@ from tractive_sam.run.accuracy.steady import RefinedContact
 from tractive_sam.scene import Heat, Solver
 
 
-def _creepage(_table: Any, model: Model) -> Iterator[Row]:
+def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
     """Yield rows on coupling and on the tangential problem."""
     K = model.scene.material.coupling
     coupling = "none: tractions do not change the pressure, which is solved first"
@@ -38,7 +38,7 @@ def _creepage(_table: Any, model: Model) -> Iterator[Row]:
     yield Row("tangential problem", tangential)
 
 
-def _solver(table: Solver, model: Model) -> Iterator[Row]:
+def _describe_solver(table: Solver, model: Model) -> Iterator[Row]:
     """Yield rows on the method and the slip."""
     yield Row("method", f"{model.method.description}, to a residual of {table.tolerance:g}")
     if model.transmits:
@@ -49,17 +49,17 @@ def _solver(table: Solver, model: Model) -> Iterator[Row]:
     yield Row("left out", "inertia, lubricant, plasticity; thin or conforming bodies")
 
 
-def _transient(_table: Any, model: Model) -> Iterator[Row]:
+def _describe_transient(_table: Any, model: Model) -> Iterator[Row]:
     """Yield a row on the order of accuracy of a transient."""
     yield Row("order", f"{'second' if model.stencil.staggered else 'first'} in the mesh")
 
 
-def _process(_table: Any, model: Model) -> Iterator[Row]:
+def _describe_process(_table: Any, model: Model) -> Iterator[Row]:
     """Yield the rows of the process."""
     yield from process_of(model).describe()
 
 
-def _heat(_table: Heat, model: Model) -> Iterator[Row]:
+def _describe_heat(_table: Heat, model: Model) -> Iterator[Row]:
     """Yield the Peclet number of each body."""
     scene, dx = model.scene, model.grid.dx
     half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
@@ -71,11 +71,11 @@ def _heat(_table: Heat, model: Model) -> Iterator[Row]:
 
 
 MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
-    "creepage": _creepage,
-    "solver": _solver,
-    "transient": _transient,
-    "process": _process,
-    "heat": _heat,
+    "creepage": _describe_creepage,
+    "solver": _describe_solver,
+    "transient": _describe_transient,
+    "process": _describe_process,
+    "heat": _describe_heat,
 }
 """Rows that the model adds to the rows of a given table."""
 

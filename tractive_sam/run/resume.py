@@ -196,7 +196,7 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
 
 def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
     """Return the dotted keys of entries that differ although they must not."""
-    if key in FREE or _same(before, after):
+    if key in FREE or _are_equal(before, after):
         return []
     if isinstance(before, dict) and isinstance(after, dict):
         return [
@@ -219,12 +219,14 @@ def _are_tables(value: Any) -> bool:
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 
-def _same(before: Any, after: Any) -> bool:
+def _are_equal(before: Any, after: Any) -> bool:
     """Return whether two values are equal, including arrays."""
     if isinstance(before, np.ndarray) or isinstance(after, np.ndarray):
         return np.array_equal(before, after)
     if isinstance(before, dict) and isinstance(after, dict):
-        return before.keys() == after.keys() and all(_same(before[k], after[k]) for k in before)
+        return before.keys() == after.keys() and all(
+            _are_equal(before[k], after[k]) for k in before
+        )
     return before == after
 
 

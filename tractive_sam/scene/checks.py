@@ -133,7 +133,7 @@ def _check_pressure_has_no_gap(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("load.pressure", shorten(pressure), cure)
 
 
-def _check_approach_presses(entries: ValidEntries) -> Iterator[Fault]:
+def _check_approach_is_positive(entries: ValidEntries) -> Iterator[Fault]:
     """Report an approach of 0 or less, counted from the first touch."""
     approach, gap = entries["load.approach"], entries["gap"]
     if approach is None or approach > 0.0 or (gap is not None and gap.datum == "separation"):
@@ -191,7 +191,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_slender_contact_has_grid,
     _check_a_body_turns,
     _check_pressure_has_no_gap,
-    _check_approach_presses,
+    _check_approach_is_positive,
     _check_share_of_wear,
     _check_inputs_of_wear_law,
     check_blocks,

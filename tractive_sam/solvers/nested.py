@@ -150,4 +150,4 @@ def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:
 def _shorter_side(problem: NormalProblem | Problem) -> int:
     """Return the number of elements along the shorter side that can be coarsened."""
     lattice = problem.operators.lattice
-    return min(n for n, block in zip(lattice.shape, lattice.block, strict=True) if block > 1)
+    return min(n for n, block in zip(lattice.shape, lattice.coarsening, strict=True) if block > 1)

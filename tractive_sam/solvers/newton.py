@@ -182,7 +182,7 @@ class Newton:
             return at
         slip = at.slip[:, sticks].mean(axis=1)
         change = np.linalg.lstsq(problem.forces.vectors.T, -slip, rcond=None)[0]
-        return at.creeping(problem, at.creepage + change)
+        return at.with_creepage(problem, at.creepage + change)
 
     def _advance(
         self,

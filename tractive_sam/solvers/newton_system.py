@@ -106,7 +106,7 @@ class Iterate:
         fields = ((self.traction, traction), (self.pressure, pressure))
         return any(new is not before and (new != before).any() for new, before in fields)
 
-    def creeping(self, problem: Problem, creepage: np.ndarray) -> "Iterate":
+    def with_creepage(self, problem: Problem, creepage: np.ndarray) -> "Iterate":
         """Return the iterate with other creepages."""
         fields = self.pressure, self.traction, self.approach
         return Iterate(problem, *fields, creepage, 1.0, False, self.response)

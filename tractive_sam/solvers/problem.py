@@ -62,7 +62,7 @@ class NormalProblem:
 
     def coarsened(self) -> "NormalProblem":
         """Return the problem on elements of twice the size."""
-        block = self.operators.lattice.block
+        block = self.operators.lattice.coarsening
         return replace(
             self,
             operators=self.operators.coarsened,
@@ -153,7 +153,7 @@ class FixedPressure:
 
     def coarsened(self) -> "FixedPressure":
         """Return pressure and gap on elements of twice the size."""
-        block = self.operators.lattice.block
+        block = self.operators.lattice.coarsening
         return FixedPressure(
             self.operators.coarsened,
             block_mean(self.pressure, block, "constant"),
@@ -274,7 +274,7 @@ class Problem:
 
     def coarsened(self) -> Self:
         """Return the problem on elements of twice the size."""
-        block = self.operators.lattice.block
+        block = self.operators.lattice.coarsening
         friction, scale = self.friction, self.kinematics.slip_scale(block[0])
         friction = friction.on(
             block_mean(friction.x, (block[0], 1), "edge"),
