@@ -3,10 +3,15 @@
 All methods start without an initial guess, with a given pressure, and stop at a residual of 1e-8.
 Uzawa's method uses the upwind slip, as in the paper; Newton's method uses both schemes.
 Applications of Newton's method on coarser meshes count in proportion to their elements; they are
-also listed without this weight.
+also listed without this weight. `steady` measures complete solutions, with the normal problem, and
+divides their time by the time of one application of the tangential operator.
+
+    python benchmarks/solvers.py [methods steady]
 
 Page: docs/benchmarks.md
 """
+
+import sys
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -71,7 +76,8 @@ def transform_pair(problem) -> float:
     return seconds(pair, 0.3, 50)
 
 
-def main():
+def compare_methods():
+    """Measure each method for the tangential problem."""
     rows = []
     for n in MESHES:
         problems = {slip: problem_on(n, slip) for slip in ("auto", "upwind")}
@@ -105,18 +111,34 @@ def main():
     )[0]
     print(f"\nnewton: applications grow like n^{growth:.2f}")
     print(f"written: {write('solvers', rows)}, {draw(rows)}")
-    measure_steady_solves()
 
 
 def measure_steady_solves():
-    """Measure a steady solution from scene to contact, including the normal problem."""
+    """Measure steady solutions from scene to contact, including the normal problem."""
     rows = []
-    for n in (91, 181, 361):
-        scene = Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])
+    for n in (91, 181, 361, 512, 1024):
+        scene = Scene.builtin("spheres").with_set(
+            [f"grid.elements=[{n}, {n}]", f"solver.tolerance={TOLERANCE}"]
+        )
         model = Model(scene)
+        cost = equilibrium(model).cost
+        operator, fields = model.operators.tangential, np.ones((2, n, n))
+        operator(fields)  # plans its transforms
+        application = seconds(lambda apply=operator, on=fields: apply(on), 1.0, 50)
         took = seconds(lambda m=model: equilibrium(m))
-        rows.append({"n": n, "seconds": took, "CONTACT/this": CONTACT_SECONDS[n] / took})
-    show("Normal and tangential problem together", rows)
+        rows.append(
+            {
+                "elements": f"{n} x {n}",
+                "applications": cost.applications,
+                "preconditioner": cost.preconditioner,
+                "convolutions": cost.convolutions,
+                "seconds": took,
+                "over_application": took / application,
+                "CONTACT/this": CONTACT_SECONDS[n] / took if n in CONTACT_SECONDS else "",
+            }
+        )
+    show("Normal and tangential problem together, to 1e-8", rows)
+    print(f"written: {write('solvers_steady', rows)}")
 
 
 def draw(rows):
@@ -141,4 +163,6 @@ def draw(rows):
 
 
 if __name__ == "__main__":
-    main()
+    parts = {"methods": compare_methods, "steady": measure_steady_solves}
+    for name in sys.argv[1:] or parts:
+        parts[name]()

@@ -27,6 +27,18 @@ def solvers() -> str:
     )
 
 
+def solvers_steady() -> str:
+    """Return the work and the time of complete steady solutions."""
+    columns = {
+        "elements": ("elements", str),
+        "applications": ("applications", number(".3g")),
+        "preconditioner": ("preconditioner", number(".3g")),
+        "convolutions": ("convolutions", number(".3g")),
+        "CPU time / CPU time of an application": ("over_application", number(".3g")),
+    }
+    return format_columns(read_rows("solvers_steady.csv"), columns)
+
+
 def large() -> str:
     """Return time and memory of large meshes."""
     columns = {
@@ -802,6 +814,7 @@ TABLES = {
     table.__name__: table
     for table in (
         solvers,
+        solvers_steady,
         large,
         normal,
         wheel_rail,
