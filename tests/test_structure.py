@@ -20,8 +20,8 @@ LIMITS = {
     "functions over 40 code lines": 7,
     "functions over 60 code lines": 0,
     "modules over 250 code lines": 2,
-    "module constants": 405,
-    "code lines": 38250,
+    "module constants": 253,
+    "code lines": 38450,
     "public names": 122,
 }
 

@@ -19,9 +19,6 @@ SIGNALS = tuple(
 )
 """Signals that stop the program: from Ctrl-C, a batch queue, a terminal that closes."""
 
-STOPPED = 3
-"""Exit status of a program that was stopped, see `cli.output.Status`."""
-
 _received: list[str] = []
 """Names of the signals received. Global, because signals belong to the process."""
 
@@ -189,9 +186,11 @@ def _end_overdue(_number: int, _frame) -> None:
 
 def _end_at_once(message: str) -> None:
     """Print a message and end the process without cleaning up."""
+    # Exit status of a program that was stopped, see `cli.output.Status`.
+    stopped = 3
     # No cleanup is needed: a results file is complete at every moment.
     with suppress(OSError):
         show_cursor = b"\x1b[?25h" if os.isatty(2) else b""  # a progress bar hides it
         line = "" if _state.reported else f"error: {message}\n"
         os.write(2, show_cursor + line.encode())
-    os._exit(STOPPED)
+    os._exit(stopped)

@@ -17,23 +17,6 @@ from uuid import uuid4
 
 from tractive_sam.interrupt import protect_cleanup, raise_if_interrupted
 
-CURES = {
-    errno.ENOSPC: "the disk is full; make room, or choose another",
-    errno.EDQUOT: "your share of the disk is used up; make room, or choose another",
-    errno.EFBIG: "it is larger than files may be here; raise the limit (ulimit -f)",
-    errno.EACCES: "permission denied; request it, or choose another folder",
-    errno.EPERM: "permission denied; request it, or choose another folder",
-    errno.EROFS: "the disk is read-only; choose another",
-    errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
-    errno.ELOOP: "it is a link that leads in a circle; remove it, or choose another name",
-    errno.EIO: "the disk fails; choose another",
-    errno.ENOENT: "the folder does not exist; create it, or choose another",
-    errno.ENOTDIR: "its folder is a file; choose another",
-    errno.EISDIR: "it is a folder; choose another name",
-    errno.EEXIST: "it exists already; rename or remove it, or choose another name",
-}
-"""Cause and remedy of each error of the operating system, by error number."""
-
 TEMPORARY = ".new"
 """Suffix of temporary files."""
 
@@ -277,10 +260,26 @@ def is_disk_failure(error: Exception) -> bool:
 
 def describe_os_error(error: Exception) -> str:
     """Return the cause and remedy of a system error, also one that HDF5 reports as text."""
+    # Cause and remedy of each error of the operating system, by error number.
+    cures = {
+        errno.ENOSPC: "the disk is full; make room, or choose another",
+        errno.EDQUOT: "your share of the disk is used up; make room, or choose another",
+        errno.EFBIG: "it is larger than files may be here; raise the limit (ulimit -f)",
+        errno.EACCES: "permission denied; request it, or choose another folder",
+        errno.EPERM: "permission denied; request it, or choose another folder",
+        errno.EROFS: "the disk is read-only; choose another",
+        errno.ENAMETOOLONG: "the name is too long; choose a shorter one",
+        errno.ELOOP: "it is a link that leads in a circle; remove it, or choose another name",
+        errno.EIO: "the disk fails; choose another",
+        errno.ENOENT: "the folder does not exist; create it, or choose another",
+        errno.ENOTDIR: "its folder is a file; choose another",
+        errno.EISDIR: "it is a folder; choose another name",
+        errno.EEXIST: "it exists already; rename or remove it, or choose another name",
+    }
     hdf5_number = re.search(r"errno = (\d+)", str(error))
     number = int(hdf5_number[1]) if hdf5_number else getattr(error, "errno", None)
     return (
-        CURES.get(number or 0) or getattr(error, "strerror", None) or str(error).partition("\n")[0]
+        cures.get(number or 0) or getattr(error, "strerror", None) or str(error).partition("\n")[0]
     )
 
 

@@ -39,23 +39,6 @@ class Column:
         return format(int(value) if self.format == "d" else value, self.format)
 
 
-FORCES = (Column("Qx_over_P", "Qx/P", "z.4f"), Column("Qy_over_P", "Qy/P", "z.4f"))
-CREEPAGES = (Column("xi_x", "xi_x", ".3e"), Column("xi_y", "xi_y", ".3e"))
-PRESSURES = (Column("p_max", "p_max\nMPa"), Column("p_95", "p_95\nMPa"))
-WIDTHS = (Column("half_width_x", "half x\nmm"), Column("half_width_y", "half y\nmm"))
-SHIFTS = (
-    Column("shift_x", "shift x\nµm", factor=1e3),
-    Column("shift_y", "shift y\nµm", factor=1e3),
-    Column("friction_work", "friction\nN mm"),
-)
-ENDS = (
-    Column("wear_max", "wear\nµm", factor=1e3),
-    Column("stick_fraction", "stick\n%", ".1f", 100),
-    Column("residual", "residual", ".0e"),
-)
-"""Columns of the table of records, in groups."""
-
-
 def select_columns(columns: Collection[str], creepages: bool = False) -> list[Column]:
     """Return the columns of the table of records.
 
@@ -66,10 +49,25 @@ def select_columns(columns: Collection[str], creepages: bool = False) -> list[Co
     creepages : bool
         Whether to print the creepages, which follow from prescribed forces.
     """
-    shown_creepages = CREEPAGES if creepages else ()
+    # Columns of the table of records, in groups.
+    ends = (
+        Column("wear_max", "wear\nµm", factor=1e3),
+        Column("stick_fraction", "stick\n%", ".1f", 100),
+        Column("residual", "residual", ".0e"),
+    )
+    shifts = (
+        Column("shift_x", "shift x\nµm", factor=1e3),
+        Column("shift_y", "shift y\nµm", factor=1e3),
+        Column("friction_work", "friction\nN mm"),
+    )
+    widths = (Column("half_width_x", "half x\nmm"), Column("half_width_y", "half y\nmm"))
+    pressures = (Column("p_max", "p_max\nMPa"), Column("p_95", "p_95\nMPa"))
+    creepage_columns = (Column("xi_x", "xi_x", ".3e"), Column("xi_y", "xi_y", ".3e"))
+    forces = (Column("Qx_over_P", "Qx/P", "z.4f"), Column("Qy_over_P", "Qy/P", "z.4f"))
+    shown_creepages = creepage_columns if creepages else ()
     if "shift_x" in columns:
-        return [*FORCES, *shown_creepages, PRESSURES[0], *SHIFTS, PRESSURES[1], *ENDS]
-    return [*FORCES, *shown_creepages, *PRESSURES, *WIDTHS, *ENDS]
+        return [*forces, *shown_creepages, pressures[0], *shifts, pressures[1], *ends]
+    return [*forces, *shown_creepages, *pressures, *widths, *ends]
 
 
 def run_table(history: "ts.History") -> Table:

@@ -29,17 +29,6 @@ from tractive_sam.results import FlashTemperature, Grid, State, Status
 from tractive_sam.schema import required
 from tractive_sam.solvers import combine_images, gmres
 
-TOLERANCE = 1e-12
-"""Relative residual of the equality of both temperatures."""
-
-KRYLOV = 200
-
-MAX_CONTACTS = 40
-"""Largest number of contacts that are solved until friction and temperature agree."""
-
-MEMORY = 5
-"""Number of earlier temperatures that the iteration of temperature and friction combines."""
-
 
 @lru_cache(maxsize=8)
 def surface_heat(
@@ -151,6 +140,9 @@ def _solve_division(
     touching: np.ndarray,
 ) -> np.ndarray:
     """Return the heat that flows into A, from equal temperatures in contact."""
+    krylov = 200
+    # Relative residual of the equality of both temperatures.
+    tolerance = 1e-12
     inverse = A.inverse_with(B)
 
     def spread(values: np.ndarray) -> np.ndarray:
@@ -166,14 +158,14 @@ def _solve_division(
     solution, residual, size = np.zeros_like(rhs), rhs, np.linalg.norm(rhs)
     for _ in range(4):  # restarts reduce rounding errors
         missed = np.linalg.norm(residual)
-        if missed <= TOLERANCE * size:
+        if missed <= tolerance * size:
             return spread(solution)
         step, _ = gmres(
             operator,
             lambda values: inverse(spread(values)[None])[0][touching],
             residual,
-            float(0.5 * TOLERANCE * size / missed),
-            KRYLOV,
+            float(0.5 * tolerance * size / missed),
+            krylov,
         )
         solution = solution + step
         residual = rhs - operator(solution)
@@ -263,6 +255,10 @@ def solve_with_heat(
     start : State, optional
         A contact nearby, as initial guess.
     """
+    # Number of earlier temperatures that the iteration of temperature and friction combines.
+    memory = 5
+    # Largest number of contacts that are solved until friction and temperature agree.
+    max_contacts = 40
     table = model.scene.friction and model.scene.friction.temperature
     if not table:
         return with_heat(model, solve(model, start))
@@ -274,7 +270,7 @@ def solve_with_heat(
     changes: list[np.ndarray] = []
     tolerance = model.scene.solver.tolerance
     cost = None
-    for _ in range(MAX_CONTACTS):
+    for _ in range(max_contacts):
         warm = model.with_friction(friction_at_temperature(model, temperature))
         contact = solve(warm, start)
         cost = contact.cost if cost is None else cost + contact.cost
@@ -287,8 +283,8 @@ def solve_with_heat(
             return contact
         # Warmer surfaces have less friction and less heat: without the combination both may
         # oscillate without end if friction falls steeply.
-        temperatures = [*temperatures[-MEMORY:], new]
-        changes = [*changes[-MEMORY:], new - temperature]
+        temperatures = [*temperatures[-memory:], new]
+        changes = [*changes[-memory:], new - temperature]
         temperature, start = combine_images(temperatures, changes), contact
     cure = "let friction.temperature fall less steeply, or raise solver.tolerance"
     note = f"not converged: friction and temperature still differ by {missed:.1e} K; {cure}"

@@ -8,9 +8,6 @@ from tractive_sam.results import Grid
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Coordinates x (n,), y (m,) and separation (n, m) of a measured gap, mm."""
 
-ROUND = 4
-"""Degree of the polynomial in x that is taken for the form of a body, which stays as it turns."""
-
 
 def resample(measured: Gap, grid: Grid) -> np.ndarray:
     """Return the measured separation at the elements, mm; constant beyond its edge.
@@ -114,10 +111,12 @@ def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
 
 def standing_roughness(measured: Gap, grid: Grid) -> float:
     """Return the rms roughness along x without a round form, mm; zero if it is rounding."""
+    # Degree of the polynomial in x that is taken for the form of a body, which stays as it turns.
+    degree = 4
     x, _, separation = _within(measured, grid)
-    if x.size <= ROUND + 1:
+    if x.size <= degree + 1:
         return 0.0
-    powers = np.vander(x / np.abs(x).max(), ROUND + 1)
+    powers = np.vander(x / np.abs(x).max(), degree + 1)
     form = powers @ np.linalg.lstsq(powers, separation, rcond=None)[0]
     rest = float(np.sqrt(np.mean((separation - form) ** 2)))
     rounding = 1e-12 * float(np.abs(separation).max())  # of a distance that all share

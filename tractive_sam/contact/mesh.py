@@ -16,23 +16,15 @@ from tractive_sam.schema import Fault, SceneError, required
 MARGIN = 1.15
 """Half length of the domain over the semi-axis of the Hertzian contact."""
 
-WORN_MARGIN = 1.5
-"""Half length in the lateral direction of a scene that wears; it grows with the contact."""
-
 ACROSS = 64
 """Elements across the shorter axis of the contact."""
-
-ACROSS_LINE = 512
-"""Elements across a line contact; they cost next to nothing."""
-
-
-GROWTH = 1.25
-"""Factor by which a chosen mesh grows when the contact reaches its edge."""
 
 
 def enlarge(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
     """Return a mesh of elements of equal size that is larger along some axes; a row stays a row."""
-    x, y = (GROWTH if grows else 1.0 for grows in axes)
+    # Factor by which a chosen mesh grows when the contact reaches its edge.
+    growth = 1.25
+    x, y = (growth if grows else 1.0 for grows in axes)
     return extend_to(grid, (x * grid.half_length[0], y * grid.half_length[1]))
 
 
@@ -110,6 +102,8 @@ def choose_grid(
 
 def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     """Return the mesh of a scene by its contact, or by the extent of its gap."""
+    # Half length in the lateral direction of a scene that wears; it grows with the contact.
+    worn_margin = 1.5
     wears, shifts_only = scene.wear is not None, scene.schedule.shifts
     scene = scene.under_largest_load
     length: tuple[float, ...] | None = None
@@ -124,8 +118,8 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     if scene.hertz is None:
         half_length, side = _extent_of_gap(required(measured, "gap"), length, finer)
     else:
-        lateral = WORN_MARGIN if wears else MARGIN
-        along = WORN_MARGIN if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
+        lateral = worn_margin if wears else MARGIN
+        along = worn_margin if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
         half_length, side = _extent_of_contacts(scene, (along, lateral), length, finer)
     nx, ny = elements or (
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
@@ -141,13 +135,15 @@ def _line_extent(
     scene: Scene, measured: Gap | None, length: tuple[float, ...] | None, finer: float
 ) -> tuple[tuple[float, ...], int]:
     """Return the half length, if `length` does not give it, and elements of a line contact."""
+    # Elements across a line contact; they cost next to nothing.
+    across_line = 512
     if scene.hertz is None:  # flat bodies with a profile along x
         x, *_ = required(measured, "gap")
         length = length or (float(max(-x[0], x[-1])),)
-        return length, 2 * int(0.5 * ACROSS_LINE * finer) + 1
+        return length, 2 * int(0.5 * across_line * finer) + 1
     half = [block.hertz.a for block in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     length = length or (MARGIN * max(half),)
-    return length, 2 * int(0.5 * ACROSS_LINE * finer * length[0] / min(half)) + 1
+    return length, 2 * int(0.5 * across_line * finer * length[0] / min(half)) + 1
 
 
 def _extent_of_gap(

@@ -80,7 +80,12 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
         )
     if steepness >= 1.0:
         return reached + too_steep(steepness)
-    return reached + model.method.cure + (GENTLER if model.friction_law.falls else "")
+    if not model.friction_law.falls:
+        return reached + model.method.cure
+    return (
+        f"{reached}{model.method.cure}; if friction falls too fast with sliding, increase "
+        "friction.memory or friction.half_speed, or coarsen the mesh if there is a friction.layer"
+    )
 
 
 def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
@@ -116,12 +121,6 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
         half_length = ", ".join(f"{1.15 * semi_axis:.3g}" for semi_axis in semi_axes)
         advised = f"grid.half_length = [{half_length}], or leave [grid] out"
     return text + f"Use {advised}; check the units of [load] (N, MPa, mm) and of the radii (mm)"
-
-
-GENTLER = (
-    "; if friction falls too fast with sliding, increase friction.memory or friction.half_speed, "
-    "or coarsen the mesh if there is a friction.layer"
-)
 
 
 def too_steep(steepness: float) -> str:

@@ -27,9 +27,6 @@ from tractive_sam.solvers import (
     WearInPass,
 )
 
-_OF_PATCH = ("_patch_gap", "opening", "undeformed_gap", "rigid_slip", "scaled_rigid_slip")
-"""Cached properties that differ between the patches of a wheel."""
-
 
 class Model:
     """The contact problems of a scene on its mesh.
@@ -56,6 +53,9 @@ class Model:
     wheel_rail : WheelRail, optional
         Geometry of worn profiles in place of the profiles of the scene.
     """
+
+    patch_only = ("_patch_gap", "opening", "undeformed_gap", "rigid_slip", "scaled_rigid_slip")
+    """Cached properties that differ between the patches of a wheel."""
 
     def __init__(
         self,
@@ -111,7 +111,7 @@ class Model:
         _ = self.operators, self.units  # computed once for all patches
         model = copy(self)
         model.patch, model.approach = patch, approach
-        cached = ("load",) if patch is self.patch else ("load", *_OF_PATCH)
+        cached = ("load",) if patch is self.patch else ("load", *self.patch_only)
         for name in cached:
             model.__dict__.pop(name, None)
         return model
@@ -248,26 +248,9 @@ class Model:
     @cached_property
     def units(self) -> Units:
         """Units from the Hertzian contact, or from the mesh without one."""
-        hertz, sides = self.scene.hertz, (self.grid.dx, self.grid.dy)
-        if hertz is not None:
-            length = hertz.mean_semi_axis
-        elif self.grid.line:
-            length = 0.5 * self.grid.half_length[0]
-        else:
-            length = 0.5 * float(np.sqrt(self.grid.half_length[0] * self.grid.half_length[1]))
-        gap = self.elasticity.gap_per_pressure(length, *sides)
-        load = self.scene.normal_load
-        if hertz is not None:
-            pressure = hertz.p0
-        elif load is not None:
-            pressure = load / (2.0 * length if self.grid.line else np.pi * length**2)
-        else:
-            approach = required(self.scene.load.approach, "load.approach")
-            interference = approach - float(self.undeformed_gap.min())
-            # Without contact the unit only has to be positive.
-            pressure = (abs(interference) or 1e-3 * length) / gap
-        slip = max(self.frame.mu) ** 2 * self.elasticity.slip_per_traction(*sides)
-        return Units(pressure, gap * pressure, slip * pressure)
+        return Units.of_contact(
+            self.scene, self.grid, self.elasticity, self.frame, lambda: self.undeformed_gap
+        )
 
     @cached_property
     def operators(self) -> Operators:

@@ -24,18 +24,6 @@ FORMULAS: Mapping[str, Callable[[Mapping[str, complex]], complex]] = {
 """Columns of a record with derivatives that follow from the Jacobian."""
 
 
-COLUMNS_OF = {
-    "creepage.longitudinal": "xi_x",
-    "creepage.lateral": "xi_y",
-    "creepage.spin": "spin",
-    "load.normal": "P",
-    "friction.mu": "mu",
-    "friction.mu[0]": "mu1",
-    "friction.mu[1]": "mu2",
-}
-"""Columns of the Jacobian by the keys of their parameters."""
-
-
 def derivatives_of(
     columns: Sequence[str], wanted: Sequence[str], contact: State, jacobian: Any
 ) -> dict[str, np.ndarray]:
@@ -76,6 +64,16 @@ def derivatives_of(
 
 def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]) -> dict[str, str]:
     """Return keys with derivatives in the Jacobian of one contact, each with its column."""
+    # Columns of the Jacobian by the keys of their parameters.
+    columns_of = {
+        "creepage.longitudinal": "xi_x",
+        "creepage.lateral": "xi_y",
+        "creepage.spin": "spin",
+        "load.normal": "P",
+        "friction.mu": "mu",
+        "friction.mu[0]": "mu1",
+        "friction.mu[1]": "mu2",
+    }
     law = scene.friction
     if law is None or any(name not in FORMULAS for name in columns):
         return {}
@@ -85,7 +83,7 @@ def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...])
               if force is not None}  # fmt: skip
     exact = {}
     for key in keys:
-        column = COLUMNS_OF.get(key, "")
+        column = columns_of.get(key, "")
         is_exact = column not in sought and (coulomb or base_of(key) != "friction.mu")
         if column and is_exact and (column != "P" or load.normal is not None):
             exact[key] = column

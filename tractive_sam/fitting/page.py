@@ -16,9 +16,6 @@ from tractive_sam.output_file import write_file
 from tractive_sam.pages import style
 from tractive_sam.scene import Scene
 
-WIDTH = 460.0
-"""Width of a picture, pixels."""
-
 
 def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
     """Write a fit as one page that needs no other file and no network.
@@ -75,10 +72,12 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
 
 def _pictures(result: FitResult) -> Iterator[Html]:
     """Yield the figures of a fit as HTML."""
+    # Width of a picture, pixels.
+    width = 460.0
     card = "<figure><figcaption>$caption</figcaption>$image</figure>\n"
     for _, caption, figure in fit_figures(result):
         interrupt.raise_if_interrupted()
-        yield fill(card, caption=caption, image=figure.to_html(WIDTH))
+        yield fill(card, caption=caption, image=figure.to_html(width))
 
 
 def _tables(result: FitResult) -> Iterator[Html]:

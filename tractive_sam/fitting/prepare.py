@@ -22,16 +22,6 @@ from tractive_sam.run import read_measured_gap, roll
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError
 
-MARGIN = 1.25
-"""Half lengths of a fixed mesh over the half axes of the contact at the first values."""
-
-FINER = 1.5
-"""Ratio of the numbers of elements of the finer mesh and the mesh, along each axis."""
-
-COSTLY = ("subsurface", "fatigue")
-"""Tables that are left out if no observation needs them."""
-
-
 Remember = Callable[[str, Callable[[], Answer]], Answer]
 """Returns the answer of a digest; computes it if it is not known."""
 
@@ -76,11 +66,13 @@ def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     SceneError
         If records of the scene lack a column.
     """
+    # Tables that are left out if no observation needs them.
+    costly = ("subsurface", "fatigue")
     quantities = index_by_name(COLUMNS)
     wanted = [quantities[name.partition(" ")[0]] for name in columns]
     if unworn and scene.wear is not None:
         scene = scene.replace(wear=None, duty=None, load_history=None)
-    for name in COSTLY:
+    for name in costly:
         if getattr(scene, name) is not None:
             without = scene.replace(**{name: None})
             if all(quantity.applies(without) for quantity in wanted):
@@ -113,6 +105,8 @@ def fixed(
     SceneError
         If the scene cannot be computed at the first values.
     """
+    # Half lengths of a fixed mesh over the half axes of the contact at the first values.
+    margin = 1.25
     changes: dict[str, Any] = {}
     stated = sorted({round(at) for at in places if not math.isnan(at)})
     if scene.wear is not None and scene.wear.revolutions:
@@ -130,7 +124,7 @@ def fixed(
         if grid is None:
             grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1].grid
         x, y = grid.half_length
-        wider = extend_to(grid, (MARGIN * x, MARGIN * y))
+        wider = extend_to(grid, (margin * x, margin * y))
         changes |= grid_entries(wider)
     return changes
 
@@ -150,8 +144,10 @@ def grid_entries(grid: Grid) -> dict[str, Any]:
 
 def finer(scene: Scene) -> Scene:
     """Return a scene on a finer mesh of equal extent."""
+    # Ratio of the numbers of elements of the finer mesh and the mesh, along each axis.
+    refinement = 1.5
     grid = Model(scene, read_measured_gap(scene)).grid
-    n_x, n_y = (2 * round(0.5 * (FINER * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
+    n_x, n_y = (2 * round(0.5 * (refinement * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
     return scene.replace(**grid_entries(replace(grid, elements=(n_x, n_y))))
 
 

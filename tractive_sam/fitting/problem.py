@@ -18,10 +18,6 @@ from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.series import Series
 from tractive_sam.schema import Fault, SceneError
 
-ROLL_STEP = 1e-2
-"""Relative step of differences of rolls. Fixed steps leave a noise of some 1e-6 of the wear, so
-that a derivative has an error of 1e-4 by it, and of about half the step by curvature."""
-
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
@@ -40,6 +36,10 @@ class FitProblem:
     step : float or None
         Relative step of differences.
     """
+
+    roll_step = 1e-2
+    """Relative step of differences of rolls. Fixed steps leave a noise of some 1e-6 of the wear, so
+    that a derivative has an error of 1e-4 by it, and of about half the step by curvature."""
 
     parameters: Parameters
     series: tuple[Series, ...]
@@ -204,7 +204,7 @@ class FitProblem:
         rolled = any(not is_steady(prepare.trimmed(series.base, series.columns, series.unworn))
                      for series in self.series)  # fmt: skip
         tolerance = max(series.base.solver.tolerance for series in self.series)
-        return ROLL_STEP if rolled else max(1e-4, tolerance**0.5)
+        return self.roll_step if rolled else max(1e-4, tolerance**0.5)
 
     def _replies(
         self, points: Mapping[str, np.ndarray], derivatives: bool = True

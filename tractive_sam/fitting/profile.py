@@ -7,9 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-TRIALS = 81
-"""Offsets that are tried for the first alignment."""
-
 
 @dataclass(frozen=True, eq=False)
 class ProfilePosition:
@@ -26,6 +23,9 @@ class ProfilePosition:
     y, depth : ndarray, shape (n,)
         Measured places and depths, mm.
     """
+
+    trials = 81
+    """Offsets that are tried for the first alignment."""
 
     unknown: tuple[str, ...]
     y: np.ndarray
@@ -70,7 +70,7 @@ class ProfilePosition:
         if "offset" in self.unknown:
             half = 0.5 * float(np.ptp(self.y))
             middle = 0.5 * float(self.y.min() + self.y.max())
-            trials = [*np.linspace(middle - half, middle + half, TRIALS), 0.0]
+            trials = [*np.linspace(middle - half, middle + half, self.trials), 0.0]
         best = np.inf
         for offset in trials:
             shape = _depth(y, depth)(self.y - offset)

@@ -24,9 +24,6 @@ from tractive_sam.schema import (
 COORDINATES = ("revolution", "distance")
 """Columns of a record that `vary` may name: the record instead of an entry of the scene."""
 
-OBSERVABLE = ((), ("y",), ("body",))
-"""Dimensions of columns that can be observed: numbers, profiles, and numbers of each body."""
-
 DEPTH = "depth"
 """Column of a data file that holds the measured profile."""
 
@@ -105,13 +102,15 @@ def _check_observations(entries: ValidEntries) -> Iterator[Fault]:
 
 def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
     """Yield the faults of a column that is to be observed, see `column_of`."""
+    # Dimensions of columns that can be observed: numbers, profiles, and numbers of each body.
+    observable = ((), ("y",), ("body",))
     table = index_by_name(COLUMNS)
     if name not in table:
-        names = dict.fromkeys(quantity.name for quantity in COLUMNS if quantity.dims in OBSERVABLE)
+        names = dict.fromkeys(quantity.name for quantity in COLUMNS if quantity.dims in observable)
         yield Fault("observe", shorten(name), suggest_name(name, [*names]))
     elif table[name].dims == ("body",) and body is None:
         yield Fault("body", f"nothing, and observe = {shorten(name)}", '"A" or "B"')
-    elif table[name].dims not in OBSERVABLE:
+    elif table[name].dims not in observable:
         yield Fault("observe", shorten(name), "a number of a record, or a profile over y")
 
 

@@ -9,9 +9,6 @@ import numpy as np
 from tractive_sam.fitting.design import Fit
 from tractive_sam.fitting.estimate import Directions, Estimate
 
-SIMPLE = 0.03
-"""Difference from a simple number below which an exponent is written as that number."""
-
 
 def describe_undetermined(best: Estimate) -> list[str]:
     """Return a sentence for each direction in which the data do not determine parameters."""
@@ -36,9 +33,11 @@ def describe_undetermined(best: Estimate) -> list[str]:
 
 def _product(keys: Sequence[str], direction: np.ndarray) -> str:
     """Return the product of powers that is constant along a direction of the logarithms."""
+    # Difference from a simple number below which an exponent is written as that number.
+    simple_within = 0.03
     power = -direction[0] / direction[1]
     for simple in (1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 3.0, -3.0):
-        if abs(power - simple) < SIMPLE * abs(simple):
+        if abs(power - simple) < simple_within * abs(simple):
             power = simple
     sign = "*" if power > 0.0 else "/"
     exponent = "" if abs(power) == 1.0 else f"^{abs(power):.3g}"

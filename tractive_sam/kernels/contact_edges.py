@@ -4,18 +4,12 @@ import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
 
-LAST = 0.8246
-"""Largest place of an edge: there, the next element comes into contact."""
-
-SINGLE = 0.5
-"""Place of the edge of an element without neighbours in contact: half its width."""
-
 
 @compiled
 def edge_place(here, before):
     """Return the place of an edge, in elements beyond the centre of the outermost one.
 
-    A cubic in the ratio r of both pressures, see `results.edges`; peaks at a rim are cut at `LAST`.
+    A cubic in the ratio r of both pressures, see `results.edges`; peaks at a rim are cut at `last`.
 
     Parameters
     ----------
@@ -24,10 +18,14 @@ def edge_place(here, before):
     before : float
         Pressure of its neighbour in the contact; 0 if there is none.
     """
+    # Place of the edge of an element without neighbours in contact: half its width.
+    single = 0.5
+    # Largest place of an edge: there, the next element comes into contact.
+    last = 0.8246
     if before <= 0.0:
-        return SINGLE
+        return single
     r = here / max(before, here)
-    return min(-0.1754 + r * (1.0173 + r * (0.3268 + r * 0.3638)), LAST)
+    return min(-0.1754 + r * (1.0173 + r * (0.3268 + r * 0.3638)), last)
 
 
 @compiled

@@ -51,19 +51,8 @@ def _stress_factors(look, normal):
         look[k, 5] = u[1] * v[2] + u[2] * v[1]
 
 
-SIDE = 7
-"""Cells along each side of a face of a cube in the first search; three faces are half a sphere."""
-
 ENOUGH = 1e-4
 """Relative error of the value at a critical plane: a cell that can gain no more is dropped."""
-
-LIKELY = 0.5
-"""Share of the most by which a value may fall towards the corner of a cell: with all of it nothing
-can be missed, at twice the time. In 11,000 paths of lines and discs, out of phase and random, none
-missed `ENOUGH` with half of it; 26 did, by up to 0.2 %, with less than a third."""
-
-DIVIDED = 12
-"""How often a cell is divided at most: its normals are then within a hundredth of a degree."""
 
 STEPS, LONGEST, SHORTENED, SETTLED = 20, 0.15, 6, 1e-8
 """Newton steps towards a maximum, the longest of them, radians, how often one that does not lead up
@@ -91,6 +80,12 @@ def critical_plane(out, paths, sum_k, product_k):
     sum_k, product_k : float
         Sensitivities; one of them is zero, the second is per unit of the stress.
     """
+    # How often a cell is divided at most: its normals are then within a hundredth of a degree.
+    divided = 12
+    # Share of the most by which a value may fall towards the corner of a cell: with all of it
+    # nothing can be missed, at twice the time. In 11,000 paths of lines and discs, out of phase and
+    # random, none missed `ENOUGH` with half of it; 26 did, by up to 0.2 %, with less than a third.
+    likely = 0.5
     n, cells = paths.shape[2], _first_cells()
     half, count = cells[0, 3], len(cells)
     normals, reach = np.empty((count, 3)), np.empty(count)
@@ -101,11 +96,11 @@ def critical_plane(out, paths, sum_k, product_k):
     room = np.empty((3, n)), np.empty(n), support, weights, np.empty((6, 6)), np.empty((4, 6))
     ball = np.empty((5, n)), np.empty(n), np.empty(5), np.empty(7, np.int64), np.empty(7)
     # Each cell that is divided leaves three more than there were.
-    stack, normal, last = np.empty((count + 3 * DIVIDED, 4)), np.empty(3), normals[0].copy()
-    smallest = half * 0.5**DIVIDED
+    stack, normal, last = np.empty((count + 3 * divided, 4)), np.empty(3), normals[0].copy()
+    smallest = half * 0.5**divided
     for k in range(len(paths)):
         path = paths[k]
-        bend = LIKELY * _bound_curvature(path, sum_k, product_k, ball)
+        bend = likely * _bound_curvature(path, sum_k, product_k, ball)
         _stress_ranges(box, path, looks)
         for c in range(count):  # with the rectangle's diagonal: it is never too small
             amplitude = 0.5 * math.hypot(box[3, c] - box[2, c], box[5, c] - box[4, c])
@@ -147,11 +142,13 @@ def critical_plane(out, paths, sum_k, product_k):
 @compiled(inner=True)
 def _first_cells():
     """Return the cells of the first search (m, 4): face, angles u, v of the middle, half side."""
-    cells, half = np.empty((3 * SIDE * SIDE, 4)), math.pi / 4 / SIDE
+    # Cells along each side of a face of a cube in the first search; three faces are half a sphere.
+    side = 7
+    cells, half = np.empty((3 * side * side, 4)), math.pi / 4 / side
     for k in range(len(cells)):
-        cells[k, 0], cells[k, 3] = k // (SIDE * SIDE), half
-        cells[k, 1] = half * (1 + 2 * (k // SIDE % SIDE)) - math.pi / 4
-        cells[k, 2] = half * (1 + 2 * (k % SIDE)) - math.pi / 4
+        cells[k, 0], cells[k, 3] = k // (side * side), half
+        cells[k, 1] = half * (1 + 2 * (k // side % side)) - math.pi / 4
+        cells[k, 2] = half * (1 + 2 * (k % side)) - math.pi / 4
     return cells
 
 

@@ -18,8 +18,6 @@ from math import erf, exp, log, pi, sqrt
 
 from tractive_sam.kernels.compiled import compiled
 
-EULER = 0.5772156649015329
-
 
 @compiled
 def front_integrand(at, x, speed, kappa, out):
@@ -34,10 +32,11 @@ def front_integrand(at, x, speed, kappa, out):
 @compiled
 def exponential_integral(x):
     """Return E1(x), x > 0: its series up to 1, then its continued fraction (Lentz)."""
+    euler = 0.5772156649015329
     if x > 700.0:
         return 0.0
     if x <= 1.0:
-        total, term = -EULER - log(x), 1.0
+        total, term = -euler - log(x), 1.0
         for n in range(1, 30):
             term *= -x / n
             total -= term / n

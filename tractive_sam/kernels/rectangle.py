@@ -18,7 +18,7 @@ name      integrand           in x        in y
 
 Near the rectangle the integrals are differences of antiderivatives at its four corners. Far away
 that difference cancels (its terms grow like r ln r, the result falls like 1/r: at 1,000 sides its
-relative error is 4e-9 for a square and 7e-8 for sides 20:1), so beyond ``FAR`` sides a 4 x 4
+relative error is 4e-9 for a square and 7e-8 for sides 20:1), so beyond ``distant`` sides a 4 x 4
 Gauss-Legendre rule takes over, with a relative error below 2e-13 from there on.
 """
 
@@ -28,14 +28,8 @@ import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
 
-FAR = 12.0
-"""Distance, in longest sides of the rectangle, beyond which quadrature is the more accurate."""
 
 # Gauss-Legendre rule of four points on [-1/2, 1/2].
-_NODES = (-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.43056815579702629)
-_WEIGHTS = (0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693)
-
-
 @compiled
 def x_log(x, y):
     """Return the antiderivative x ln(y + r) of y²/r³; zero in the limit x = 0.
@@ -102,13 +96,15 @@ def near(x, y, dx, dy):
 @compiled
 def far(x, y, dx, dy):
     """Return the six integrals over a distant rectangle by Gauss-Legendre quadrature."""
+    weights = (0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693)
+    nodes = (-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.43056815579702629)
     # Scalars instead of an array: the compiler keeps them in registers.
     r1 = xx = yy = xy = x2 = y2 = 0.0
     for i in range(4):
-        xi = x - dx * _NODES[i]
+        xi = x - dx * nodes[i]
         for j in range(4):
-            w = _WEIGHTS[i] * _WEIGHTS[j] * dx * dy
-            a, b, c, d, e, f = point(xi, y - dy * _NODES[j])
+            w = weights[i] * weights[j] * dx * dy
+            a, b, c, d, e, f = point(xi, y - dy * nodes[j])
             r1 += w * a
             xx += w * b
             yy += w * c
@@ -134,7 +130,9 @@ def integrals(x, y, dx, dy):
     r1, xx, yy, xy, x2, y2 : float
         Integrals of 1/r, x²/r³, y²/r³, x y/r³, x/r² and y/r², mm.
     """
-    if hypot(x, y) > FAR * max(dx, dy):
+    # Distance, in longest sides of the rectangle, beyond which quadrature is the more accurate.
+    distant = 12.0
+    if hypot(x, y) > distant * max(dx, dy):
         return far(x, y, dx, dy)
     return near(x, y, dx, dy)
 

@@ -62,13 +62,6 @@ def sum_patch_stress(out, points, centres, tractions, dx, dy, nu):
 NODE = 0.5 / math.sqrt(3.0)
 """Place of the Gauss-Legendre nodes of a side, from its middle, over its length."""
 
-AT_ONCE = 512
-"""Forces that are summed at a time."""
-
-
-NOTHING = 1e-12
-"""A sum over patches that is less than this part of those before it is rounding."""
-
 
 @compiled
 def summed(tractions):
@@ -187,9 +180,11 @@ def stress_at_columns(
 @compiled(inner=True)
 def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
     """Add the stresses (bodies, 6, ...) at a group of points, the first ones of `out`."""
+    # Forces that are summed at a time.
+    at_once = 512
     nx, ny = sums.shape[0] - 1, sums.shape[1] - 1
     blocks_x, blocks_y = blocks
-    forces, at_nodes = np.empty((5, AT_ONCE), dtype=np.float32), np.empty((3, 2, 2))
+    forces, at_nodes = np.empty((5, at_once), dtype=np.float32), np.empty((3, 2, 2))
     # Lengths are from what the points are near, over its depth.
     per_depth = 1.0 / around[2]
     dx, dy = sides[0] * per_depth, sides[1] * per_depth
@@ -232,7 +227,7 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
                 for k in range(2 * pieces_x):
                     at_x = x + m * dx * _node(k, pieces_x)
                     for h in range(2 * pieces_y):
-                        if count == AT_ONCE:
+                        if count == at_once:
                             _add_to_bodies(out, places, forces, count, signs, poisson)
                             count = np.int64(0)
                         forces[0, count] = at_x
@@ -258,6 +253,8 @@ def _set_at_nodes(out, sums, a, b, m, n):
 
     They have the sum of the tractions and the moments of x, y and x y about the middle.
     """
+    # A sum over patches that is less than this part of those before it is rounding.
+    nothing = 1e-12
     # The middle and the nodes, in patches.
     x, y = a + 0.5 * (m - 1), b + 0.5 * (n - 1)
     node_x, node_y = NODE * m, NODE * n
@@ -269,7 +266,7 @@ def _set_at_nodes(out, sums, a, b, m, n):
             out[load, by // 2, by % 2] = right
         total, by_i, by_j = out[load, 0, 0], out[load, 0, 1], out[load, 1, 0]
         by_both = out[load, 1, 1]
-        loaded = loaded or abs(total) > NOTHING * abs(sums[a + m, b + n, load, 0])
+        loaded = loaded or abs(total) > nothing * abs(sums[a + m, b + n, load, 0])
         lean_x, lean_y = (by_i - x * total) / node_x, (by_j - y * total) / node_y
         twist = (by_both - x * by_j - y * by_i + x * y * total) / (node_x * node_y)
         out[load, 0, 0] = 0.25 * (total - lean_x - lean_y + twist)

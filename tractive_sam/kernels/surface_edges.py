@@ -13,19 +13,6 @@ import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
 
-FARTHEST = 2.0
-"""Most elements from a corner that all four elements touch to an edge of the contact straight
-ahead; half an element less if the edge lies across a diagonal. An element is loaded about as soon
-as the edge has passed its centre, one and a half from the corner before: with only 1.5, an edge
-that moves would come and go."""
-
-EVENLY = 1.0 - 1e-6
-"""Slope towards the edge over that along it, from which a corner is taken: on a diagonal both are
-equal except for rounding."""
-
-EVEN = 2.0
-"""Most by which the slope of the square of the pressure may change from that corner to the next."""
-
 WIDEST = 3
 """Most elements from a corner that slips to one that sticks."""
 
@@ -34,8 +21,6 @@ ROOM = WIDEST + 1
 
 UNLOADED, SLIPS, STICKS, BOTH = range(4)
 """Kinds of corners: an element there is unloaded; all slip; all stick; some slip and some stick."""
-
-DIRECTIONS = ((1, 0), (-1, 0), (0, 1), (0, -1))
 
 
 def kinds_of_corners(pressure, sliding):
@@ -103,6 +88,7 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
 @compiled
 def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
     """Return the results of `stresses_at_edges` for kinds with a margin of `ROOM` corners."""
+    directions = ((1, 0), (-1, 0), (0, 1), (0, -1))
     bodies, _, nx, ny = stress.shape
     count = 0
     stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
@@ -118,7 +104,7 @@ def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
                 alike = here == around[k - 1, h] == around[k + 1, h]
                 if here == UNLOADED or (alike and here == around[k, h - 1] == around[k, h + 1]):
                     continue
-                for a, b in DIRECTIONS:
+                for a, b in directions:
                     ahead, behind = around[k + a, h + b], around[k - a, h - b]
                     away, apart = -1.0, 0
                     if behind == UNLOADED and ahead != UNLOADED:
@@ -142,17 +128,27 @@ def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
 @compiled(inner=True)
 def _steps_to_edge(pressure, i, j, a, b):
     """Return the elements from a loaded corner to the edge, opposite to (a, b); -1 if unknown."""
+    # Most by which the slope of the square of the pressure may change from that corner to the next.
+    even = 2.0
+    # Slope towards the edge over that along it, from which a corner is taken: on a diagonal both
+    # are equal except for rounding.
+    evenly = 1.0 - 1e-6
+    # Most elements from a corner that all four elements touch to an edge of the contact straight
+    # ahead; half an element less if the edge lies across a diagonal. An element is loaded about as
+    # soon as the edge has passed its centre, one and a half from the corner before: with only 1.5,
+    # an edge that moves would come and go.
+    farthest = 2.0
     in_x, in_y = _differences(pressure, i, j)
     rising, along = a * in_x + b * in_y, abs(b * in_x + a * in_y)
-    if rising <= 0.0 or rising < EVENLY * along:
+    if rising <= 0.0 or rising < evenly * along:
         return -1.0
     here = _mean_square(pressure, i, j)
-    if here > FARTHEST * rising - 0.5 * along:
+    if here > farthest * rising - 0.5 * along:
         return -1.0
     # As steep further inside, or the edge is sharper than the mesh.
     in_x, in_y = _differences(pressure, i + a, j + b)
     inner = a * in_x + b * in_y
-    return here / rising if rising / EVEN < inner < EVEN * rising else -1.0
+    return here / rising if rising / even < inner < even * rising else -1.0
 
 
 @compiled(inner=True)

@@ -6,28 +6,8 @@ import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
 
-AROUND = 2
-"""Steps in x and y to the farthest values of its layer that a local maximum is compared with."""
-
 STEP = 0.1
 """Step of the differences over the depth: their error is a hundredth."""
-
-LONGEST = 0.5
-"""Longest step of a way over the depth."""
-
-FLATTEST = 1e-3
-"""Least curvature over the largest one."""
-
-SETTLED = 3e-4
-"""A step that gains less than this part of the value is the last but one."""
-
-SAME = 0.3
-"""Paths nearer to each other than this share of the depth lead to one maximum."""
-
-STEEP = 1e-2
-"""Relative fall of a value at the floor, over a fifth of the depth, away from the surface: if it
-falls by more, no maximum lies below. In 114 contacts of the twin discs the fall was at most a third
-of this whenever a maximum was found from there."""
 
 LOST, ENDED, GOES_ON = range(3)
 """State of a search path: abandoned, converged, or running."""
@@ -85,9 +65,11 @@ def find_tops(values, above, below):
 @compiled(inner=True)
 def _largest_around(values, i, j):
     """Return whether no neighbour is larger; of equal values the first counts."""
+    # Steps in x and y to the farthest values of its layer that a local maximum is compared with.
+    around = 2
     nx, ny = values.shape
-    for k in range(max(0, i - AROUND), min(nx, i + AROUND + 1)):
-        for h in range(max(0, j - AROUND), min(ny, j + AROUND + 1)):
+    for k in range(max(0, i - around), min(nx, i + around + 1)):
+        for h in range(max(0, j - around), min(ny, j + around + 1)):
             before = k < i or (k == i and h < j)
             if values[k, h] > values[i, j] or (before and values[k, h] == values[i, j]):
                 return False
@@ -149,14 +131,20 @@ def climb(at, barred, best, values, of, highest, threshold, floor, first):
     ndarray of int, shape (m,)
         The state of each path.
     """
+    # Relative fall of a value at the floor, over a fifth of the depth, away from the surface: if it
+    # falls by more, no maximum lies below. In 114 contacts of the twin discs the fall was at most a
+    # third of this whenever a maximum was found from there.
+    steep = 1e-2
+    # A step that gains less than this part of the value is the last but one.
+    settled_step = 3e-4
     count = len(at)
     fates = np.empty(count, dtype=np.uint8)
     for m in range(count):
         here, on_floor = values[m, 0], at[m, 2] <= floor
         gain = _step(at[m], values[m], floor)
-        low, settled = on_floor and here < threshold[m], gain < SETTLED * here
+        low, settled = on_floor and here < threshold[m], gain < settled_step * here
         stays = low and at[m, 2] <= floor  # beside the start the path down may be free
-        falls = first and values[m, 6] - values[m, 3] > STEEP * here
+        falls = first and values[m, 6] - values[m, 3] > steep * here
         if (low and falls) or (stays and (barred[m] or settled)):
             fates[m] = LOST
         elif settled:
@@ -184,10 +172,12 @@ def last_steps(at, values, floor):
 @compiled(inner=True)
 def _follows(at, values, of, fates, m):
     """Return whether a path with a higher value of this function is near."""
+    # Paths nearer to each other than this share of the depth lead to one maximum.
+    same = 0.3
     for k in range(len(at)):
         if fates[k] == GOES_ON and of[k] == of[m] and values[k, 0] > values[m, 0]:
             x, y, z = at[k, 0] - at[m, 0], at[k, 1] - at[m, 1], at[k, 2] - at[m, 2]
-            if x * x + y * y + z * z < (SAME * at[m, 2]) ** 2:
+            if x * x + y * y + z * z < (same * at[m, 2]) ** 2:
                 return True
     return False
 
@@ -195,6 +185,8 @@ def _follows(at, values, of, fates, m):
 @compiled(inner=True)
 def _step(at, v, floor):
     """Move to the maximum of the quadratic through values on the stencil; return the gain."""
+    # Longest step of a way over the depth.
+    longest = 0.5
     step, gradient, hessian = np.empty(3), np.empty(3), np.empty((3, 3))
     for i in range(3):
         gradient[i] = 0.5 * (v[1 + i] - v[4 + i])
@@ -208,9 +200,9 @@ def _step(at, v, floor):
         gradient[2] = hessian[0, 2] = hessian[1, 2] = hessian[2, 0] = hessian[2, 1] = 0.0
         _uphill(step, gradient, hessian)
     length = math.sqrt(step[0] ** 2 + step[1] ** 2 + step[2] ** 2)
-    if length > LONGEST / STEP:
+    if length > longest / STEP:
         for i in range(3):
-            step[i] *= LONGEST / STEP / length
+            step[i] *= longest / STEP / length
     scale = STEP * at[2]
     for i in range(3):
         at[i] += scale * step[i]
@@ -221,6 +213,8 @@ def _step(at, v, floor):
 @compiled(inner=True)
 def _uphill(step, gradient, hessian):
     """Set the Newton step of a Hessian that is shifted until it is negative definite."""
+    # Least curvature over the largest one.
+    flattest = 1e-3
     a, d, f = hessian[0, 0], hessian[1, 1], hessian[2, 2]
     b, c, e = hessian[0, 1], hessian[0, 2], hessian[1, 2]
     size = max(abs(a), abs(b), abs(c), abs(d), abs(e), abs(f))
@@ -233,7 +227,7 @@ def _uphill(step, gradient, hessian):
         minor = a * d - b * b
         determinant = f * minor - a * e * e + 2.0 * b * c * e - d * c * c
         # All leading minors alternate, and no curvature is next to nothing.
-        if a < 0.0 < minor and determinant < -FLATTEST * size**3:
+        if a < 0.0 < minor and determinant < -flattest * size**3:
             break
         lower = max(2.0 * lower, 0.1 * size)
     u, v, w = gradient

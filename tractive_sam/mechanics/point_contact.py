@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-_ROOT_TOLERANCE = 4 * np.finfo(float).eps
-
 
 @dataclass(frozen=True)
 class HertzContact:
@@ -157,6 +155,7 @@ def hertz(
 
 def _axis_ratio(radius_x: float, radius_y: float) -> float:
     """Return a/b of the contact ellipse: the root of a monotonic odd function of its logarithm."""
+    root_tolerance = 4 * np.finfo(float).eps
     target = math.log(radius_x / radius_y)
 
     def excess(log_ratio: float) -> float:
@@ -168,7 +167,7 @@ def _axis_ratio(radius_x: float, radius_y: float) -> float:
     # near a line the 1/2.
     before, missed = 0.0, target
     at = 2.0 / 3.0 * target
-    while abs(at - before) > _ROOT_TOLERANCE * abs(at):
+    while abs(at - before) > root_tolerance * abs(at):
         here = excess(at)
         if here in (0.0, missed):
             break

@@ -11,14 +11,14 @@ with the wave number and with the distance, and is integrated over the wave numb
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import ClassVar
 
 import numpy as np
 
 from tractive_sam.mechanics.elasticity import HalfSpaces
-
-ODD = {"xy": "xy", "xz": "x", "yz": "y"}
-"""Axes along which a component is odd."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,9 @@ class SpectralHalfSpaces(HalfSpaces):
     >>> bool(np.allclose(table, bodies.coefficients("zz", (9, 9), 0.1, 0.1)))
     True
     """
+
+    odd: ClassVar[Mapping[str, str]] = MappingProxyType({"xy": "xy", "xz": "x", "yz": "y"})
+    """Axes along which a component is odd."""
 
     length: float
 
@@ -98,8 +101,8 @@ class SpectralHalfSpaces(HalfSpaces):
         height: float,
     ) -> np.ndarray:
         """Return the coefficients of the response that has no closed form."""
-        kx, along = _waves(offsets[0], dx, self.length, height, "x" in ODD.get(component, ""))
-        ky, across = _waves(offsets[1], dy, self.length, height, "y" in ODD.get(component, ""))
+        kx, along = _waves(offsets[0], dx, self.length, height, "x" in self.odd.get(component, ""))
+        ky, across = _waves(offsets[1], dy, self.length, height, "y" in self.odd.get(component, ""))
         small = 1e-3 * kx[1], 1e-3 * ky[1]  # long waves have a limit, which may have a direction
         x, y = kx[:, None].copy(), ky[None, :].copy()
         values = self._rest(below, component, x, y, height)
@@ -110,7 +113,7 @@ class SpectralHalfSpaces(HalfSpaces):
                 + self._rest(below, component, np.zeros((1, 1)), np.full((1, 1), small[1]), height)
             ).item()
         )
-        sign = -1.0 if component in ODD else 1.0
+        sign = -1.0 if component in self.odd else 1.0
         return sign * (along @ values @ across.T)
 
     def _rest(

@@ -1,6 +1,6 @@
 """Measured wear laws: regimes of frictional work, or of sliding speed and pressure.
 
-The coefficients are in `mechanics.wear_sets`, in the published units; `PER_MASS` and `PER_SECTION`
+The coefficients are in `mechanics.wear_sets`, in the published units; `per_mass` and `per_section`
 convert them.
 """
 
@@ -13,14 +13,6 @@ from tractive_sam.kernels import wear
 from tractive_sam.mechanics.friction import FrictionLaw
 from tractive_sam.mechanics.wear import ArchardByWork, WearConditions, WearLaw, frictional_work
 from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT, Regimes
-
-PER_MASS = 1e-3
-"""Depth per distance rolled of 1 µg/(m mm²) of a body of 1 kg/m³: 1e-9 kg/(1e3 mm mm²) over
-1e-9 kg/mm³."""
-
-PER_SECTION = np.pi * 1e-6
-"""Worn cross section of a turn of a wheel of diameter D, mm², for 1/D mm²/km: pi D in mm is
-1e-6 pi D km."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +30,10 @@ class TGammaPerArea(WearLaw):
         work of each element; otherwise each element has its T-gamma/A.
     """
 
+    per_mass = 1e-3
+    """Depth per distance rolled of 1 µg/(m mm²) of a body of 1 kg/m³: 1e-9 kg/(1e3 mm mm²) over
+    1e-9 kg/mm³."""
+
     regimes: Regimes
     density: float
     total: bool = False
@@ -49,7 +45,7 @@ class TGammaPerArea(WearLaw):
         Parameters as in `WearLaw.rate`.
         """
         work = frictional_work(traction, slip)
-        per_mass = PER_MASS / self.density
+        per_mass = self.per_mass / self.density
         if not self.total:
             return per_mass * self.regimes(work)[0]
         mean = _mean(work, pressure)
@@ -67,7 +63,7 @@ class TGammaPerArea(WearLaw):
         if self.total:
             return np.where(touching, self.rate(pressure, traction, slip) / each, 0.0)
         work = frictional_work(traction, slip)
-        slope = PER_MASS / self.density * self.regimes(work)[1]
+        slope = self.per_mass / self.density * self.regimes(work)[1]
         return np.where(touching, slope * work / each, 0.0)
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
@@ -95,6 +91,10 @@ class TGammaTotal(WearLaw):
         Area of an element, mm².
     """
 
+    per_section = np.pi * 1e-6
+    """Worn cross section of a turn of a wheel of diameter D, mm², for 1/D mm²/km: pi D in mm is
+    1e-6 pi D km."""
+
     regimes: Regimes
     element_area: float = np.nan
     recorded_name = "ByTotal"
@@ -110,7 +110,7 @@ class TGammaTotal(WearLaw):
         """
         work = frictional_work(traction, slip)
         total = float(work.sum()) * self.element_area
-        return PER_SECTION * self.regimes.at(total) / total * work if total else work
+        return self.per_section * self.regimes.at(total) / total * work if total else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.

@@ -17,9 +17,6 @@ from tractive_sam.operators.threads import threads_for_transform
 
 Plan = TypeVar("Plan")
 
-PLANNING_SECONDS = 10.0
-"""Longest time FFTW may search for the best plan of one transform."""
-
 
 def fast_length(n: int) -> int:
     """Return an even length of at least n that FFTW transforms fast.
@@ -43,6 +40,8 @@ def plan(
 
     Back to real numbers, executing it overwrites the source.
     """
+    # Longest time FFTW may search for the best plan of one transform.
+    planning_seconds = 10.0
     flags: tuple[str, ...] = ("FFTW_MEASURE",)
     if direction == "FFTW_BACKWARD" and not np.iscomplexobj(target):
         flags += ("FFTW_DESTROY_INPUT",)
@@ -53,7 +52,7 @@ def plan(
         direction=direction,
         flags=flags,
         threads=threads,
-        planning_timelimit=PLANNING_SECONDS,
+        planning_timelimit=planning_seconds,
     )
 
 

@@ -7,21 +7,9 @@ from tractive_sam.operators.convolution import Convolution
 from tractive_sam.operators.fft import padded_length, spectrum
 from tractive_sam.results import Grid
 
-POINTS = 10
-"""Gauss points of a panel."""
-
-GROWTH = 1.6
-"""Length of a panel over its distance from zero, at most: of a slowly moving source."""
-
-FRONT = 2.0
-"""That in widths of a front, sqrt(kappa)/V in the root of time, of a fast one."""
-
 STEPS_FROM = 3e3
 """Peclet number V dx/(2 kappa) of an element from which fronts are taken for steps: that is right
 to 1e-8 then, and less of larger ones."""
-
-BEYOND = 6.5
-"""erf of it is one, to rounding."""
 
 
 def _panels(
@@ -31,18 +19,24 @@ def _panels(
 
     If the source began a time `until` ago, s, to be squared, ends at that.
     """
+    # erf of it is one, to rounding.
+    beyond = 6.5
+    # That in widths of a front, sqrt(kappa)/V in the root of time, of a fast one.
+    front = 2.0
+    # Length of a panel over its distance from zero, at most: of a slowly moving source.
+    growth = 1.6
     root = np.sqrt(kappa)
     # The half side is 2 BEYOND diffusion lengths and the way: dx/2 = V s² + 2 BEYOND sqrt(kappa) s.
-    b = BEYOND * root
+    b = beyond * root
     first = min(0.5 * dx / (b + np.sqrt(b * b + 0.5 * speed * dx)), 0.5 * dy / (2.0 * b))
     far = 1e7 * np.hypot(x, y) / root
     if speed > 0.0:  # the front of the farthest point behind, and what it trails
         far = min(far, (b + np.sqrt(b * b + speed * x)) / speed)
     last = np.sqrt(until)
     ends = [min(first, last)]
-    widest = FRONT * root / speed if speed > 0.0 else np.inf
+    widest = front * root / speed if speed > 0.0 else np.inf
     while ends[-1] < min(far, last):
-        ends.append(min(last, ends[-1] + min((GROWTH - 1.0) * ends[-1], widest)))
+        ends.append(min(last, ends[-1] + min((growth - 1.0) * ends[-1], widest)))
     return np.array(ends)
 
 
@@ -78,6 +72,8 @@ def temperature_coefficients(
     ndarray, shape (m, n)
         K mm²/mW.
     """
+    # Gauss points of a panel.
+    points = 10
     sides_x = np.concatenate((x + 0.5 * dx, x - 0.5 * dx))
     table = np.empty((x.size, y.size))
     line = not np.isfinite(dy)
@@ -92,7 +88,7 @@ def temperature_coefficients(
         # Before the first panel only the element itself is warm, and wholly so.
         here = np.abs(x)[:, None] < 0.5 * dx
         table[:] = np.where(here & (line | (np.abs(y)[None, :] < 0.5 * across)), ends[0], 0.0)
-        nodes, weights = np.polynomial.legendre.leggauss(POINTS)
+        nodes, weights = np.polynomial.legendre.leggauss(points)
         for part in np.array_split(np.arange(ends.size - 1), max(1, ends.size // 100)):
             half = 0.5 * (ends[part + 1] - ends[part])[:, None]
             at = (ends[part][:, None] + half * (1.0 + nodes)).ravel()

@@ -12,9 +12,6 @@ try:
 except ImportError:  # this system has no limits
     resource = None
 
-GROUPS = Path("/sys/fs/cgroup")
-"""Folder in which Linux stores the limits of control groups (containers, batch jobs)."""
-
 
 def available_memory() -> float:
     """Return the memory that the process may still take, bytes; infinite if it is unknown."""
@@ -32,8 +29,14 @@ def _free_memory() -> float:
     return math.inf
 
 
-def memory_of_groups(root: Path = GROUPS, members: Path = Path("/proc/self/cgroup")) -> float:
-    """Return the memory left to the control groups of the process, bytes."""
+def memory_of_groups(
+    root: Path = Path("/sys/fs/cgroup"), members: Path = Path("/proc/self/cgroup")
+) -> float:
+    """Return the memory left to the control groups of the process, bytes.
+
+    In `root`, Linux stores the limits of groups, such as containers or batch jobs; `members` lists
+    those of the process.
+    """
     free = [math.inf]
     with suppress(OSError, ValueError):
         for line in members.read_text().splitlines():

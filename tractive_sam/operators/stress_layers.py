@@ -18,10 +18,6 @@ from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 MAX_BYTES = 64 * 2**20
 """Most memory of the transforms that are stored for further layers, bytes."""
 
-ROUND = 8
-"""Offsets are rounded up to multiples of this many elements: loads that change a little, as a
-contact does that wears, share plans and transforms."""
-
 
 class _Transforms:
     """A cache of the transforms of the integrals over an element, by mesh and depth.
@@ -83,6 +79,10 @@ class StressLayers:
         Threads to use.
     """
 
+    multiple = 8
+    """Offsets are rounded up to multiples of this many elements: loads that change a little, as a
+    contact does that wears, share plans and transforms."""
+
     def __init__(
         self,
         lattice: Lattice,
@@ -97,7 +97,9 @@ class StressLayers:
         loaded = np.any(tractions, axis=0)
         # No offset from a loaded element is longer than half a period.
         farthest = (reach(np.any(loaded, axis=k)) for k in (1, 0))
-        self._padded = tuple(padded_length(-(-(far + 1) // ROUND) * ROUND) for far in farthest)
+        self._padded = tuple(
+            padded_length(-(-(far + 1) // self.multiple) * self.multiple) for far in farthest
+        )
         px, py = self._padded
         spectra = transform(3, lattice.shape, self._padded).forward(tractions)
         self._loads = spectra * (0.5 / (np.pi * px * py))

@@ -12,12 +12,6 @@ from tractive_sam.operators.load_extent import extent, reach
 from tractive_sam.operators.stress_fft import edge_transform
 from tractive_sam.results import Grid
 
-_EXCHANGED = [1, 0, 2, 3, 5, 4]
-"""The components xx, yy, zz, xy, xz, yz after an exchange of x and y."""
-
-_COINCIDENT = 1e-9
-"""Distance, in elements, below which a plane lies on a row of centres or of edges."""
-
 
 class StressPlane:
     """Stress on a vertical plane at the centres along it, depth by depth.
@@ -43,6 +37,9 @@ class StressPlane:
     signs : sequence of float
         Factors of p_x and p_y, for each half-space.
     """
+
+    exchanged = (1, 0, 2, 3, 5, 4)
+    """The components xx, yy, zz, xy, xz, yz after an exchange of x and y."""
 
     def __init__(
         self,
@@ -95,10 +92,12 @@ class StressPlane:
         for out, sign, nu in zip(spectra, self.signs, self.poisson, strict=True):
             plane_product(out, transform.packs, self._loads, sign, nu)
         stresses = np.fft.irfft(spectra, self._padded)[..., : self._points]
-        return stresses[:, _EXCHANGED] if self._exchanged else stresses
+        return stresses[:, self.exchanged] if self._exchanged else stresses
 
 
 def _snapped(place: float) -> float:
     """Return a place in elements from an edge, moved onto a close centre or edge."""
+    # Distance, in elements, below which a plane lies on a row of centres or of edges.
+    coincident = 1e-9
     nearest = 0.5 * round(2.0 * place)
-    return nearest if abs(place - nearest) < _COINCIDENT else place
+    return nearest if abs(place - nearest) < coincident else place

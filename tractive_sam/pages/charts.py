@@ -12,27 +12,8 @@ from tractive_sam.pages.arrays import pack_array
 from tractive_sam.plot import Measurements
 from tractive_sam.results import BODIES, COORDINATE, LABELS, PREFIX, History, Quantity
 
-TOGETHER = (
-    ("Forces over the normal load", ("Qx_over_P", "Qy_over_P")),
-    ("Contact pressure", ("p_max", "p_95")),
-    ("Half widths of the contact", ("half_width_x", "half_width_y")),
-    ("Largest wear depth", ("wear_max",)),
-    ("Worn mass", ("worn_mass",)),
-    ("Worn volume", ("worn_volume",)),
-    ("Largest stress", ("stress_interior", "stress_surface")),
-    ("Creepages found", ("creepage_found",)),
-    ("Tangential forces", ("Qx", "Qy")),
-    ("Work per distance rolled", ("work_supplied", "dissipation", "t_gamma")),
-)
-"""Titles, and names or roles of columns in one chart. Every other column has a separate chart."""
-
 HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
 """Roles that have no chart."""
-
-SOLVER = {
-    "residual", "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
-}  # fmt: skip
-"""Columns of the solver; their charts are the last ones."""
 
 
 def charts(history: History, measured: Measurements | None = None) -> list[dict[str, Any]]:
@@ -41,6 +22,19 @@ def charts(history: History, measured: Measurements | None = None) -> list[dict[
     Columns that neither change nor were measured are omitted: the table of numbers contains them.
     For a duty cycle a chart has the columns of the cycle and of its blocks.
     """
+    # Titles, and names or roles of columns in one chart. Every other column has a separate chart.
+    together = (
+        ("Forces over the normal load", ("Qx_over_P", "Qy_over_P")),
+        ("Contact pressure", ("p_max", "p_95")),
+        ("Half widths of the contact", ("half_width_x", "half_width_y")),
+        ("Largest wear depth", ("wear_max",)),
+        ("Worn mass", ("worn_mass",)),
+        ("Worn volume", ("worn_volume",)),
+        ("Largest stress", ("stress_interior", "stress_surface")),
+        ("Creepages found", ("creepage_found",)),
+        ("Tangential forces", ("Qx", "Qy")),
+        ("Work per distance rolled", ("work_supplied", "dissipation", "t_gamma")),
+    )
     if len(history) < 2 and measured is None:
         return []
     free = {
@@ -53,7 +47,7 @@ def charts(history: History, measured: Measurements | None = None) -> list[dict[
     for name in [name for name in free if PREFIX + name in free]:
         pair = {key: free.pop(key) for key in (name, PREFIX + name)}
         groups.append((chart_title(pair[name]), pair))
-    for title, keys in TOGETHER:
+    for title, keys in together:
         names = [name for name, column in free.items() if name in keys or column.role in keys]
         groups.append((title, {name: free.pop(name) for name in names}))
     groups += [(chart_title(column), {name: column}) for name, column in free.items()]
@@ -97,6 +91,11 @@ def _chart(
     history: History, title: str, group: list[Quantity], measured: Measurements | None
 ) -> dict[str, Any]:
     """Return a chart: its title, the label of its axis, its lines, and whether it is last."""
+    # Columns of the solver; their charts are the last ones.
+    solver = {
+        "residual", "operator_applications", "convolutions", "jump", "converged",
+        "solves", "seconds",
+    }  # fmt: skip
     units = [format_unit(column.unit) for column in group]
     label = as_html(", ".join(dict.fromkeys(filter(None, units))))
     names = {_of_cycle(history, column).name for column in group}
@@ -108,7 +107,7 @@ def _chart(
         "lines": [
             line for column in group for line in _lines(history, column, len(group), measured)
         ],
-        "aside": names <= SOLVER and bool(group),
+        "aside": names <= solver and bool(group),
     }
 
 

@@ -18,16 +18,6 @@ from tractive_sam.plot import Measurements, list_figures
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
 
-SCALES = {
-    "Viridis": "Viridis",
-    "Magma": "Magma",
-    "Inferno": "Inferno",
-    "Cividis": "Cividis",
-    "Plasma": "Plasma",
-    "RdBu": "RdBu_r",
-}
-"""Colour maps of the figures: names in plotly by names in the page."""
-
 SCRIPT_FIGURES = """
 pressure traction traction-sections stick-slip slip wear friction temperature von-mises-{plane}
 forces widths stick creepages wear-depth worn-mass {stress_max} fatigue-course block-shares
@@ -82,9 +72,12 @@ def report(
 
 def _page(history: History, measured: Measurements | None) -> str:
     """Return the HTML of the page."""
+    part_names = ("report.html", "report.js", "report.css", "style.css")
+    # Pattern of the code with which plotly looks for a style of its maps; it adds a missing one.
+    guarded_style = r'getElementById\("([0-9a-f]{64})"\)'
     script, colours = _plotly()
     data = page_data(history, measured=measured) | {"colours": colours}
-    parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in _PARTS}
+    parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in part_names}
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)
     named = [f"{name} {number}" for name, number in history.versions.items()]
@@ -105,14 +98,10 @@ def _page(history: History, measured: Measurements | None) -> str:
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
-        unused=[_unused(name) for name in set(re.findall(_GUARDED_STYLE, script))],
+        unused=[_unused(name) for name in set(re.findall(guarded_style, script))],
         data=Html(json_text),
         script=Html(parts["report.js"]),
     )
-
-
-_GUARDED_STYLE = r'getElementById\("([0-9a-f]{64})"\)'
-"""Pattern of the code with which plotly looks for a style of its maps; it adds a missing one."""
 
 
 def _unused(name: str) -> Html:
@@ -120,29 +109,34 @@ def _unused(name: str) -> Html:
     return fill('<style id="$name"></style>', name=name)
 
 
-_PARTS = ("report.html", "report.js", "report.css", "style.css")
-
-
 def _plotly() -> tuple[str, dict[str, Any]]:
     """Return the script of plotly, and the colours of the figures."""
+    # Colour maps of the figures: names in plotly by names in the page.
+    scales = {
+        "Viridis": "Viridis",
+        "Magma": "Magma",
+        "Inferno": "Inferno",
+        "Cividis": "Cividis",
+        "Plasma": "Plasma",
+        "RdBu": "RdBu_r",
+    }
     with require_extra("report"):
         from plotly.colors import get_colorscale  # noqa: PLC0415 - of an extra
         from plotly.offline import get_plotlyjs  # noqa: PLC0415
-    return get_plotlyjs(), {name: get_colorscale(plotly) for name, plotly in SCALES.items()}
+    return get_plotlyjs(), {name: get_colorscale(plotly) for name, plotly in scales.items()}
 
 
 def _pictures(history: History, width: float = 460.0) -> Html:
     """Return a section of the figures that the script does not draw, in pixels wide."""
+    card_template = '<figure class="card"><figcaption>$caption</figcaption>$image</figure>\n'
     cards, names = [], SCRIPT_FIGURES.split()
     for drawing in list_figures(history):
         if drawing.entry.name not in names:
             interrupt.raise_if_interrupted()
             image = drawing.draw().to_html(width)
-            cards.append(fill(_CARD, caption=drawing.caption, image=image))
+            cards.append(fill(card_template, caption=drawing.caption, image=image))
     return fill(_SECTION, cards=cards) if cards else Html()
 
-
-_CARD = '<figure class="card"><figcaption>$caption</figcaption>$image</figure>\n'
 
 _SECTION = """<section id="pictures" aria-labelledby="pictures-head">
 <h2 id="pictures-head">Further figures</h2>

@@ -18,9 +18,6 @@ from tractive_sam.paper.scenes import ANGLE_TEXT, ANGLES, discs
 from tractive_sam.paper.wear_runs import read_saved, roll_into_file
 from tractive_sam.results import History
 
-CHANGED = 0.02
-"""Relative difference that is a change."""
-
 Histories = Mapping[float, History]
 """Histories by the angle, degrees."""
 
@@ -154,6 +151,8 @@ def _largest_slip(history: History, revolution: int) -> float:
 
 def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
     """Yield the findings on forces and stresses."""
+    # Relative difference that is a change.
+    changed = 0.02
     last = _last_revolution(histories)
     Q_x, Q_y = _stack_column(histories, "Qx_over_P"), _stack_column(histories, "Qy_over_P")
     yield Statement(
@@ -162,7 +161,7 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
         f"From N = 0 to {last}, Q_x/P goes from {join(Q_x[:, 0], '.3f')} to "
         f"{join(Q_x[:, -1], '.3f')} for β = {ANGLE_TEXT}; "
         f"for 45°, Q_y/P goes from {Q_y[1, 0]:.3f} to {Q_y[1, -1]:.3f}.",
-        Verdict.from_conditions(bool(np.all(Q_x[:2, -1] / Q_x[:2, 0] - 1 > CHANGED))),
+        Verdict.from_conditions(bool(np.all(Q_x[:2, -1] / Q_x[:2, 0] - 1 > changed))),
     )
     p0 = histories[0.0].p0
     stress = _stack_column(histories, "von_mises_max") / p0
@@ -173,7 +172,7 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
         f"{join(stress[:, -1, 0], '.3f')} p_0 for β = {ANGLE_TEXT}, of body B from "
         f"{join(stress[:, 0, 1], '.3f')} to {join(stress[:, -1, 1], '.3f')} p_0; the tables "
         "list the places.",
-        Verdict.from_conditions(bool(np.all(abs(stress[:, -1] / stress[:, 0] - 1) > CHANGED))),
+        Verdict.from_conditions(bool(np.all(abs(stress[:, -1] / stress[:, 0] - 1) > changed))),
     )
     yield Statement(
         "Figs. 9-14",

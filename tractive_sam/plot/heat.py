@@ -19,11 +19,6 @@ from tractive_sam.schema import required
 
 _TEMPERATURE = r"temperature $T$ ($^\circ$C)"
 
-_WARM = Need(
-    lambda view: view.contact.heat,
-    "the temperature of a contact: add [heat] to the scene, and store the fields of the record",
-)
-
 
 def _surface_temperature(view: ContactView) -> Mapping[str, np.ndarray]:
     """Return the temperature of the surface of each body; figures that need it check it."""
@@ -41,7 +36,17 @@ def _temperature_over_x(view: ContactView) -> Figure:
     return figure
 
 
-@contact_figure("temperature", line=_temperature_over_x, needs=[_WARM])
+@contact_figure(
+    "temperature",
+    line=_temperature_over_x,
+    needs=[
+        Need(
+            lambda view: view.contact.heat,
+            "the temperature of a contact: add [heat] to the scene, and store the fields of "
+            "the record",
+        )
+    ],
+)
 def temperature(view: ContactView) -> Figure:
     """Temperature of the surfaces: a map of A, or both surfaces of a line contact over x.
 

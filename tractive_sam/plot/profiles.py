@@ -43,12 +43,6 @@ def _measured_body(history: History) -> str:
     return gap.body or "A"
 
 
-_UNEVEN = Need(
-    lambda history: (history["wear_profile"] > 0.0).any() or bool(_measured_body(history)),
-    "wear, or a measured [gap]",
-)
-
-
 def _is_worn_evenly(history: History) -> bool:
     """Return whether worn sections are equal all around the bodies, unlike along a course."""
     worn = (history["wear_profile"] > 0.0).any()
@@ -56,7 +50,17 @@ def _is_worn_evenly(history: History) -> bool:
     return has_worn_contacts(history) and bool(worn and evenly)
 
 
-@history_figure("worn-profiles", needs=[WIDE, _UNEVEN], shown=_is_worn_evenly)
+@history_figure(
+    "worn-profiles",
+    needs=[
+        WIDE,
+        Need(
+            lambda history: (history["wear_profile"] > 0.0).any() or bool(_measured_body(history)),
+            "wear, or a measured [gap]",
+        ),
+    ],
+    shown=_is_worn_evenly,
+)
 def worn_profiles(history: History, margin: float = 0.15) -> Figure:
     """Cross sections of both bodies across the track, undeformed, at the stored revolutions.
 

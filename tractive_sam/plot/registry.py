@@ -23,7 +23,7 @@ from tractive_sam.plot.needs import SINGLE_ROW, Need, refuse
 from tractive_sam.plot.style import apply_style
 from tractive_sam.results import COORDINATE, PREFIX, History
 
-P = ParamSpec("P")
+Arguments = ParamSpec("Arguments")
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ CONTACT_FIGURES: dict[str, FigureEntry] = {}
 
 def history_figure(
     name: str, *, line: Callable[..., Figure] | None = None, **settings: Any
-) -> Callable[[Callable[P, Figure]], Callable[P, Figure]]:
+) -> Callable[[Callable[Arguments, Figure]], Callable[Arguments, Figure]]:
     """Register a function that draws a history, as one of the figures of each that it applies to.
 
     The first sentence of its docstring is the caption. The returned function draws in the style of
@@ -200,11 +200,11 @@ def history_figure(
     ValueError: the figure p_mean cannot be drawn: it needs the column p_mean
     """
 
-    def register(function: Callable[P, Figure]) -> Callable[P, Figure]:
+    def register(function: Callable[Arguments, Figure]) -> Callable[Arguments, Figure]:
         entry = _add(HISTORY_FIGURES, name, function, line, settings)
 
         @wraps(function)
-        def checked(*args: P.args, **options: P.kwargs) -> Figure:
+        def checked(*args: Arguments.args, **options: Arguments.kwargs) -> Figure:
             subjects: tuple[Any, ...] = (*args, *options.values())
             entry.check(subjects[0])
             return entry.draw(*args, **options)

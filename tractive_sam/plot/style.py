@@ -20,7 +20,7 @@ from tractive_sam.plot.options import current_options
 from tractive_sam.results import History
 from tractive_sam.safe_text import printable_text
 
-P = ParamSpec("P")
+Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 
@@ -101,11 +101,11 @@ STYLE: dict[Any, Any] = {
 """Settings of matplotlib for all figures; ``plt.style.use(plot.STYLE)`` applies them to others."""
 
 
-def apply_style(draw: Callable[P, Result]) -> Callable[P, Result]:
+def apply_style(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     """Return a function that draws in this style, whatever the settings of matplotlib are."""
 
     @wraps(draw)
-    def draw_in_style(*args: P.args, **kwargs: P.kwargs) -> Result:
+    def draw_in_style(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
         fonts = current_options().font_scale
         sizes: dict[str, Any] = {key: fonts * STYLE[key] for key in STYLE if key.endswith("size")}
         sizes.pop("lines.markersize")

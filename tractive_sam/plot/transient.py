@@ -14,11 +14,6 @@ from tractive_sam.results import History
 
 _SHIFTS = ("shift_x", "shift_y")
 
-_ROLLS = Need(
-    lambda history: history.coordinate.unit == "mm",
-    "a track: a rolling distance, which a [transient] of shifts does not have",
-)
-
 
 @history_figure("hysteresis", columns=_SHIFTS, cure="[transient]", shown=has_course)
 def hysteresis(history: History) -> Figure:
@@ -122,7 +117,12 @@ def _worn_row(history: History) -> Figure:
     "worn-track",
     line=_worn_row,
     columns=["step_worn"],
-    needs=[_ROLLS],
+    needs=[
+        Need(
+            lambda history: history.coordinate.unit == "mm",
+            "a track: a rolling distance, which a [transient] of shifts does not have",
+        )
+    ],
     cure="[transient] and [wear]",
     shown=is_worn,
 )

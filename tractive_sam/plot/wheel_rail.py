@@ -15,15 +15,16 @@ from tractive_sam.rail import ContactLocus, Profile
 from tractive_sam.results import History, WornProfiles
 from tractive_sam.scene import Scene
 
-HAS_WHEEL = Need(lambda view: view.contact.scene.wheelset is not None, "a scene with [wheel]")
-
 
 def _draw_profile(axes: Any, profile: Profile, lift: float = 0.0, **style: Any) -> None:
     """Draw a profile with z upwards."""
     axes.plot(profile.points[:, 0], lift - profile.points[:, 1], **style)
 
 
-@contact_figure("wheel-rail", needs=[HAS_WHEEL])
+@contact_figure(
+    "wheel-rail",
+    needs=[Need(lambda view: view.contact.scene.wheelset is not None, "a scene with [wheel]")],
+)
 def wheel_on_rail(view: ContactView) -> Figure:
     """Wheel and rail in the track, with the normals of all patches.
 

@@ -16,9 +16,6 @@ import numpy as np
 
 from .profile import Array, Profile
 
-TAPE_LINE = 70.0
-"""Distance of the tread datum from the back of the wheel, mm (EN 13715)."""
-
 
 def place_rail(
     rail: Profile, inclination: float, gauge: float, gauge_depth: float = 14.0
@@ -78,6 +75,9 @@ class Wheel:
         Depth of the axle below its nominal height, mm.
     """
 
+    tape_line = 70.0
+    """Distance of the tread datum from the back of the wheel, mm (EN 13715)."""
+
     profile: Profile
     radius: float
     inner: float
@@ -106,7 +106,7 @@ class Wheel:
     @property
     def datum(self) -> float:
         """Distance of the tread datum from the middle of the axle, mm."""
-        return 0.5 * self.inner + TAPE_LINE
+        return 0.5 * self.inner + self.tape_line
 
     def silhouette(self, s: Array) -> tuple[Array, Array]:
         """Return the points of the surface with a normal perpendicular to the rail.

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from tractive_sam.mechanics import CombinedMaterial
 
+
 # Slip changes sign at the pressure p0 cos t; half of the load lies between these two points if 2t +
 # sin 2t = pi/2. This is cos(t) / 2 at its root, 0.457 in the literature.
-_SHARE = 0.45738550878651788
-
-
 def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float) -> float:
     """Return the creepage xi_x of free rolling cylinders, mu -> 0: -0.457 kappa a / R.
 
@@ -32,5 +30,6 @@ def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float
     >>> round(bentall_johnson_creepage(combine(aluminium, steel), a=0.1, radius=25.0), 7)
     -0.0005263
     """
+    share = 0.45738550878651788
     kappa = 2 * material.coupling / (1 - material.poisson)
-    return -_SHARE * kappa * a / radius
+    return -share * kappa * a / radius

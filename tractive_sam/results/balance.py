@@ -11,9 +11,6 @@ import numpy as np
 from tractive_sam.results.law_record import UNNAMED
 from tractive_sam.results.recorded import Recorded
 
-ROUNDING = 1e-12
-"""Share of the terms of a sum that its rounding may reach."""
-
 
 class SteadyBalance:
     """Balances of records of steady rolling.
@@ -23,6 +20,9 @@ class SteadyBalance:
     history : Recorded
         All records.
     """
+
+    rounding = 1e-12
+    """Share of the terms of a sum that its rounding may reach."""
 
     dissipated: ClassVar[str] = "friction dissipates"
     """Quantity that the energy balance compares with the supplied work."""
@@ -37,7 +37,7 @@ class SteadyBalance:
         """Dissipated over supplied work for each record, shape (n,)."""
         history = self.history
         supplied = history["work_supplied"]
-        rounding = ROUNDING * history["P"] * np.abs(history["approach"])
+        rounding = self.rounding * history["P"] * np.abs(history["approach"])
         driven = np.abs(supplied) > rounding / history.grid.half_length[0]
         return _ratio(history["dissipation"], supplied, driven & history.scene.has("friction"))
 
@@ -59,7 +59,7 @@ class SteadyBalance:
         if per_work is None:
             return np.full(len(worn), np.nan)
         low, high = sorted(per_work)
-        wears = (worn > ROUNDING * total) & (work > 0.0)
+        wears = (worn > self.rounding * total) & (work > 0.0)
         return _ratio(worn, np.clip(worn, low * work, high * work), wears)
 
     @property

@@ -12,12 +12,6 @@ from tractive_sam.results.quantity import BODIES, Quantity
 from tractive_sam.results.recorded import Recorded
 from tractive_sam.scene import conformity_notes, describe_load, edge_notes, pressure_notes
 
-DEPTH_OF_STRESS = 0.6
-"""Depth of the largest stress over the smaller semi-axis: 0.48 for a circle, 0.79 for a line."""
-
-CLOSED = 5e-3
-"""Error of the energy balance that is not reported."""
-
 
 def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
     """Yield the name, the number with its error bar as text, and the quantity of each column."""
@@ -70,8 +64,10 @@ def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str
     history : History
         All records.
     only_if_open : bool
-        Whether to omit balances within `CLOSED` of unity.
+        Whether to omit balances within `closed_within` of unity.
     """
+    # Error of the energy balance that is not reported.
+    closed_within = 5e-3
     parts = [history.block(k) for k in range(len(history.scene.duty))] or [history]
     each = [balance_of(part) for part in parts]
     texts: dict[str, str] = {}
@@ -83,7 +79,7 @@ def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str
         values = values[np.isfinite(values)]
         if values.size:
             worst = values[abs(values - 1.0).argmax()]
-            closed = abs(worst - 1.0) <= CLOSED
+            closed = abs(worst - 1.0) <= closed_within
             if not (closed and only_if_open):
                 texts[name] = describe(each[0], worst, closed)
     return texts
@@ -147,10 +143,12 @@ def _describe_shallow_utilisation(history: Recorded, shallow: float = 3.0) -> st
 
 def _describe_missed_stress(history: Recorded) -> str:
     """Describe the loss if elements are too long to resolve the largest stress."""
+    # Depth of the largest stress over the smaller semi-axis: 0.48 for a circle, 0.79 for a line.
+    depth_of_stress = 0.6
     grid, hertz = history.grid, history.scene.hertz
     if not history.bodies or hertz is None or history.scene.gap is not None:
         return ""
-    depth, side = DEPTH_OF_STRESS * min(hertz.a, hertz.b), max(grid.sides)
+    depth, side = depth_of_stress * min(hertz.a, hertz.b), max(grid.sides)
     if 2.0 * side <= depth:
         return ""
     return (
@@ -192,15 +190,13 @@ def describe_history(history: Recorded) -> dict[str, str]:
     return {label: text for label, text in rows.items() if text}
 
 
-LAST = (
-    ("Qx_over_P", "Qy_over_P", "p_max", "half_width_x", "half_width_y", "stick_fraction"),
-    ("wear_max", "worn_mass A", "worn_mass B", "xi_x", "xi_y"),
-)
-"""Numbers of the last record: those always shown, and those shown unless they are zero."""
-
-
 def summarize_history(history: Recorded) -> dict[str, str]:
     """Return a few rows about a history, label and text, with numbers of its last record."""
+    # Numbers of the last record: those always shown, and those shown unless they are zero.
+    last_values = (
+        ("Qx_over_P", "Qy_over_P", "p_max", "half_width_x", "half_width_y", "stick_fraction"),
+        ("wear_max", "worn_mass A", "worn_mass B", "xi_x", "xi_y"),
+    )
     along = history.coordinate
     rows = {
         "scene": history.title or "no title",
@@ -212,7 +208,7 @@ def summarize_history(history: Recorded) -> dict[str, str]:
     first, last = (format(history[along.name][k], along.format) for k in (0, -1))
     rows[along.name] = first if len(history) == 1 else f"{first} to {last}"
     texts = {name: (value, quantity.unit) for name, value, quantity in format_values(history, -1)}
-    always, nonzero = LAST
+    always, nonzero = last_values
     for name in (*always, *nonzero):
         value, unit = texts.get(name, ("nan", ""))
         if value not in ("nan", "none", "inf") and (name in always or value != "0"):

@@ -19,9 +19,6 @@ PROFILES = ("wheel", "rail")
 DIMS = ((), ("axis",), ("y",), ("body",), ("body", "position"))
 """Dimensions that a user-defined column may have in addition to the record."""
 
-OVER_BLOCKS = ("mean", "largest", "smallest", "sum")
-"""How the record of a duty cycle combines the values of its blocks."""
-
 
 def _always(_scene: Scene) -> bool:
     """Return True for any scene."""
@@ -67,7 +64,7 @@ class Quantity:
         Role of the column, independent of its name: a user-defined column replaces the column of
         the package with its role.
     over_blocks : str
-        How a duty cycle combines the values of its blocks, one of `OVER_BLOCKS`; the mean is
+        How a duty cycle combines the values of its blocks, one of `joined`; the mean is
         weighted with their revolutions.
     place_of, error_of : str
         Name of the column to which this position or error bar belongs.
@@ -78,6 +75,9 @@ class Quantity:
     >>> ts.roll(scene, columns=[share])["share"].shape
     (1,)
     """
+
+    joined = ("mean", "largest", "smallest", "sum")
+    """How the record of a duty cycle combines the values of its blocks."""
 
     name: str
     unit: str
@@ -112,10 +112,10 @@ class Quantity:
         if not re.fullmatch(r"[-+ z#]*\d{0,2},?(\.\d{1,2})?[deEfFgG%]?", self.format, re.ASCII):
             allowed = "a format of numbers as in .4g, of at most 99 places"
             raise ValueError(f"format of the column {self.name} is {self.format!r}; {allowed}")
-        if self.over_blocks not in OVER_BLOCKS:
+        if self.over_blocks not in self.joined:
             raise ValueError(
                 f"over_blocks of the column {self.name} is {self.over_blocks!r}; allowed: "
-                f"{', '.join(OVER_BLOCKS)}"
+                f"{', '.join(self.joined)}"
             )
 
     @property

@@ -18,10 +18,6 @@ from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
 
-ON_THE_BOUND = 1e-5
-"""Distance from the friction bound, over the peak pressure, below which an element slips: well
-above the residual of any useful solution."""
-
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
     """Raised for a contact without solution; `contact` is the last iterate.
@@ -141,6 +137,10 @@ class State:
     >>> jacobian.loc["Qx", "xi_x"].item() < 0.0
     True
     """
+
+    _bound_tolerance = 1e-5
+    """Distance from the friction bound, over the peak pressure, below which an element slips: well
+    above the residual of any useful solution."""
 
     scene: Scene
     grid: Grid
@@ -286,7 +286,7 @@ class State:
 
     def with_sliding_by_traction(self) -> "State":
         """Return the contact with `sliding` set by tractions that reach their bound."""
-        margin = ON_THE_BOUND * self.pressure.max()
+        margin = self._bound_tolerance * self.pressure.max()
         return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 
     def _integral(self, field: np.ndarray) -> float:
@@ -379,7 +379,7 @@ class State:
         if not self.sticking.any():
             return 0.0
         lacks = self.pressure - self.utilisation
-        margin = ON_THE_BOUND * self.p_max
+        margin = self._bound_tolerance * self.p_max
         slides = self.touching & self.sliding
         if not slides.any() or np.abs(lacks[slides]).max() > margin:
             return float(np.count_nonzero(self.sticking) / np.count_nonzero(self.touching))

@@ -98,16 +98,14 @@ HEAT_FIELDS = index_by_name(
 """Fields stored for scenes with [heat]; resuming does not need them."""
 
 
-_SHIFTED = (
-    ("slip_x", "longitudinal slip of A relative to B in the step"),
-    ("slip_y", "lateral slip of A relative to B in the step"),
-)
-"""Slip of a shift, in mm: a shift has no rolling distance to divide by."""
-
-
 def storable_fields(scene: Scene) -> dict[str, Quantity]:
     """Return the functions of x and y that the history of a scene may store, by name."""
-    slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in _SHIFTED)
+    # Slip of a shift, in mm: a shift has no rolling distance to divide by.
+    shifted_fields = (
+        ("slip_x", "longitudinal slip of A relative to B in the step"),
+        ("slip_y", "lateral slip of A relative to B in the step"),
+    )
+    slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in shifted_fields)
     shifted = index_by_name(slipped) if scene.schedule.shifts else {}
     warm = {name: quantity for name, quantity in HEAT_FIELDS.items() if quantity.applies(scene)}
     return FIELDS | shifted | warm | {BOUND.name: BOUND}

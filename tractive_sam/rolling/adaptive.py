@@ -48,13 +48,6 @@ Errors of the jumps in which rows come into contact add up, and a strict toleran
 With these values the error of the profile of `twin-discs` is proportional to the tolerance, and up
 to three times as large (benchmarks/wear.py)."""
 
-LARGEST = 0.02
-"""Correction of the profile, over its depth, that no tolerance allows: from further away one Newton
-step does not reach the profile, and longer jumps cost more contacts than they save."""
-
-NEW_ROWS = 4
-"""Iterations of the formula of rows that come into contact, which depends on when they do."""
-
 REPEATS, ROUGHNESS = 2, 0.3
 """A jump is solved again at the corrected profile, at most this often, while the correction changes
 the wear rate of a row, and with it its pressure, by more than this share of the largest: a row that
@@ -220,7 +213,10 @@ def _lag(model: Model) -> float:
 
 def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
     """Return a correction over the largest one that the tolerance allows."""
-    allowed = min(ALLOWED * model.scene.wear.tolerance**POWER, LARGEST)
+    # Correction of the profile, over its depth, that no tolerance allows: from further away one
+    # Newton step does not reach the profile, and longer jumps cost more contacts than they save.
+    largest = 0.02
+    allowed = min(ALLOWED * model.scene.wear.tolerance**POWER, largest)
     return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
 
 
@@ -300,6 +296,8 @@ def _predict(
     last revolution, and carry no pressure before their gap has closed; if it does not close they
     stay out of contact.
     """
+    # Iterations of the formula of rows that come into contact, which depends on when they do.
+    new_rows = 4
     here, new, open_ = formula.here, ~formula.worn_before, _rate_lost_to_gap(last, response)
     # R = offset + J E is linear about the extrapolated state, for new rows about the last one; the
     # remaining gap acts like a negative pressure.
@@ -311,7 +309,7 @@ def _predict(
     response = response.copy()
     while True:
         fitting = formula
-        for _ in range(NEW_ROWS):
+        for _ in range(new_rows):
             profile = fitting.predict(response, offset)
             expected = offset + response @ profile
             before, fitting = fitting, formula.with_new_rows(response, open_, profile, expected)

@@ -33,6 +33,8 @@ from tractive_sam.scene import Scene, Spectrum
 class Revolutions(Process[Passage]):
     """Rolls revolution by revolution, or in adaptive jumps; without [wear] only unworn bodies."""
 
+    finite = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
+
     observers = (Damage,)
 
     def begin(self) -> Passage:
@@ -76,7 +78,7 @@ class Revolutions(Process[Passage]):
     def restore(cls, scene: Scene, stored: StoredStep) -> Passage:
         """Return the step of a stored record; `adopt` completes it with its model."""
         history, row = stored.history, stored.row
-        stored.require(_FINITE)
+        stored.require(cls.finite)
         stored.require(("entering_profile", "wear_per_revolution"), before=1)
         course = tuple(
             ProfilePoint(
@@ -109,9 +111,6 @@ class Revolutions(Process[Passage]):
     def adopt(self, step: Passage, stored: StoredStep) -> Passage:
         """Return a restored step completed by the model and the observers (`Process.adopt`)."""
         return super().adopt(complete_passage(self.model, step), stored)
-
-
-_FINITE = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
 
 
 class DutyCycle(Revolutions):

@@ -26,9 +26,6 @@ from tractive_sam.schema import LARGEST, shorten
 from tractive_sam.solvers import ProblemSolver
 from tractive_sam.store import read_gap
 
-DEEPEST = 1e6
-"""Largest depth of wear, mm: beyond it rounding errors would exceed the gap."""
-
 
 def check_scene(scene: Scene) -> None:
     """Raise an error unless the argument is a scene."""
@@ -140,7 +137,9 @@ def hash_measurements(model: Model) -> str:
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
     """Check wear depths given by the user, and return them as an array, mm."""
-    needed = f"wear: must be numbers up to {DEEPEST:g} mm in the shape {grid.elements}"
+    # Largest depth of wear, mm: beyond it rounding errors would exceed the gap.
+    deepest = 1e6
+    needed = f"wear: must be numbers up to {deepest:g} mm in the shape {grid.elements}"
     try:
         depths = np.asarray(wear)
     except ValueError:  # rows of different lengths
@@ -150,7 +149,7 @@ def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
         depths.dtype.kind not in "fiu"
         or depths.shape != grid.elements
         or np.ma.is_masked(wear)
-        or not (np.abs(depths) <= DEEPEST).all()
+        or not (np.abs(depths) <= deepest).all()
     ):
         raise ValueError(needed)
     return depths.astype(float)

@@ -13,9 +13,6 @@ from tractive_sam.scene import Subsurface
 from tractive_sam.store import Image, check_volume, write_surface, write_volume
 from tractive_sam.subsurface import stress_volume
 
-DEFAULT = Subsurface(planes=("y=0",))
-"""Depth and points for a scene without [subsurface]."""
-
 
 def export_volume(
     source: State | History,
@@ -158,7 +155,9 @@ def _surface_fields(state: State) -> dict[str, np.ndarray]:
 
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
     """Return equally spaced depths from 0, mm."""
-    settings = source.scene.subsurface or DEFAULT
+    # Depth and points for a scene without [subsurface].
+    default = Subsurface(planes=("y=0",))
+    settings = source.scene.subsurface or default
     depth = settings.depth if depth is None else depth
     elements = settings.elements if elements is None else elements
     if not 0.0 < depth < np.inf:

@@ -30,9 +30,6 @@ from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, shorten
 
-CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
-"""Entries that change the rigid slip alone: operators are made, and a scene is checked, once."""
-
 
 @single_blas_thread()
 def solve_many(
@@ -257,7 +254,9 @@ def _solve_cases(
     scene: Scene, axes: Sequence[_Axis], jacobian: bool
 ) -> Iterator[tuple[tuple[int, ...], Model, State]]:
     """Yield every case: its place, model and contact; neighbours follow one another."""
-    moving = [axis for axis in axes if set(axis.keys) <= set(CREEPAGES)]
+    # Entries that change the rigid slip alone: operators are made, and a scene is checked, once.
+    creepages = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+    moving = [axis for axis in axes if set(axis.keys) <= set(creepages)]
     fixed = [axis for axis in axes if axis not in moving]
     places = list(neighbouring_places(tuple(len(axis.rows) for axis in fixed)))
     start = None
@@ -294,14 +293,12 @@ def with_creepages(model: Model, creepages: Mapping[str, float]) -> Model:
     return _share_operators(model, model.scene.model_copy(update={"creepage": moved}))
 
 
-SHARED = ("undeformed_gap", "operators", "units")
-"""Parts of a model that are expensive and do not depend on the creepages."""
-
-
 def _share_operators(model: Model, scene: Scene) -> Model:
     """Return the model of a scene that differs only by its creepages, with shared operators."""
+    # Parts of a model that are expensive and do not depend on the creepages.
+    shared_names = ("undeformed_gap", "operators", "units")
     shared = Model(scene, model.measured, model.grid, model.laws)
-    for name in SHARED:
+    for name in shared_names:
         shared.__dict__[name] = getattr(model, name)
     return shared
 

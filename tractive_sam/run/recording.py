@@ -56,6 +56,8 @@ class Recording:
         Observers besides the scene's.
     """
 
+    half_widths = ("half_width_x", "half_width_y")
+
     scene: Scene
     measured: Gap | None
     model_of: Callable[..., Model]
@@ -97,7 +99,7 @@ class Recording:
         """Continue from the last record of a file that holds `before`; see `begin`."""
         warn_of_gap(process.model)
         sink = HistoryWriter.reopen(self.path, self.scene, len(before))
-        widest = np.nanmax([before[name] for name in _HALF_WIDTHS], axis=1, initial=0.0)
+        widest = np.nanmax([before[name] for name in self.half_widths], axis=1, initial=0.0)
         return self._record_steps(sink, process, last, (), widest)
 
     def _record_steps(
@@ -119,7 +121,7 @@ class Recording:
                 began = perf_counter()
                 state = process.state(step) if step.continues else None
                 sink.append(record, step.grid, state)
-                widest = np.fmax(widest, [record.values[name] for name in _HALF_WIDTHS])
+                widest = np.fmax(widest, [record.values[name] for name in self.half_widths])
                 if self.progress is not None:
                     self.progress(record)
                 interrupt.raise_if_interrupted()
@@ -162,6 +164,3 @@ class _InMemory:
         """Make the history of all records."""
         end = {"status": status, "message": message, **self._about}
         self.history = History.of_records(self._records, self._scene, self._grid, **end)
-
-
-_HALF_WIDTHS = ("half_width_x", "half_width_y")

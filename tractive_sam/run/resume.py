@@ -14,9 +14,6 @@ from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, pr
 from tractive_sam.scene import Scene
 from tractive_sam.store import DamagedError, ResultsError, read_state
 
-LISTED = 5
-"""Number of differences of two scenes that a message lists."""
-
 FREE = (
     "title",
     "wear.revolutions",
@@ -112,13 +109,15 @@ def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
 
 def describe_differences(before: Scene, requested: Scene) -> str:
     """List the differences of two scenes that prevent resuming; return "" if there are none."""
+    # Number of differences of two scenes that a message lists.
+    most_listed = 5
     stored, current = before.settings(), requested.settings()
     keys = sorted(_differing_keys(stored, current))
     listed = [
         f"{k}: {_format_entry(stored, k)} there, {_format_entry(current, k)} now"
-        for k in keys[:LISTED]
+        for k in keys[:most_listed]
     ]
-    more = [f"and {len(keys) - LISTED} more"] if len(keys) > LISTED else []
+    more = [f"and {len(keys) - most_listed} more"] if len(keys) > most_listed else []
     return "; ".join(listed + more)
 
 

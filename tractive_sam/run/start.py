@@ -11,11 +11,6 @@ from tractive_sam.results import BODIES, PARTS, History, State
 from tractive_sam.scene import Scene
 from tractive_sam.store import ResultsError
 
-SAME = ("body", "gap")
-"""Tables of the scene in which the bodies must agree, except for entries of wear alone."""
-
-OF_WEAR = ("hardness", "density")
-
 
 def worn_bodies(start: History | State, scene: Scene) -> Worn:
     """Return the worn depths of both bodies from a history or a contact.
@@ -143,9 +138,12 @@ def _check_same_bodies(before: Scene, requested: Scene) -> None:
 
 def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
     """Return the entries that define the bodies of a scene, by dotted key."""
-    settings = {name: scene.settings().get(name, {}) for name in SAME}
+    of_wear = ("hardness", "density")
+    # Tables of the scene in which the bodies must agree, except for entries of wear alone.
+    same = ("body", "gap")
+    settings = {name: scene.settings().get(name, {}) for name in same}
     return {
-        key: str(value) for key, value in _flatten(settings) if key.split(".")[-1] not in OF_WEAR
+        key: str(value) for key, value in _flatten(settings) if key.split(".")[-1] not in of_wear
     }
 
 

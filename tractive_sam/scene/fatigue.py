@@ -27,15 +27,6 @@ from tractive_sam.schema import (
 
 from .tables import check_distinct
 
-_SENSITIVITIES = {
-    "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2)"),
-    "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3"),
-    "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²))"),
-    "fatemi-socie": (10.0, "k"),
-}
-"""Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
-bounds of the first two the fatigue limit in torsion equals that in bending."""
-
 _MAX_EXPONENT = 100.0
 """Exponent of a Woehler curve for which 1 % of the stress changes the life by a factor of e."""
 
@@ -49,14 +40,22 @@ def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
     """Report a sensitivity that the criterion needs, does not have, or does not allow."""
+    # Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
+    # bounds of the first two the fatigue limit in torsion equals that in bending.
+    sensitivities = {
+        "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2)"),
+        "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3"),
+        "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²))"),
+        "fatemi-socie": (10.0, "k"),
+    }
     criterion, value = entries["criterion"], entries["sensitivity"]
     if isinstance(criterion, NamedLaw):
         return
-    if criterion not in _SENSITIVITIES:
+    if criterion not in sensitivities:
         if value is not None:
             yield Fault("sensitivity", shorten(value), f'nothing: "{criterion}" has no sensitivity')
         return
-    upper, meaning = _SENSITIVITIES[criterion]
+    upper, meaning = sensitivities[criterion]
     allowed = f'from 0 to below {upper:.4g} for "{criterion}" ({meaning})'
     if value is None:
         if entries["limit"] is not None:

@@ -12,14 +12,6 @@ from pydantic.fields import FieldInfo
 
 from .field_types import number_to_pair
 
-_WORDS = {
-    float: "a number",
-    int: "an integer",
-    str: "a text",
-    bool: "true or false",
-    Path: "the path of a file",
-}
-
 
 def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     """Describe the values that a type with constraints allows.
@@ -37,6 +29,13 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
     str
         For example "a number above 0"; empty for other types, which need a separate text.
     """
+    words = {
+        float: "a number",
+        int: "an integer",
+        str: "a text",
+        bool: "true or false",
+        Path: "the path of a file",
+    }
     if get_origin(kind) is Annotated:
         inner, *outer = get_args(kind)
         return describe_allowed(inner, [*outer, *constraints])
@@ -58,7 +57,7 @@ def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
         pair = f"a pair of {item.removeprefix('a ').replace('number', 'numbers')}"
         return f"{item}, or a pair of them" if accepts_number else pair
     bounds = _bounds(constraints)
-    return f"{_WORDS.get(kind, '')}{_describe_bounds(bounds)}" if kind in _WORDS else ""
+    return f"{words.get(kind, '')}{_describe_bounds(bounds)}" if kind in words else ""
 
 
 def list_names(names: Iterable[str], last: str = "or") -> str:

@@ -27,8 +27,6 @@ from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed
 from tractive_sam.solvers.problem import FixedPressure, NormalProblem, Problem
 from tractive_sam.solvers.progress import report_progress
 
-GOLDEN = 0.5 * (1.0 + 5.0**0.5)
-
 
 @dataclass(frozen=True)
 class Newton:
@@ -76,6 +74,8 @@ class Newton:
     inside : float
         Share of the bound below which an initial guess is assumed to stick.
     """
+
+    golden = 0.5 * (1.0 + 5.0**0.5)
 
     steps: int = 60
     krylov: int = 150
@@ -268,7 +268,7 @@ class Newton:
         tolerance : float
             Tolerance of the problem.
         """
-        gained = min(1.0, residual / before) ** GOLDEN if before < np.inf else 1.0
+        gained = min(1.0, residual / before) ** self.golden if before < np.inf else 1.0
         loosest = min(self.loosest, residual**0.25)  # the sharper, the nearer the first guess
         wanted = max(min(loosest, 0.9 * gained), self.sharpest, self.aim * tolerance / residual)
         return float(min(wanted, 0.5))

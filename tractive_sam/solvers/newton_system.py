@@ -12,9 +12,6 @@ import numpy as np
 from tractive_sam.solvers.outcome import closed, relative
 from tractive_sam.solvers.problem import Problem
 
-ROUNDING = 4.0 * float(np.finfo(float).eps)
-"""Relative rounding error of a response of the operator."""
-
 
 class Iterate:
     """An iterate (pressure, tractions, approach, creepages) and its contact conditions.
@@ -30,6 +27,9 @@ class Iterate:
     The response of the operator to the fields may be known (`response`); if it is not, or a
     traction was returned to its bound, `applications` is one.
     """
+
+    rounding = 4.0 * float(np.finfo(float).eps)
+    """Relative rounding error of a response of the operator."""
 
     def __init__(
         self,
@@ -89,7 +89,7 @@ class Iterate:
         self._normal = 0.0
         defect = np.sqrt(self.law.squares + missed)
         # Tractions cannot be known better than the slip, which is rounded as its parts are.
-        rounded = ROUNDING * np.sqrt(self.pressure.size) * np.abs(self.response[-2:]).max()
+        rounded = self.rounding * np.sqrt(self.pressure.size) * np.abs(self.response[-2:]).max()
         self.residual = relative(defect, drag) if defect > rounded else 0.0
         self.ratio = 1.0
         if not problem.is_pressure_fixed:

@@ -17,9 +17,6 @@ from tractive_sam.output_file import (
 )
 from tractive_sam.store.errors import StorageError
 
-LIBVER = ("v110", "v110")
-"""HDF5 file format: the first with checksums of all metadata."""
-
 
 class WritableFile(h5py.File):
     """An HDF5 file for writing; `check` reports errors of the disk instead of HDF5.
@@ -34,11 +31,14 @@ class WritableFile(h5py.File):
         Size of the HDF5 file in it, bytes; 0 for a new file.
     """
 
+    libver = ("v110", "v110")
+    """HDF5 file format: the first with checksums of all metadata."""
+
     def __init__(self, output: OutputFile, size: int = 0) -> None:
         self._content = _UnfailingFile(output, size)
         # Without a chunk cache every write is immediate, so that `check` sees its failure.
         mode = "r+" if size else "w"
-        super().__init__(self._content, mode, libver=LIBVER, rdcc_nbytes=0)
+        super().__init__(self._content, mode, libver=self.libver, rdcc_nbytes=0)
 
     def check(self) -> None:
         """Raise OutputError if a write has failed."""

@@ -20,23 +20,6 @@ TABLE_FORMAT = "creep-force table 2"
 CHECKS = ("check_points", "check_errors", "check_told")
 """Datasets of the check points: coordinates, true errors, and errors that the table estimates."""
 
-ERROR_SUMMARY = ("held_out", "held_out_median", "held_out_worst", "held_out_inside")
-"""Attributes that summarize the errors at the check points."""
-
-GRADIENTS = (
-    "gradient_checks", "gradient_median", "gradient_worst", "gradient_at_rest", "gradient_inside",
-)  # fmt: skip
-"""Attributes that summarize the measured errors of gradients."""
-
-TEXTS = ("format", "axes", "apart", "scaling", "version", "title", "design")
-"""Attributes that are texts."""
-
-NUMBERS = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *ERROR_SUMMARY, *GRADIENTS)
-"""Attributes that are numbers."""
-
-POSITIVE = ("tolerance", "a", "b", "load", "mu", "shear")
-"""Attributes that are positive numbers; all except the first scale the table of a scene."""
-
 
 @dataclass(frozen=True, eq=False)
 class StoredTable:
@@ -124,20 +107,33 @@ def _read_numbers(file: h5py.File, name: str) -> np.ndarray:
 
 def _read_attributes(file: h5py.File) -> dict[str, Any]:
     """Read and check the attributes; some groups must be complete or absent."""
+    # Attributes that are positive numbers; all except the first scale the table of a scene.
+    positive = ("tolerance", "a", "b", "load", "mu", "shear")
+    # Attributes that summarize the measured errors of gradients.
+    gradients = (
+        "gradient_checks", "gradient_median", "gradient_worst", "gradient_at_rest",
+        "gradient_inside",
+    )  # fmt: skip
+    # Attributes that summarize the errors at the check points.
+    error_summary = ("held_out", "held_out_median", "held_out_worst", "held_out_inside")
+    # Attributes that are numbers.
+    numbers = ("whole", "rounds", "contacts", "cpu_seconds", "widened", *error_summary, *gradients)
+    # Attributes that are texts.
+    texts = ("format", "axes", "apart", "scaling", "version", "title", "design")
     about: dict[str, Any] = {}
-    for name in (*TEXTS, *NUMBERS, *POSITIVE):
+    for name in (*texts, *numbers, *positive):
         if name not in file.attrs:
             continue
         value = about[name] = _decode_attribute(file.attrs[name])
-        if name in TEXTS:
+        if name in texts:
             if not isinstance(value, str):
                 raise ValueError(f"{name}: {value!r}; allowed: a text")
         elif not isinstance(value, int | float) or not math.isfinite(value):
             raise ValueError(f"{name}: {value!r}; allowed: a finite number")
-        elif name in POSITIVE and value <= 0.0:
+        elif name in positive and value <= 0.0:
             raise ValueError(f"{name}: {value!r}; allowed: a positive number")
-    bars = (*GRADIENTS, "gradient_bar")
-    for together in (ERROR_SUMMARY, CHECKS, bars, ("a", "b", "load", "mu", "shear")):
+    bars = (*gradients, "gradient_bar")
+    for together in (error_summary, CHECKS, bars, ("a", "b", "load", "mu", "shear")):
         missing = [name for name in together if name not in about and name not in file]
         if missing and len(missing) < len(together):
             raise ValueError(f"no {', '.join(missing)}; allowed: all of {', '.join(together)}")

@@ -16,9 +16,6 @@ from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
 from tractive_sam.store.numpy_guard import read_archive, read_array
 
 NAMES = ("x", "y", "separation")
-VALUES = ("separation", "height", "z")
-"""Names of the measured quantity in files."""
-
 LARGEST = 1e30
 """Largest magnitude of coordinates and separations, mm, at which no formula overflows. Equal to the
 limit in `scene.quantities`, which would load the scene reader."""
@@ -135,12 +132,16 @@ def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
 
 def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     """Read named arrays, or a single array, of an .npz file."""
+    # Names of the measured quantity in files.
+    value_names = ("separation", "height", "z")
     arrays = read_archive(path)
     if len(arrays) == 1:
         return _gap_from_array(path, settings, *arrays.values())
-    measured = [arrays[name] for name in VALUES if name in arrays]
+    measured = [arrays[name] for name in value_names if name in arrays]
     if len(measured) != 1 or "y" not in arrays:
-        needed = f"y, one of {', '.join(VALUES)}, and x except for a profile; or a single array"
+        needed = (
+            f"y, one of {', '.join(value_names)}, and x except for a profile; or a single array"
+        )
         raise GapError(path, f"arrays {', '.join(arrays)}", needed)
     y, values = _finite(path, arrays["y"], "y"), _finite(path, measured[0], "separation")
     if "x" in arrays:

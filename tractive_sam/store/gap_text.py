@@ -11,9 +11,6 @@ import numpy as np
 from tractive_sam import input_file
 from tractive_sam.store.errors import GapError
 
-LONGEST = 1_000_000
-"""Largest length of a line, characters."""
-
 _SPACED = re.compile(r"\d\s+[-+.\w]")  # a number, space, and the next one
 _BEFORE_UNIT = re.compile(r"\s+(?=[\[(])")
 _NAME = re.compile(r"""\s*["']?([^\W\d_]+)[\s_]*[\[(]?\s*(nm|[uµμ]m|mm|m)?\s*[\])]?["']?\s*""")
@@ -75,11 +72,13 @@ def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
     GapError
         If the file has no rows, or rows of different lengths.
     """
+    # Largest length of a line, characters.
+    longest = 1_000_000
     text = input_file.read_text(path, max_bytes, "utf-8-sig")
     stripped = enumerate(map(str.strip, text.splitlines()), 1)
     lines = [(number, line) for number, line in stripped if line]
-    if any(len(line) > LONGEST for _, line in lines):
-        raise GapError(path, f"a line longer than {LONGEST} characters", "one line for each row")
+    if any(len(line) > longest for _, line in lines):
+        raise GapError(path, f"a line longer than {longest} characters", "one line for each row")
     rows = [(number, line) for number, line in lines if line[0] not in "#%"]
     if not rows:
         raise GapError(path, "no rows", "a row of numbers for each point")

@@ -15,9 +15,6 @@ from struct import unpack_from
 
 import h5py
 
-LAST_HEAP_SUPERBLOCK = 2
-"""Last superblock version of files that may contain texts in heaps that this package reads."""
-
 _HEAD, _OBJECT, _SIGNATURE = 16, 16, b"GCOL"
 
 
@@ -86,9 +83,11 @@ def numeric_dataset(dataset: h5py.Dataset) -> h5py.Dataset:
 
 def has_endless_heap(path: Path) -> bool:
     """Check whether a heap of texts would keep HDF5 reading for ever."""
+    # Last superblock version of files that may contain texts in heaps that this package reads.
+    last_heap_superblock = 2
     with path.open("rb") as file:
         start = file.read(9)
-        if len(start) < 9 or start[8] > LAST_HEAP_SUPERBLOCK:
+        if len(start) < 9 or start[8] > last_heap_superblock:
             return False
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
             position = content.find(_SIGNATURE)

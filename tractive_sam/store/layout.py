@@ -73,32 +73,10 @@ from tractive_sam.store.versions import FORMAT, FORMAT_VERSION, versions
 RUNNING = ("running", "the computation has not ended yet, or was killed")
 """Status and message of a run that has not ended."""
 
-REFERENCE = {"a0": "a", "b0": "b", "p0": "p0"}
-"""Attributes for other readers: the Hertz solution of the unworn contact."""
-
-DESCRIPTION = ("units", "long_name")
-"""Attributes for other readers, texts of variable length: this package never reads them."""
-
 USER = "own"
 """Attribute of /history and /fields: user-defined columns and fields."""
 
 ROW = Quantity("record", "1", "row of /history")
-DESCRIBED = (
-    "name",
-    "unit",
-    "long_name",
-    "dims",
-    "symbol",
-    "label",
-    "format",
-    "whole",
-    "per_length",
-    "role",
-)
-"""Attributes of a user-defined quantity that are stored."""
-
-RELATIONS = ("place_of", "error_of")
-"""Attributes that are stored only if they are set: earlier versions do not know them."""
 
 
 def package_columns() -> set[str]:
@@ -168,10 +146,14 @@ def set_status(file: h5py.File, status: str, message: str) -> None:
 
 def set_scene(file: h5py.File, scene: Scene) -> None:
     """Set the text of the scene, or replace it when a run is continued with changed limits."""
+    # Attributes for other readers, texts of variable length: this package never reads them.
+    description = ("units", "long_name")
+    # Attributes for other readers: the Hertz solution of the unworn contact.
+    reference = {"a0": "a", "b0": "b", "p0": "p0"}
     about = {}
     if "scene" in file:
         before = file["scene"].attrs
-        about = {name: before[name] for name in before if name not in DESCRIPTION}
+        about = {name: before[name] for name in before if name not in description}
         del file["scene"]
     text, hertz = scene.to_toml(), scene.hertz
     dataset = create_text(file, "scene", text)
@@ -180,7 +162,7 @@ def set_scene(file: h5py.File, scene: Scene) -> None:
             set_text(dataset, name, decode_text(value))
         else:
             dataset.attrs[name] = value
-    for name, of_hertz in REFERENCE.items():
+    for name, of_hertz in reference.items():
         dataset.attrs[name] = np.nan if hertz is None else getattr(hertz, of_hertz)
     describe_dataset(dataset, Quantity("scene", "1", "the scene that was computed, as TOML"))
     set_text(dataset, "digest", digest(text))
@@ -228,10 +210,25 @@ def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
 
 def _add_user_defined(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
     """Store the description of user-defined quantities, so that any reader understands the file."""
+    # Attributes that are stored only if they are set: earlier versions do not know them.
+    relation_names = ("place_of", "error_of")
+    # Attributes of a user-defined quantity that are stored.
+    described_keys = (
+        "name",
+        "unit",
+        "long_name",
+        "dims",
+        "symbol",
+        "label",
+        "format",
+        "whole",
+        "per_length",
+        "role",
+    )
     described = json.loads(decode_text(group.attrs[USER])) if USER in group.attrs else []
     for quantity in quantities:
-        relations = {key: getattr(quantity, key) for key in RELATIONS}
-        stored = {key: getattr(quantity, key) for key in DESCRIBED}
+        relations = {key: getattr(quantity, key) for key in relation_names}
+        stored = {key: getattr(quantity, key) for key in described_keys}
         described.append(stored | {key: name for key, name in relations.items() if name})
     set_text(group, USER, json.dumps(described))
 

@@ -16,16 +16,6 @@ from tractive_sam.store import layout, rows
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import ResultsFile
 
-SLOTS = 2
-VERSION_PREFIX = "version_"
-
-
-DEFAULTS = {("wear", "turns"): "equal"}
-"""Defaults of scene keys in this format that differ from today's."""
-
-RENAMED = {("load", "traction_x"): "force_x", ("load", "traction_y"): "force_y"}
-"""Present names of scene keys, by table and name in this format."""
-
 
 def update_scene_text(text: str) -> str:
     """Return the text of a scene in present keys, with the defaults of this format written out.
@@ -35,15 +25,19 @@ def update_scene_text(text: str) -> str:
     SceneError
         If the text is no TOML.
     """
+    # Present names of scene keys, by table and name in this format.
+    renamed = {("load", "traction_x"): "force_x", ("load", "traction_y"): "force_y"}
+    # Defaults of scene keys in this format that differ from today's.
+    defaults = {("wear", "turns"): "equal"}
     tables = toml.parse(text)
-    for (table, key), default in DEFAULTS.items():
+    for (table, key), default in defaults.items():
         if table in tables:
             tables[table].setdefault(key, default)
     match tables:
         case {"body": {"A": dict(A), "B": dict(B)}} if "hardness" in {**A, **B}:
             for body in (A, B):  # one body could have a hardness alone; the other had 1
                 body.setdefault("hardness", 1.0)
-    for (table, key), present_key in RENAMED.items():
+    for (table, key), present_key in renamed.items():
         if key in tables.get(table, {}):
             tables[table][present_key] = tables[table].pop(key)
     return toml.emit(tables)
@@ -57,12 +51,13 @@ def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
     ResultsError
         If the file does not store the fields of this record.
     """
-    if not file.records - SLOTS <= row < file.records:
+    slots = 2
+    if not file.records - slots <= row < file.records:
         raise ResultsError(f"{file.path} holds no state of record {row}; run its scene again")
     mesh = (file.length("grid/x"), file.length("grid/y"))
     for name in FIELDS:
-        file.check(f"state/{name}", (SLOTS, *mesh))
-    return {name: file.row(f"state/{name}", row % SLOTS) for name in FIELDS}
+        file.check(f"state/{name}", (slots, *mesh))
+    return {name: file.row(f"state/{name}", row % slots) for name in FIELDS}
 
 
 def read_bodies(file: ResultsFile) -> tuple[str, ...]:
@@ -72,8 +67,9 @@ def read_bodies(file: ResultsFile) -> tuple[str, ...]:
 
 def read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
     """Return (first row, package versions) of the programs that computed the file."""
-    names = [name for name in file.attributes("scene") if name.startswith(VERSION_PREFIX)]
-    packages = {name.removeprefix(VERSION_PREFIX): file.text("scene", name) for name in names}
+    version_prefix = "version_"
+    names = [name for name in file.attributes("scene") if name.startswith(version_prefix)]
+    packages = {name.removeprefix(version_prefix): file.text("scene", name) for name in names}
     return ((0, packages),)
 
 

@@ -9,9 +9,6 @@ from filelock import FileLock, Timeout
 
 from tractive_sam.store.errors import FileInUseError
 
-NO_LOCKS = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
-"""Error numbers of file systems without locks."""
-
 
 @contextmanager
 def hold_lock(path: Path) -> Iterator[None]:
@@ -27,13 +24,15 @@ def hold_lock(path: Path) -> Iterator[None]:
     OSError
         If the lock file cannot be created.
     """
+    # Error numbers of file systems without locks.
+    no_locks = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)
     lock = FileLock(path)
     try:
         lock.acquire(blocking=False)
     except Timeout:
         raise FileInUseError(f"another process holds {path}; wait until it ends") from None
     except OSError as error:
-        if error.errno not in NO_LOCKS:
+        if error.errno not in no_locks:
             raise
     try:
         yield

@@ -20,8 +20,6 @@ from tractive_sam.store.hdf5_guard import (
 from tractive_sam.store.texts import decode_text
 from tractive_sam.store.versions import FORMAT, FORMAT_VERSION
 
-GROUPS = ("grid", "history", "fields", "stress", "state")
-
 
 @contextmanager
 def open_results(path: Path) -> Iterator["ResultsFile"]:
@@ -86,6 +84,8 @@ class ResultsFile:
         The open file.
     """
 
+    groups = ("grid", "history", "fields", "stress", "state")
+
     def __init__(self, path: Path, file: h5py.File) -> None:
         self.path, self._file = path, file
 
@@ -101,7 +101,7 @@ class ResultsFile:
         if self.version > FORMAT_VERSION:
             message = f"{self.path} has format {self.version}; a newer tractive-sam can read it"
             raise ResultsError(message)
-        kinds = {"scene": h5py.Dataset} | dict.fromkeys(GROUPS, h5py.Group)
+        kinds = {"scene": h5py.Dataset} | dict.fromkeys(self.groups, h5py.Group)
         with self._report_damage("/"):
             lost = [
                 k

@@ -8,12 +8,11 @@ FORMAT_VERSION = 2
 """Increased when readers of the version before would misread the file. Version 1 is still read, see
 `legacy_format`. A new column needs no new version: a missing column reads as nan."""
 
-PACKAGES = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
-
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of `PACKAGES`, by name."""
-    return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
+    """Return the versions of Python and of `packages`, by name."""
+    packages = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
+    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
 
 
 def _version(package: str) -> str:

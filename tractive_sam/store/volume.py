@@ -32,14 +32,7 @@ from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.store.versions import versions
 from tractive_sam.store.write_access import check_writable, sole_writer
 
-SUFFIX = ".vtkhdf"
-"""Suffix by which ParaView recognizes the format."""
-
-VERSION_PREFIX = "version_"
-
 FORMAT = "tractive-sam volume"
-FORMAT_VERSION = 1
-
 VTKHDF_VERSION = (1, 0)
 """The first version; the format of an image has not changed since."""
 
@@ -66,9 +59,6 @@ SURFACE = {
     "gap": FIELDS["gap"],
 }
 """Arrays of a surface."""
-
-COMPONENTS = {"stress": (6,), "traction": (3,), "slip": (3,)}
-"""Number of components of vectors and tensors."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +93,7 @@ def write_volume(
     Parameters
     ----------
     path : Path
-        The file, with `SUFFIX`.
+        The file, with `suffix`.
     image : Image
         The grid of points.
     layers : iterable of mapping of str to ndarray, shape (n_x, n_y) or (6, n_x, n_y)
@@ -175,12 +165,14 @@ def _open_volume(
     path: Path, scene: Scene, about: Mapping[str, str | float], overwrite: bool
 ) -> Iterator[WritableFile]:
     """Create a file with scene, format and versions; it appears when the block ends."""
+    format_version = 1
+    version_prefix = "version_"
     _check_suffix(path)
     with sole_writer(path, overwrite, _check_kind), atomic_rewrite(path, empty=True) as file:
         create_text(file, "scene", scene.to_toml())
         set_text(file, "format", FORMAT)
-        file.attrs.update({"format_version": FORMAT_VERSION, **about})
-        file.attrs.update({VERSION_PREFIX + k: version for k, version in versions().items()})
+        file.attrs.update({"format_version": format_version, **about})
+        file.attrs.update({version_prefix + k: version for k, version in versions().items()})
         yield file
 
 
@@ -198,9 +190,11 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
 
 def _check_suffix(path: Path) -> None:
     """Raise an error unless a file has the suffix that ParaView needs."""
-    if path.suffix != SUFFIX:
+    # Suffix by which ParaView recognizes the format.
+    suffix = ".vtkhdf"
+    if path.suffix != suffix:
         raise ResultsError(
-            f"{path} has another suffix than {SUFFIX}, which ParaView needs; change the name"
+            f"{path} has another suffix than {suffix}, which ParaView needs; change the name"
         )
 
 
@@ -219,6 +213,8 @@ def _create_arrays(
     file: h5py.File, image: Image, quantities: Mapping[str, Quantity], outer: tuple[int, ...]
 ) -> dict[str, h5py.Dataset]:
     """Describe the image and create its arrays; `outer` are their dimensions before y."""
+    # Number of components of vectors and tensors.
+    components = {"stress": (6,), "traction": (3,), "slip": (3,)}
     vtk = file.create_group("VTKHDF")
     vtk.attrs["Version"] = np.array(VTKHDF_VERSION, "i8")
     vtk.attrs["Type"] = np.bytes_("ImageData")  # the format requires ASCII of exactly this length
@@ -229,7 +225,7 @@ def _create_arrays(
     data = vtk.create_group("PointData")
     arrays = {}
     for name, quantity in quantities.items():
-        shape = (*outer, image.points[1], image.points[0], *COMPONENTS.get(name, ()))
+        shape = (*outer, image.points[1], image.points[0], *components.get(name, ()))
         arrays[name] = data.create_dataset(
             name,
             shape,

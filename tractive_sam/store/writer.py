@@ -31,9 +31,6 @@ from tractive_sam.store.texts import set_text
 PENDING_BYTES = 2**24
 """Largest size of the fields that wait for the next copy, bytes."""
 
-RUN = "run"
-"""Attribute of a file: identifier of the run that writes it."""
-
 
 class HistoryWriter:
     """Writes the records of one computation.
@@ -63,6 +60,9 @@ class HistoryWriter:
         If a file exists that may not be replaced, or the file cannot be written.
     """
 
+    run = "run"
+    """Attribute of a file: identifier of the run that writes it."""
+
     def __init__(
         self,
         path: str | Path,
@@ -82,7 +82,7 @@ class HistoryWriter:
             set_text(file["scene"], "started", started)
             set_text(file["scene"], "measured", measured)
             set_text(file["scene"], "datum", "vertex")
-            set_text(file, RUN, self._run)
+            set_text(file, self.run, self._run)
 
     @classmethod
     def reopen(
@@ -134,7 +134,7 @@ class HistoryWriter:
                 rows.drop_after_state(file)
             layout.set_status(file, *layout.RUNNING)
             layout.set_versions(file, history.provenance)
-            set_text(file, RUN, writer._run)
+            set_text(file, cls.run, writer._run)
             writer._pending = len(file["history/record"]), []
         return writer
 
@@ -244,7 +244,7 @@ class HistoryWriter:
 
     def _check_run(self, file: File) -> None:
         """Check that the file still belongs to this run, so that two runs never mix records."""
-        if file.attrs.get(RUN) != self._run.encode():
+        if file.attrs.get(self.run) != self._run.encode():
             cure = "choose a separate file for each run"
             raise ResultsError(f"another run has taken over {self.path}; {cure}")
 

@@ -25,9 +25,6 @@ from tractive_sam.schema import (
 MAX_CASES = 1_000_000
 """Cases of a study, and values of an axis."""
 
-DIGITS = 12
-"""Decimal digits of the values of a range: further digits are rounding."""
-
 SAMPLE = "sample"
 """Name of the dimension of a Latin hypercube."""
 
@@ -270,13 +267,15 @@ def _between(
     key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
 ) -> tuple[float | int, ...]:
     """Return values at shares of the range from start to stop; integers for integer entries."""
+    # Decimal digits of the values of a range: further digits are rounding.
+    digits = 12
     if spacing == "logarithmic":
         values = start * (stop / start) ** shares
     else:
         values = start + (stop - start) * shares
     if _is_integer(key):
         return tuple(round(value) for value in values.tolist())
-    return tuple(float(f"{value:.{DIGITS}g}") for value in values.tolist())
+    return tuple(float(f"{value:.{digits}g}") for value in values.tolist())
 
 
 def _is_integer(key: str) -> bool:

@@ -18,8 +18,6 @@ from zlib import crc32
 
 from tractive_sam.output_file import append_to_file, write_file
 
-_CHECKED = re.compile(rb"([0-9a-f]{8}) (.*)", re.DOTALL)
-
 
 @dataclass(frozen=True)
 class LoggedCases:
@@ -54,6 +52,8 @@ class CaseLog:
     path : Path
         The file; it need not exist.
     """
+
+    checked = re.compile(rb"([0-9a-f]{8}) (.*)", re.DOTALL)
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -94,7 +94,7 @@ class CaseLog:
             return []
         lines, checked_before = [], False
         for line in filter(None, self.path.read_bytes().split(b"\n")):
-            checked = _CHECKED.fullmatch(line)
+            checked = self.checked.fullmatch(line)
             entry = None
             if checked and int(checked[1], 16) == crc32(checked[2]):
                 entry, checked_before = _entry(checked[2]), True

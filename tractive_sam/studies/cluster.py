@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from distributed import Client, Future, Scheduler, Worker
     from distributed.security import Security
 
-T = TypeVar("T")
+Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
@@ -230,12 +230,12 @@ def on_cluster(
 
 
 def _repeat_until_done(
-    submit: Callable[["Client"], Iterator[T]],
+    submit: Callable[["Client"], Iterator[Answer]],
     remaining: Sized,
     address: str,
     log: Callable[[str], None],
     security: "Security | None",
-) -> Iterator[T]:
+) -> Iterator[Answer]:
     """Yield the results of `submit` with ever new clients, until nothing remains."""
     patience = WAITS.first
     while remaining:

@@ -22,9 +22,6 @@ from tractive_sam.studies.design import Study
 DEFAULTS = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
 """Quantities that are drawn by default."""
 
-NOISE = 1e-6
-"""Relative variation of a quantity below which it is constant, within the errors of solvers."""
-
 
 class Tabulated(Protocol):
     """Results of a study as figures see them; `StudyResults` describes the members."""
@@ -161,9 +158,11 @@ def _fix_axes(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, .
 
 def _varies(results: Tabulated, name: str) -> bool:
     """Return whether a quantity varies among the cases."""
+    # Relative variation of a quantity below which it is constant, within the errors of solvers.
+    noise = 1e-6
     values = results.column(name)
     values = values[np.isfinite(values)]
-    return bool(values.size) and bool(np.ptp(values) > NOISE * _size(results, name))
+    return bool(values.size) and bool(np.ptp(values) > noise * _size(results, name))
 
 
 def _size(results: Tabulated, name: str) -> float:

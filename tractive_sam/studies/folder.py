@@ -30,8 +30,6 @@ from tractive_sam.studies.case_log import CaseLog
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.task import CaseOutcome, Task
 
-_DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST}}}")
-
 
 class Folder:
     """The folder of a study.
@@ -41,6 +39,8 @@ class Folder:
     path : path-like
         The folder.
     """
+
+    digest_pattern = re.compile(rf"[0-9a-f]{{{DIGEST}}}")
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path).absolute()
@@ -134,7 +134,7 @@ class Folder:
         return {
             file.stem: file.read_text(encoding="utf-8", errors="replace").partition("\n\n")[0]
             for file in self.path.glob("*.txt")
-            if _DIGEST.fullmatch(file.stem) and file.is_file()
+            if self.digest_pattern.fullmatch(file.stem) and file.is_file()
         }
 
     def _failure_file(self, case: Case) -> Path:

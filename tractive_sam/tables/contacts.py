@@ -16,7 +16,6 @@ from tractive_sam.scene import Friction, Scene
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.tables.rest_slopes import extrapolate_slopes, rest_meshes
 
-KEYS = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 YOUNG, MU, PRESSURE, RADIUS = 2e5, 0.3, 1e3, 1e3
 """Parameters of the scenes that are solved; no scaled result depends on them."""
 
@@ -67,6 +66,8 @@ class Contacts:
     contact : tuple of float, optional
         a, b, load, mu and shear that scale creepages and forces; by default the scene's.
     """
+
+    keys = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
     def __init__(self, scene: Scene, contact: tuple[float, ...] | None = None):
         self.scene = scene
@@ -175,7 +176,7 @@ class Contacts:
     def _state(self, w: np.ndarray, elements: int) -> State:
         """Return the contact at scaled creepages, solved from the previous one on the mesh."""
         model = self._model(elements)
-        creepages = dict(zip(KEYS, w * self._creepage, strict=True))
+        creepages = dict(zip(self.keys, w * self._creepage, strict=True))
         _, contact = solve_from_nearby(with_creepages(model, creepages), self._last.get(elements))
         self.solved += 1
         if not contact.converged:
@@ -188,7 +189,7 @@ class Contacts:
     def _gradient(self, contact: State, elements: int) -> np.ndarray:
         """Return the scaled derivatives of the forces by the creepages, shape (3, 3)."""
         creepages = (contact.xi_x, contact.xi_y, contact.spin)
-        model = with_creepages(self._model(elements), dict(zip(KEYS, creepages, strict=True)))
+        model = with_creepages(self._model(elements), dict(zip(self.keys, creepages, strict=True)))
         jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
         slopes = jacobian.loc[["Qx", "Qy", "Mz"], ["xi_x", "xi_y", "spin"]].values
         return slopes / self._unit[:, None] * self._creepage

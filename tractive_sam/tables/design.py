@@ -94,18 +94,16 @@ def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault("axis", f"{name} {names.count(name)} times", "each once")
 
 
-SCALED = ("friction.mu", "friction.angle")
-"""Keys that do not change the scaling of contacts of Hertz, by mu1 P."""
-
-
 def _check_scaled_axes(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of axes that need a scene."""
+    # Keys that do not change the scaling of contacts of Hertz, by mu1 P.
+    scaled = ("friction.mu", "friction.angle")
     if entries["scene"] is not None:
         return
     for k, axis in enumerate(entries["axis"]):
         for key in axis.dimension().columns:
-            if key not in SCALED:
-                cure = f"{' or '.join(SCALED)}; of others, the [scene] in which they vary"
+            if key not in scaled:
+                cure = f"{' or '.join(scaled)}; of others, the [scene] in which they vary"
                 yield Fault(f"axis[{k}].key", shorten(key), cure)
 
 

@@ -9,42 +9,32 @@ import xarray
 from tractive_sam.lookup import NAMES, CreepTable
 from tractive_sam.store import TABLE_FORMAT, versions, write_netcdf
 
-FORCES = ("Qx", "Qy", "Mz")
-
-MEANINGS = {
-    "log_ratio": "ln(a/b)",
-    "poisson": "Poisson's ratio",
-    "heading": "atan2(w_2, w_1)",
-    "tilt": "atan2(w_3/2, sqrt(w_1^2 + w_2^2))",
-    "u": "r / (r + r_0), r^2 = w_1^2 + w_2^2 + (w_3/2)^2, r_0 = 2 / (3.2 + 0.9 a/b)",
-}
-
-CHECKS = {
-    "check_points": "check points, by all axes",
-    "check_errors": "errors of the table at the check points, over mu P",
-    "check_told": "errors that the table reports at the check points",
-}
-
-SCALING = "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b)"
-
-SYMMETRIES = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (-Qx, Qy, Mz)"
-
 
 def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
     """Write a table; an existing file is replaced."""
+    symmetries = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (-Qx, Qy, Mz)"
+    scaling = "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b)"
+    meanings = {
+        "log_ratio": "ln(a/b)",
+        "poisson": "Poisson's ratio",
+        "heading": "atan2(w_2, w_1)",
+        "tilt": "atan2(w_3/2, sqrt(w_1^2 + w_2^2))",
+        "u": "r / (r + r_0), r^2 = w_1^2 + w_2^2 + (w_3/2)^2, r_0 = 2 / (3.2 + 0.9 a/b)",
+    }
+    forces = ("Qx", "Qy", "Mz")
     every = (*table.names, *NAMES)
     about = {k: v for k, v in table.about.items() if not k.startswith("check")}
     coordinates: dict[str, Any] = {
-        name: _variable((name,), nodes, MEANINGS.get(name, name))
+        name: _variable((name,), nodes, meanings.get(name, name))
         for name, nodes in zip(every, table.law.axes, strict=True)
     }
-    coordinates |= {"derivative": _name_derivatives(every), "force": list(FORCES)}
+    coordinates |= {"derivative": _name_derivatives(every), "force": list(forces)}
     format_entries = {
         "format": TABLE_FORMAT,
         "axes": " ".join(every),
         "apart": " ".join(table.apart),
         "whole": int(table.whole),
-        "scaling": SCALING + ("" if table.whole else SYMMETRIES),
+        "scaling": scaling + ("" if table.whole else symmetries),
         "version": versions()["tractive-sam"],
     } | dict(table.contact or {})
     variables = _node_variables(table, every) | _checked_errors(table)
@@ -96,8 +86,13 @@ def _node_variables(table: CreepTable, axes: tuple[str, ...]) -> dict[str, Varia
 
 def _checked_errors(table: CreepTable) -> dict[str, Variable]:
     """Return the variables of the check points, and of the error bars of gradients."""
+    checks = {
+        "check_points": "check points, by all axes",
+        "check_errors": "errors of the table at the check points, over mu P",
+        "check_told": "errors that the table reports at the check points",
+    }
     variables: dict[str, Variable] = {}
-    for name, meaning in CHECKS.items():
+    for name, meaning in checks.items():
         if name in table.about:
             last = "axis" if name == "check_points" else "force"
             variables[name] = _variable(("check", last), np.asarray(table.about[name]), meaning)

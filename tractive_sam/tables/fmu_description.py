@@ -1,23 +1,14 @@
 """Description of a unit of the Functional Mock-up Interface (XML), for FMI 2.0 and 3.0."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
 from tractive_sam.lookup import CreepTable, arguments_of, plain_title
 from tractive_sam.store import versions
-
-UNITS = {
-    "1": "",
-    "mm": 'm="1" factor="1e-3"',
-    "1/mm": 'm="-1" factor="1e3"',
-    "N": 'kg="1" m="1" s="-2"',
-    "MPa": 'kg="1" m="-1" s="-2" factor="1e6"',
-    "N.mm": 'kg="1" m="2" s="-2" factor="1e-3"',
-    "N.mm2": 'kg="1" m="3" s="-2" factor="1e-6"',
-}
-"""Base units of each unit, and the factor to them."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +18,7 @@ class FmuVariable:
     Attributes
     ----------
     name, meaning, unit : str
-        The unit is one of `UNITS`.
+        The unit is one of `unit_texts`.
     start : float, optional
         Value before the start of an input; an output has none.
     low, high : float
@@ -76,12 +67,6 @@ _INPUTS = {
     )
 }
 
-_FORCES = (
-    FmuVariable("Qx", "longitudinal force on body A", "N"),
-    FmuVariable("Qy", "lateral force on body A", "N"),
-    FmuVariable("Mz", "spin moment on body A", "N.mm"),
-)
-
 
 def inputs_of(table: CreepTable) -> list[FmuVariable]:
     """Return the inputs of the unit of a table, in the order of its function in C."""
@@ -100,17 +85,22 @@ def inputs_of(table: CreepTable) -> list[FmuVariable]:
 
 def outputs_of() -> list[FmuVariable]:
     """Return the outputs of a unit: forces, and their derivatives by creepages."""
+    forces = (
+        FmuVariable("Qx", "longitudinal force on body A", "N"),
+        FmuVariable("Qy", "lateral force on body A", "N"),
+        FmuVariable("Mz", "spin moment on body A", "N.mm"),
+    )
     slopes = {("N", "1/mm"): "N.mm", ("N.mm", "1/mm"): "N.mm2"}
     creepages = [_INPUTS[name] for name in ("xi_x", "xi_y", "spin")]
     return [
-        *_FORCES,
+        *forces,
         *(
             FmuVariable(
                 f"{force.name}_by_{by.name}",
                 f"derivative of {force.name} by {by.name}",
                 slopes.get((force.unit, by.unit), force.unit),
             )
-            for force in _FORCES
+            for force in forces
             for by in creepages
         ),
     ]
@@ -129,6 +119,17 @@ class Description2:
         Number by which the library recognises its description.
     """
 
+    unit_texts: ClassVar[Mapping[str, str]] = {
+        "1": "",
+        "mm": 'm="1" factor="1e-3"',
+        "1/mm": 'm="-1" factor="1e3"',
+        "N": 'kg="1" m="1" s="-2"',
+        "MPa": 'kg="1" m="-1" s="-2" factor="1e6"',
+        "N.mm": 'kg="1" m="2" s="-2" factor="1e-3"',
+        "N.mm2": 'kg="1" m="3" s="-2" factor="1e-6"',
+    }
+    """Base units of each unit, and the factor to them."""
+
     def __init__(self, table: CreepTable, name: str, token: str):
         self.title, self.name, self.token = plain_title(table), name, token
         self.inputs, self.outputs = inputs_of(table), outputs_of()
@@ -145,7 +146,7 @@ class Description2:
         """Definitions of the units."""
         return "".join(
             f"<Unit name={quoteattr(unit)}><BaseUnit {base}/></Unit>"
-            for unit, base in UNITS.items()
+            for unit, base in self.unit_texts.items()
         )
 
     @property

@@ -10,10 +10,6 @@ from tractive_sam.lookup import MIRROR
 HEADINGS, TILTS = 5, 4
 """First numbers of nodes over half a circle of heading, and from zero tilt to the pole."""
 
-POLE = 0.5 * math.pi
-
-REVERSAL = np.full(3, -1.0)
-
 
 @dataclass(frozen=True)
 class CreepageGrid:
@@ -25,6 +21,10 @@ class CreepageGrid:
         Whether forces are mirrored with creepages at y = 0, and reversed with them. With both, the
         table contains a quarter of all creepages; else all of them, and half are solved.
     """
+
+    reversal = np.full(3, -1.0)
+
+    pole = 0.5 * math.pi
 
     mirrored: bool
     reversed: bool
@@ -40,9 +40,9 @@ class CreepageGrid:
         if self.full_range:
             return [
                 np.linspace(-math.pi, math.pi, 2 * HEADINGS - 1),
-                np.linspace(-POLE, POLE, 2 * TILTS - 1),
+                np.linspace(-self.pole, self.pole, 2 * TILTS - 1),
             ]
-        return [np.linspace(-POLE, POLE, HEADINGS), np.linspace(0.0, POLE, TILTS)]
+        return [np.linspace(-self.pole, self.pole, HEADINGS), np.linspace(0.0, self.pole, TILTS)]
 
     def alike(self, axis: int, intervals: np.ndarray, count: int) -> np.ndarray:
         """Return intervals of heading (0) or tilt (1) with their images by symmetry."""
@@ -61,7 +61,7 @@ class CreepageGrid:
         digits, none = 12, np.ones(3)
         if u == 0.0:
             return (0.0, 0.0, 0.0), none
-        if abs(tilt) == POLE:  # for pure spin the heading has no effect
+        if abs(tilt) == self.pole:  # for pure spin the heading has no effect
             heading = 0.0
         heading = math.pi if heading == -math.pi else heading
         outside = tilt < 0.0 or (tilt == 0.0 and heading < 0.0)
@@ -71,5 +71,5 @@ class CreepageGrid:
         if outside and self.reversed:
             turned = heading + math.pi if heading <= 0.0 else heading - math.pi
             turned = math.pi if turned <= -math.pi else turned
-            return (0.0 if tilt == -POLE else round(turned, digits), -tilt, u), REVERSAL
+            return (0.0 if tilt == -self.pole else round(turned, digits), -tilt, u), self.reversal
         return (round(heading, digits), tilt, u), none

@@ -16,9 +16,6 @@ from tractive_sam.run.accuracy.error_bars import (
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
 
-GOVERNING = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
-"""Quantities that must be within the tolerance; for unworn bodies the peak pressure as well."""
-
 
 @dataclass(frozen=True)
 class Assessment:
@@ -68,7 +65,9 @@ def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Asse
 
 def worst_error_bar(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
     """Return the widest of the relative error bars that govern, and its name."""
-    names = (*GOVERNING, "p_max") if peak else GOVERNING
+    # Quantities that must be within the tolerance; for unworn bodies the peak pressure as well.
+    governing = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
+    names = (*governing, "p_max") if peak else governing
     return max((relative[name], name) for name in names)
 
 

@@ -26,7 +26,6 @@ from tractive_sam.results import BodyFatigue, Maximum, State
 from tractive_sam.rolling import stressed_volume
 
 FORCES = ("Qx", "Qy", "Mz")
-SHARING = (*FORCES, "p_max")
 
 
 @dataclass(frozen=True)
@@ -66,13 +65,6 @@ class BodyColumn:
 
 Name = str | BodyStress | BodyColumn
 """Name of a quantity, or one of the two stresses behind it."""
-
-FATIGUE_COLUMNS = {
-    "utilisation": "utilisation",
-    "residual_shear": "shakedown_lower",
-    "path_radius": "shakedown_upper",
-}
-"""Fields of `BodyFatigue`, and the columns of their largest values."""
 
 
 @dataclass(frozen=True)
@@ -165,8 +157,14 @@ def _largest_stresses(
 
 def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers:
     """Return the numbers of the fatigue of a body, without those that have no value."""
+    # Fields of `BodyFatigue`, and the columns of their largest values.
+    fatigue_columns = {
+        "utilisation": "utilisation",
+        "residual_shear": "shakedown_lower",
+        "path_radius": "shakedown_upper",
+    }
     numbers: Numbers = {}
-    for name, column in FATIGUE_COLUMNS.items():
+    for name, column in fatigue_columns.items():
         largest = fatigue.largest(name)
         if not math.isnan(largest.value):
             numbers |= _largest_stresses(
@@ -229,6 +227,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
     dict of Name to float
         Relative error bars; inf for a peak that may have no limit.
     """
+    sharing = (*FORCES, "p_max")
     seen = {
         name: _error_bar(name, *(mesh.values[name] for mesh in (coarse, middle, fine))) / scale
         if scale > 0.0
@@ -241,7 +240,7 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
     shared = 0.4 * max(seen[name] for name in FORCES)
     for name, scale in fine.scales.items():
         if scale > 0.0:
-            floor = max(shared, fine.residual) if name in SHARING else fine.residual
+            floor = max(shared, fine.residual) if name in sharing else fine.residual
             seen[name] = max(seen[name], floor, fine.floors.get(name, 0.0))
     return seen
 
