@@ -80,6 +80,9 @@ class Figure(matplotlib.figure.Figure):
         path = Path(fname)
         if not options.get("format"):
             options["format"] = path.suffix[1:] or self.canvas.get_default_filetype()
+        if options["format"] == "png":
+            # A level of 6, the default, takes a seventh more time for files 3 % smaller.
+            options.setdefault("pil_kwargs", {"compress_level": 4})
         if not path.suffix:
             path = path.with_name(f"{path.name.rstrip('.')}.{options['format']}")
         memory = BytesIO()
