@@ -30,7 +30,7 @@ from tractive_sam.contact import Model, equilibrium
 from tractive_sam.results.status import Status
 from tractive_sam.run import read_measured_gap
 from tractive_sam.scene import Scene
-from tractive_sam.solvers import Anderson, Solver, Uzawa
+from tractive_sam.solvers import Anderson, ProblemSolver, Uzawa
 from tractive_sam.solvers.ladder import METHODS as NAMED
 
 BUDGET = 2_000
@@ -237,7 +237,7 @@ def by_library(method: str, scene: Scene, model: Model):
     return solved, contact.residual, cost, " > ".join(contact.trace), reason
 
 
-def by_projection(solver: Solver, scene: Scene, model: Model):
+def by_projection(solver: ProblemSolver, scene: Scene, model: Model):
     """Solve for pressure and tractions together by the method of Uzawa or Anderson."""
     if len(model.forces):
         return None  # solves for given creepages only
