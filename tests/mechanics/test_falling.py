@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.mechanics import Exponential, FallingCoulomb, Friction, Rational
+from tractive_sam.mechanics import Exponential, FallingCoulomb, FrictionOnMesh, Rational
 
 SPEED = np.linspace(0.0, 3000.0, 31)
 
@@ -37,7 +37,7 @@ def test_slope_is_the_derivative(staggered, memory):
     rng = np.random.default_rng(3)
     law = FallingCoulomb((0.5, 0.3), 0.4, Exponential(0.3, 200.0), 5e3, memory, 100.0)
     x = 0.1 * np.arange(9.0)[:, None]
-    friction = Friction(law, x, np.zeros((1, 4)), unit=700.0, slip=0.01)
+    friction = FrictionOnMesh(law, x, np.zeros((1, 4)), unit=700.0, slip=0.01)
     pressure = rng.uniform(0.1, 0.9, (9, 4))
     pressure[4, 1] = pressure[-1] = 0.0
     slip, change = rng.normal(0.0, 3.0, (2, 9, 4)), rng.normal(0.0, 1.0, (2, 9, 4))

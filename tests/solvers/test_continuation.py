@@ -16,7 +16,7 @@ from tractive_sam.solvers import (
     Newton,
     Outcome,
     PrescribedForces,
-    Solver,
+    ProblemSolver,
     Start,
 )
 from tractive_sam.solvers.ladder import METHODS
@@ -32,7 +32,7 @@ NEWTON = Newton()
 class Failing:
     """A method with outcomes that count as failed."""
 
-    solver: Solver
+    solver: ProblemSolver
 
     def solve(self, problem, tolerance, start=None) -> Outcome:
         outcome = self.solver.solve(problem, tolerance, start)
