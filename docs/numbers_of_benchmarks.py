@@ -71,6 +71,17 @@ def wheel_rail() -> str:
     return format_columns(read_rows("wheel_rail.csv"), columns)
 
 
+def wheel_rail_mesh() -> str:
+    """Return forces of the central position of a wheelset on finer meshes."""
+    columns = {"element, mm": ("element", number(".1f"))}
+    for order in ("first", "second"):
+        columns |= {
+            f"Qy, N, {order} order": (f"Qy {order} order", number(".1f")),
+            f"Mz, N mm, {order} order": (f"Mz {order} order", number(".0f")),
+        }
+    return format_columns(read_rows("wheel_rail_mesh.csv"), columns)
+
+
 def normal() -> str:
     """Return time and error of the normal problem."""
     columns = {
@@ -818,6 +829,7 @@ TABLES = {
         large,
         normal,
         wheel_rail,
+        wheel_rail_mesh,
         spheres,
         creep_forces,
         kalker,

@@ -1,6 +1,7 @@
 """The mesh of a scene that does not give one."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple, Self
 
@@ -67,6 +68,7 @@ def choose_grid(
     measured: Gap | None = None,
     profiles: tuple[Gap, ...] = (),
     finer: float | None = None,
+    patches: Sequence[Patch] = (),
 ) -> Grid:
     """Choose the mesh: the scene's [grid], completed from the Hertzian contact or the gap.
 
@@ -84,6 +86,8 @@ def choose_grid(
         Profiles that a [transient] has fixed to the bodies.
     finer : float, optional
         Elements of a chosen mesh along each axis over the usual number; maps are ignored then.
+    patches : sequence of Patch
+        Patches of a wheel with worn profiles; by default those of the scene.
 
     Raises
     ------
@@ -92,7 +96,7 @@ def choose_grid(
         bodies have only a profile to choose the domain from.
     """
     centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
-    grid = replace(_usual_grid(scene, measured, finer or 1.0), centre=centre)
+    grid = replace(_usual_grid(scene, measured, finer or 1.0, patches), centre=centre)
     has_elements = scene.grid is not None and scene.grid.elements is not None
     if has_elements or finer is not None or scene.accuracy is not None:
         return grid
@@ -100,7 +104,7 @@ def choose_grid(
     return refine_for_maps(grid, [roughness for _, roughness in maps])
 
 
-def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
+def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Sequence[Patch]) -> Grid:
     """Return the mesh of a scene by its contact, or by the extent of its gap."""
     # Half length in the lateral direction of a scene that wears; it grows with the contact.
     worn_margin = 1.5
@@ -120,7 +124,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float) -> Grid:
     else:
         lateral = worn_margin if wears else MARGIN
         along = worn_margin if wears and shifts_only else MARGIN  # fretting lets it grow in x, too
-        half_length, side = _extent_of_contacts(scene, (along, lateral), length, finer)
+        half_length, side = _extent_of_contacts(scene, (along, lateral), length, finer, patches)
     nx, ny = elements or (
         int(2 * np.ceil(half / s - 0.5) + 1) for half, s in zip(half_length, side, strict=True)
     )
@@ -164,6 +168,7 @@ def _extent_of_contacts(
     margin: tuple[float, float],
     length: tuple[float, ...] | None,
     finer: float,
+    patches: Sequence[Patch],
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the half lengths, if not given, and the element sides of the mesh of round bodies.
 
@@ -172,7 +177,7 @@ def _extent_of_contacts(
     shifts = scene.spectrum.shifts if scene.spectrum else (0.0,)
     contacts = [block.hertz for block in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     if scene.wheelset is not None:
-        contacts = [_Ellipse.of_overlap(patch) for patch in scene.wheel_rail.patches]
+        contacts = [_Ellipse.of_overlap(patch) for patch in patches or scene.wheel_rail.patches]
         shifts = (0.0,) * len(contacts)
     along, lateral = margin
     reach = [lateral * c.b + abs(y) for c, y in zip(contacts, shifts, strict=True)]

@@ -54,7 +54,7 @@ class Model:
         Geometry of worn profiles in place of the profiles of the scene.
     """
 
-    patch_only = ("_patch_gap", "opening", "undeformed_gap", "rigid_slip", "scaled_rigid_slip")
+    patch_only = ("undeformed_gap", "rigid_slip", "scaled_rigid_slip")
     """Cached properties that differ between the patches of a wheel."""
 
     def __init__(
@@ -79,7 +79,8 @@ class Model:
         self.wheel_rail = wheel_rail
         self.patch = self.wheel_rail.patches[0] if self.wheel_rail else None
         self.approach: float | None = None
-        self.grid = grid or choose_grid(scene, measured, profiles)
+        patches = self.wheel_rail.patches if self.wheel_rail else ()
+        self.grid = grid or choose_grid(scene, measured, profiles, patches=patches)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
@@ -118,19 +119,14 @@ class Model:
 
     @property
     def shares_load(self) -> bool:
-        """Whether the load belongs to a wheel, and its patches carry it together."""
-        return self.patch is not None and self.approach is None
+        """Whether the load belongs to a wheel, and its patches carry it together.
 
-    @cached_property
-    def opening(self) -> float:
-        """Least distance of wheel and rail normal to the plane of the patch, at first touch, mm."""
-        gap = self.grid.x, self.grid.y, self._patch_gap
-        return lowest_separation(gap, self.grid, self._patch_gap, (np.inf, np.inf))
-
-    @cached_property
-    def _patch_gap(self) -> np.ndarray:
-        """Gap of the undeformed wheel and rail in the patch, shape (n_x, n_y), mm."""
-        return required(self.patch, "wheel").gap(self.grid.x, self.grid.y)
+        The normal force of a single patch is prescribed directly.
+        """
+        wheelset = self.scene.wheelset
+        if self.wheel_rail is None or wheelset is None or self.approach is not None:
+            return False
+        return wheelset.load is not None or len(self.wheel_rail.patches) > 1
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
@@ -188,7 +184,7 @@ class Model:
         separation is not shifted.
         """
         if self.patch is not None:
-            return self._patch_gap - self.opening
+            return self.patch.gap(self.grid.x, self.grid.y) - self.patch.opening
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)

@@ -56,7 +56,7 @@ def share_load(
     last: list[State | None] = [start, *(None for _ in patches[1:])]
     for _ in range(max_steps):
         contacts = [
-            solve(local.of_patch(patch, depth * np.cos(patch.angle) - local.opening), before)
+            solve(local.of_patch(patch, depth * np.cos(patch.angle) - patch.opening), before)
             for local, patch, before in zip(models, patches, last, strict=True)
         ]
         cost = sum((contact.cost for contact in contacts), cost)

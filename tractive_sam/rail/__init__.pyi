@@ -4,7 +4,6 @@ from .builtin import BUILTIN as BUILTIN
 from .builtin import builtin_profile as builtin_profile
 from .contact import Clearance as Clearance
 from .contact import NoContactError as NoContactError
-from .contact import Patch as Patch
 from .contact import find_contact_points as find_contact_points
 from .contact import find_patches as find_patches
 from .contact import free_roll as free_roll
@@ -17,6 +16,7 @@ from .files import read_profile as read_profile
 from .files import write_profile as write_profile
 from .locus import ContactLocus as ContactLocus
 from .locus import find_locus as find_locus
+from .patch import Patch as Patch
 from .profile import Profile as Profile
 from .wheelset import Wheel as Wheel
 from .wheelset import place_rail as place_rail

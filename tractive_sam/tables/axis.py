@@ -16,11 +16,16 @@ from tractive_sam.studies import Axis
 
 def _check_name(entries: ValidEntries) -> Iterator[Fault]:
     """Yield a fault of an axis without a valid name."""
-    name = entries["name"] or entries["key"].rpartition(".")[2]
+    name = entries["name"] or _default_name(entries["key"])
     try:
         check_axis_name(name, further=True)
     except ValueError as error:
         yield Fault("name", shorten(name), str(error))
+
+
+def _default_name(key: str) -> str:
+    """Return the last part of a key, but wheelset_y for wheelset.y, as y is reserved."""
+    return "wheelset_y" if key == "wheelset.y" else key.rpartition(".")[2]
 
 
 def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
@@ -88,7 +93,7 @@ class TableAxis(Axis):
     @property
     def label(self) -> str:
         """Name of the axis in a table."""
-        return self.name or self.key.rpartition(".")[2]
+        return self.name or _default_name(self.key)
 
     @property
     def nodes(self) -> np.ndarray:

@@ -143,7 +143,7 @@ class Contacts:
     @cached_property
     def _reach(self) -> tuple[float, float]:
         """Largest distance of the contact from the middle in x and y, mm."""
-        if self.scene.gap is None:
+        if not self.scene.has_gap:
             hertz = required_hertz(self.scene)
             return float(hertz.a), float(hertz.b)
         smooth = self.scene.replace(friction=None, creepage=None)
@@ -165,7 +165,7 @@ class Contacts:
 
         Shape (2,), x² first, or (0,) for contacts that are no ellipses.
         """
-        if self.scene.gap is not None:
+        if self.scene.has_gap:
             return np.empty(0)
         grid, touches = self._model(elements).grid, contact.pressure > 0.0
         a, b = self._reach

@@ -124,6 +124,9 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
     for key in ("force_x", "force_y"):
         if getattr(scene.load, key) is not None:
             yield Fault(f"scene.load.{key}", "a value", "none: creepages are the axes of a table")
+    if scene.wheelset is not None and scene.wheelset.normal_load is None:
+        cure = "wheelset.normal_load: the contacts of a table have the same normal force"
+        yield Fault("scene.wheelset.load", f"{scene.wheelset.load:g} N", cure)
     if scene.normal_load is None:
         yield Fault("scene.load", "no normal load", "load.normal or load.pressure")
     if scene.hertz is None or scene.body.infinitely_long:
@@ -286,7 +289,11 @@ class TableDesign(Document):
                 answers = required_friction(self.scene).temperature is not None
                 omitted = dict.fromkeys(OMITTED if answers else (*OMITTED, "heat"))
                 scene = self.scene.replace(**omitted, creepage=rolls)
-            return scene.replace(**entries) if entries else scene
+            scene = scene.replace(**entries) if entries else scene
+        if scene.wheelset is not None and len(patches := scene.wheel_rail.patches) > 1:
+            given = f"y = {scene.wheelset.y:g} mm, {len(patches)} patches"
+            raise SceneError([Fault("wheelset", given, "positions with one patch in a table")])
+        return scene
 
     def _each_entry(self) -> Iterator[dict[str, Any]]:
         """Yield the keys of the scene with one axis at each value, others at the first."""
@@ -308,7 +315,7 @@ def _mirrored(scene: Scene) -> bool:
     friction = required_friction(scene)
     mu1, mu2 = friction.mu
     aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
-    uneven = scene.gap is not None or friction.across is not None
+    uneven = scene.has_gap or friction.across is not None
     return aligned and not uneven and not _has_named_law(scene)
 
 

@@ -1,0 +1,184 @@
+"""A contact patch of a wheel and a rail in its own tangent plane."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .profile import Array, Profile
+from .wheelset import Wheel
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A contact patch in its own tangent plane.
+
+    In the plane x points along the rolling direction and y outward, up the flange of the wheel if
+    the angle is negative; distances normal to it are positive from the rail to the wheel.
+
+    Attributes
+    ----------
+    wheel, rail : Wheel and Profile
+        The wheel as it first touches the rail, and the rail.
+    origin : ndarray, shape (3,)
+        Origin of the plane in the track frame, on the rail, mm.
+    angle : float
+        Angle of the plane to the horizontal, rad: positive if it descends outward.
+    half_length : tuple of float
+        Half lengths in x and y within which the undeformed bodies would overlap, mm.
+    angle_range : float
+        Difference of the contact angles, rad, in the area in which the undeformed bodies would
+        overlap by more than half of the largest depth, the area of a Hertz contact. It is large if
+        the contact is conformal.
+    limits : tuple of float
+        Lateral positions in the plane beyond which other patches touch, mm.
+    """
+
+    wheel: Wheel
+    rail: Profile
+    origin: Array
+    angle: float
+    half_length: tuple[float, float]
+    angle_range: float
+    limits: tuple[float, float] = (-np.inf, np.inf)
+
+    @property
+    def lateral(self) -> Array:
+        """Unit vector of y in the track frame."""
+        return np.array([0.0, np.cos(self.angle), np.sin(self.angle)])
+
+    @property
+    def normal(self) -> Array:
+        """Unit vector from the rail to the wheel in the track frame."""
+        return np.array([0.0, np.sin(self.angle), -np.cos(self.angle)])
+
+    @cached_property
+    def wheel_s(self) -> float:
+        """Arc length of the wheel profile at the origin, mm."""
+        return float(self.wheel_at(np.zeros((1, 1)), np.zeros((1, 1)))[1][0, 0])
+
+    @property
+    def rolling_radius(self) -> float:
+        """Radius of the wheel at the origin, mm."""
+        return self.wheel.radius + float(self.wheel.profile.at(self.wheel_s)[1])
+
+    @property
+    def radius_x(self) -> float:
+        """Radius of the wheel in the plane through x and the normal, mm."""
+        return self.rolling_radius / float(np.cos(self.angle))
+
+    @cached_property
+    def opening(self) -> float:
+        """Least distance of wheel and rail normal to the plane, mm.
+
+        A prismatic rail is nearest to the wheel at a point of its silhouette. The interval around
+        the nearest node is divided again and again, down to 1e-5 mm.
+        """
+        s = self.wheel.profile.s
+        for _ in range(4):
+            points, _angles = self.wheel.silhouette(s)
+            place = (np.nan_to_num(points, nan=1e9) - self.origin) @ np.stack(
+                (self.lateral, self.normal), axis=1
+            )
+            y, height = place.T
+            inside = np.flatnonzero((np.abs(y) < 1e6) & (y > self.limits[0]) & (y < self.limits[1]))
+            gap = height[inside] - self.rail_profile(y[inside])[0]
+            k = int(inside[np.argmin(gap)])
+            s = np.linspace(s[max(k - 1, 0)], s[min(k + 1, s.size - 1)], 33)
+        return float(gap.min())
+
+    def rail_profile(self, y: Array) -> tuple[Array, Array]:
+        """Return height of the rail over the plane, mm, and its arc length, at y, shape (n,)."""
+        s = self.rail.locate(y, self.origin[1:], self.angle, near=float(self.origin[1]))
+        return (self.rail.at(s) - self.origin[1:]) @ self.normal[1:], s
+
+    def wheel_profile(self, y: Array) -> tuple[Array, Array]:
+        """Return height of the wheel over the plane at x = 0, and its arc length, shape (n,)."""
+        height, s = self.wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
+        return height[0], s[0]
+
+    def angle_range_over(self, y: Array) -> float:
+        """Return the difference of the contact angles over positions in the plane, rad.
+
+        The contact angle is the mean of the angles of wheel and rail.
+        """
+        wheel = self.wheel.profile.angle(self.wheel_profile(y)[1])
+        return float(np.ptp(0.5 * (wheel + self.rail.angle(self.rail_profile(y)[1]))))
+
+    def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
+        """Return the normal distance of the undeformed surfaces, mm.
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (n,) and (m,)
+            Positions in the plane, mm.
+        apart : float
+            Distance to add beyond the limits, mm, so that other patches are not counted again.
+
+        Returns
+        -------
+        ndarray, shape (n, m)
+        """
+        height, _ = self.wheel_at(np.asarray(x)[:, None], np.asarray(y)[None, :])
+        outside = (y < self.limits[0]) | (y > self.limits[1])
+        return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
+
+    def wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
+        """Return height of the wheel over points of the plane, and arc length of its profile.
+
+        By Newton's method for the point of the wheel on the normal, exact for any yaw and roll.
+        """
+        wheel, x, y = self.wheel, *np.broadcast_arrays(x, y)
+        turned = wheel.turn.T
+        base = (turned @ (self.origin - wheel.centre))[:, None, None]
+        base = base + turned[:, :1, None] * x + (turned @ self.lateral)[:, None, None] * y
+        along = turned @ self.normal
+        height = np.zeros(x.shape)
+        s = wheel.profile.locate(base[1, 0] - wheel.datum, near=float(base[1].mean() - wheel.datum))
+        s = np.broadcast_to(s, x.shape)
+        for _ in range(steps):
+            q = base + along[:, None, None] * height
+            radius, local, slope = np.hypot(q[0], q[2]), wheel.profile.at(s), wheel.profile.at(s, 1)
+            across = radius - wheel.radius - local[..., 1], q[1] - wheel.datum - local[..., 0]
+            change = (q[0] * along[0] + q[2] * along[2]) / radius
+            determinant = -change * slope[..., 0] + along[1] * slope[..., 1]
+            step = (across[0] * slope[..., 0] - across[1] * slope[..., 1]) / determinant
+            move = (change * across[1] - along[1] * across[0]) / -determinant
+            height, s = height + step, np.clip(s + move, *wheel.profile.s[[0, -1]])
+            if np.abs(step).max() < 1e-11:
+                break
+        return height, s
+
+    def rigid_slip(self, x: Array, y: Array, pitch: float = 0.0) -> Array:
+        """Return the slip of the wheel over the rail per rolling speed.
+
+        Parameters
+        ----------
+        x, y : ndarray, shape (n_x,) and (n_y,)
+            Points of the rail, mm.
+        pitch : float
+            Angular velocity of the wheel over V / radius, minus 1.
+
+        Returns
+        -------
+        ndarray, shape (2, n_x, n_y)
+            Components along x and y of the plane.
+        """
+        height, _ = self.rail_profile(y)
+        spin = -(1.0 + pitch) / self.wheel.radius * self.wheel.turn[:, 1]
+        at = (self.origin - self.wheel.centre)[:, None, None] + np.multiply.outer(
+            self.lateral, np.ones((x.size, 1)) * y
+        )
+        at = at + np.multiply.outer(self.normal, np.ones((x.size, 1)) * height)
+        at = at + np.multiply.outer(np.array([1.0, 0.0, 0.0]), x[:, None] * np.ones(y.size))
+        velocity = np.array([1.0, 0.0, 0.0])[:, None, None] + np.cross(spin, at, axisb=0, axisc=0)
+        return np.stack((velocity[0], np.tensordot(self.lateral, velocity, 1)))
+
+    def creepages(self, pitch: float = 0.0) -> tuple[float, float, float]:
+        """Return longitudinal and lateral creepage and spin (1/mm) at the origin."""
+        axle = -(1.0 + pitch) / self.wheel.radius * self.wheel.turn[:, 1]
+        velocity = np.array([1.0, 0.0, 0.0]) + np.cross(axle, self.origin - self.wheel.centre)
+        spin = self.lateral @ np.cross(axle, np.array([1.0, 0.0, 0.0]))
+        return float(velocity[0]), float(velocity @ self.lateral), float(spin)
