@@ -1,9 +1,11 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.contact import Model, solve_on_fitted_mesh
 from tractive_sam.rail import Patch, Profile, Wheel
 from tractive_sam.results import caveats
 
@@ -55,6 +57,29 @@ def test_spherical_profiles_have_the_gap_of_spheres():
     sphere = 460.0 - np.sqrt(460.0**2 - X[:, None] ** 2 - Y**2)
     rail = 300.0 - np.sqrt(300.0**2 - Y**2)
     assert np.abs(gap - sphere - rail).max() < 1e-9  # cubics between nodes 0.1 mm apart
+
+
+CREEPAGE = {"longitudinal": -1e-3, "lateral": 5e-4, "spin": 1e-4}
+
+
+@pytest.mark.parametrize(
+    ("wheel", "rail", "radii"),
+    [(arc(460.0), arc(-300.0), (460.0, 300.0)), (flat(), arc(-300.0), (math.inf, 300.0))],
+    ids=["sphere on a crown", "cylinder on a crown"],
+)
+def test_profiles_of_one_radius_are_solved_as_bodies_of_radii(wheel, rail, radii):
+    """The gap of circles differs from that of parabolas by 1e-4 of the approach."""
+    patch = patch_of(wheel, rail, 460.0)
+    about = {"creepage": CREEPAGE, "friction": {"mu": 0.3}}
+    about["grid"] = {"half_length": [4.6, 4.6], "elements": [21, 21]}
+    one = ts.Scene(**{**TABLES, **about}, wheelset={"normal_load": 1e4})
+    model = Model(one, wheel_rail=replace(one.wheel_rail, patches=(patch,)))
+    _, contact = solve_on_fitted_mesh(model)
+    body = {"A": {**STEEL, "radius_x": 460.0, "radius_y": radii[0]}}
+    body["B"] = {**STEEL, "radius_x": math.inf, "radius_y": radii[1]}
+    expected = ts.solve(ts.Scene(body=body, load={"normal": 1e4}, **about))
+    for name in ("P", "p_max", "approach", "Qx", "Qy", "Mz"):
+        assert getattr(contact, name) == pytest.approx(getattr(expected, name), rel=3e-4)
 
 
 def test_a_spherical_wheel_rolls_without_slip_on_its_axis_plane():
@@ -119,6 +144,13 @@ def test_patches_share_one_approach():
         opening = patches[k].gap(x, np.linspace(-0.5, 0.5, 101)).min()
         depths.append((history["approach"][row] + opening) / math.cos(patches[k].angle))
     assert depths[0] == pytest.approx(depths[1], abs=2e-5)  # openings of samples
+
+
+def test_openings_are_those_of_a_dense_sampling():
+    for patch in scene(4.92, yaw=11.8).wheel_rail.patches:
+        least = patch.gap(np.linspace(-10.0, 10.0, 81), np.linspace(-2.0, 2.0, 401)).min()
+        assert patch.opening <= least
+        assert patch.opening == pytest.approx(least, abs=5e-5)  # samples 0.25 mm apart along x
 
 
 def test_normal_load_is_that_of_the_patches():

@@ -261,3 +261,29 @@ def test_files_next_to_an_axis_are_sought_from_the_folder_of_the_design(tmp_path
     ts.TableDesign.resolve_files(tmp_path, tables)
     assert zipped["values"] == [str(tmp_path / "one.csv"), str(tmp_path / "two.csv")]
     assert ts.TableDesign.resolve_files(tmp_path, {"axis": 5}) == {"axis": 5}  # reported later
+
+
+def test_positions_of_a_wheelset_are_axes():
+    tables = ts.Scene.builtin("wheel-rail").entries() | {"wheelset": {"y": 1.0, "normal_load": 8e4}}
+    axes = [{"key": "wheelset.y", "values": [1.0, 1.5]}, {"key": "wheelset.yaw", "values": [0, 5]}]
+    design = ts.TableDesign(scene=tables, axis=axes)
+    assert design.names == ("wheelset_y", "yaw")
+    assert design.symmetries == (False, True)
+    w = np.array([1.0, -0.5, 0.2])
+    contacts = design.contacts((1.5, 2.0))
+    state = contacts._state(w, 15)
+    motion = dict(zip(("longitudinal", "lateral", "spin"), w * contacts._creepage, strict=True))
+    grid = {"half_length": state.grid.half_length, "elements": state.grid.elements}
+    tables |= {"wheelset": {"y": 1.5, "yaw": 2.0, "normal_load": 8e4}, "grid": grid}
+    expected = ts.solve(ts.Scene(**tables, creepage=motion))
+    assert (state.Qx, state.Qy, state.Mz) == pytest.approx((expected.Qx, expected.Qy, expected.Mz))
+
+
+@pytest.mark.parametrize(
+    ("wheelset", "values", "match"),
+    [({"load": 8e4}, [0.0, 1.0], "normal_load"), ({"normal_load": 8e4}, [1.0, 4.9], "2 patches")],
+)
+def test_positions_that_a_table_cannot_have(wheelset, values, match):
+    tables = ts.Scene.builtin("wheel-rail").entries() | {"wheelset": wheelset}
+    with pytest.raises(ts.TableError, match=match):
+        ts.TableDesign(scene=tables, axis=[{"key": "wheelset.y", "values": values}])
