@@ -212,11 +212,10 @@ def measured_column(history: History, column: str) -> Figure:
     True
     """
     name, _, body = column.partition(" ")
-    quantity = history.columns[name]
-    of = f" of body {body}" if body else ""
-    figure, axes = course_axes(history, f"{quantity.long_name}{of}")
+    of_body = f" of body {body}" if body else ""
+    figure, axes = course_axes(history, f"measured and computed {name.replace('_', ' ')}{of_body}")
     draw_column(axes, history, name, body, label="computed")
-    axes.set_ylabel(math_label(quantity))
+    axes.set_ylabel(math_label(history.columns[name]))
     return figure
 
 
