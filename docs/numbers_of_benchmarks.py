@@ -777,16 +777,17 @@ def fit_repeats() -> str:
 
 
 def fit_posterior() -> str:
-    """Return posterior samples of measured twin discs, and the linearised fit."""
+    """Return posterior samples of a creep curve, beside the linearised fit."""
     columns = {
         "key": ("key", str),
         "fit": ("fit", number(".4g")),
         "standard deviation": ("sd", number(".3g")),
+        "95 % interval from": ("low", number(".4g")),
+        "to": ("high", number(".4g")),
         "mean of the samples": ("mean", number(".4g")),
-        "error of the mean": ("error of mean", number(".1g")),
-        "standard deviation of the samples": ("sd of samples", number(".3g")),
-        "95 % interval, lower end": ("low", number(".4g")),
-        "95 % interval, upper end": ("high", number(".4g")),
+        "their standard deviation": ("sd of samples", number(".3g")),
+        "95 % of the samples from": ("quantile low", number(".4g")),
+        "up to": ("quantile high", number(".4g")),
         "autocorrelation time, steps": ("autocorrelation", number(".0f")),
     }
     return format_columns(read_rows("fit_posterior.csv"), columns)
@@ -873,5 +874,6 @@ TABLES = {
         fit_exact,
         fit_repeats,
         fit_cost,
+        fit_posterior,
     )
 }
