@@ -278,13 +278,17 @@ def posterior(walkers: int = 8, steps: int = 1000) -> None:
     scene = ts.Scene.builtin("spheres").replace(subsurface=None)
     scene = scene.replace(**{"grid.elements": (17, 17)})
     truth = {"friction.mu": 0.35, "friction.layer": 0.3 * scene.hertz.a / scene.material.shear}
-    slips, rng = -np.array([5e-4, 1e-3, 2e-3, 4e-3]), np.random.default_rng(5)
+    slips, rng = -np.array([1e-3, 2e-3, 4e-3, 0.03]), np.random.default_rng(5)
     true = scene.replace(**truth)
     forces = [ts.solve(true.replace(**{"creepage.longitudinal": slip})).Qx for slip in slips]
     ratios = np.array(forces) / scene.normal_load * (1.0 + 0.05 * rng.standard_normal(4))
     columns = {"creepage.longitudinal": slips, "Qx_over_P": ratios}
     data = {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
-    starts = [{"key": key, "start": value} for key, value in truth.items()]
+    # Without bounds the density of a parameter that the data bound on one side only is improper.
+    starts = [
+        {"key": key, "start": value, "lower": 0.1 * value, "upper": 3.0 * value}
+        for key, value in truth.items()
+    ]
     design = {"scene": scene, "free": [*truth], "data": [data | {"noise": 0.05}]}
     design |= {"parameter": starts, "mesh_check": False, "curve": 0}
     best = ts.fit(design)
