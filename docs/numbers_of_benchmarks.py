@@ -46,7 +46,7 @@ def large() -> str:
         "applications": ("applications", number(".0f")),
         "first solution, s": ("first s", number(".2g")),
         "second solution, s": ("again s", number(".2g")),
-        "GiB": ("GiB", number(".2f")),
+        "memory, GiB": ("GiB", number(".2f")),
     }
     return format_columns(read_rows("large.csv"), columns)
 
@@ -89,9 +89,9 @@ def normal() -> str:
         "applications": ("applications", number(".0f")),
         "seconds": ("seconds", number(".2g")),
         "seconds / seconds of the FFTs": ("over its FFTs", number(".2f")),
-        "error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
+        "relative error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
         "Tamaas, seconds": ("Tamaas seconds", number(".2g")),
-        "Tamaas / this package": ("Tamaas/this", number(".0f")),
+        "seconds of Tamaas / seconds of tractive_sam": ("Tamaas/this", number(".0f")),
     }
     return format_columns(read_rows("normal.csv"), columns)
 
@@ -102,10 +102,10 @@ def spheres() -> str:
     columns = {
         "elements": ("n", lambda n: f"{n} x {n}"),
         "relative error of the peak contact pressure": ("p_max/p0 - 1", number(".1e")),
-        "error of the approach": ("approach error", number(".1e")),
-        "mean error of the pressure, divided by p0": ("mean |p - Hertz|/p0", number(".1e")),
-        "Q_x/(mu P)": ("Qx/muP", number(".5f")),
-        "Q_x/(mu P), CONTACT": ("CONTACT", number(".4f")),
+        "relative error of the approach": ("approach error", number(".1e")),
+        "mean error of the pressure, divided by $p_0$": ("mean |p - Hertz|/p0", number(".1e")),
+        r"$Q_x/(\mu P)$": ("Qx/muP", number(".5f")),
+        r"$Q_x/(\mu P)$, CONTACT": ("CONTACT", number(".4f")),
     }
     return format_columns(read_rows("spheres_convergence.csv", lambda r: r["n"] in wanted), columns)
 
@@ -114,24 +114,24 @@ def creep_forces() -> str:
     """Return the creep-force curve."""
     columns = {
         "scaled creepage": ("xi~", number("g")),
-        "91 x 91": ("n = 91", number(".4f")),
-        "this package, extrapolated": ("extrapolated", number(".4f")),
+        "tractive_sam, 91 x 91": ("n = 91", number(".4f")),
+        "tractive_sam, extrapolated": ("extrapolated", number(".4f")),
         "CONTACT, 91 x 91": ("CONTACT n = 91", number(".4f")),
         "CONTACT, extrapolated": ("CONTACT extrapolated", number(".4f")),
         "Vermeulen and Johnson": ("Vermeulen-Johnson", number(".4f")),
-        "paper, eq. (42)": ("Kalker (42)", number(".4f")),
+        "Kalker (1967), simplified theory": ("Kalker (42)", number(".4f")),
     }
     return format_columns(read_rows("creep_force_curve.csv"), columns)
 
 
 def kalker() -> str:
     """Return creep coefficients and their difference from Kalker's table."""
-    columns = {"a/b": ("a/b", number("g")), "nu": ("nu", number("g"))}
+    columns = {"$a/b$": ("a/b", number("g")), r"$\nu$": ("nu", number("g"))}
     for name in ("C11", "C22", "C23", "C33"):
         columns |= {
-            name: (name, number(".3f")),
-            f"{name}, Kalker": (f"{name} Kalker", number(".3g")),
-            f"{name}, %": (f"{name} %", number("+.2f")),
+            f"$C_{{{name[1:]}}}$": (name, number(".3f")),
+            f"$C_{{{name[1:]}}}$, Kalker": (f"{name} Kalker", number(".3g")),
+            f"difference of $C_{{{name[1:]}}}$, %": (f"{name} %", number("+.2f")),
         }
     return format_columns(read_rows("kalker_coefficients.csv"), columns)
 
@@ -139,14 +139,14 @@ def kalker() -> str:
 def orthotropic() -> str:
     """Return forces for each friction angle."""
     columns = {
-        "beta, degrees": ("beta", number("g")),
-        "Q_x/P": ("Qx/P", number(".4f")),
-        "Q_y/P": ("Qy/P", number("z.4f")),
+        r"$\beta$, degrees": ("beta", number("g")),
+        "$Q_x/P$": ("Qx/P", number(".4f")),
+        "$Q_y/P$": ("Qy/P", number("z.4f")),
         "stick fraction": ("stick", number(".2f")),
-        "Q_x/P in full slip": ("full slip Qx/P", number(".4f")),
-        "closed form of Q_x/P": ("closed form x", number(".4f")),
-        "Q_y/P in full slip": ("full slip Qy/P", number("z.4f")),
-        "closed form of Q_y/P": ("closed form y", number(".4f")),
+        "$Q_x/P$ in full slip": ("full slip Qx/P", number(".4f")),
+        "closed form of $Q_x/P$": ("closed form x", number(".4f")),
+        "$Q_y/P$ in full slip": ("full slip Qy/P", number("z.4f")),
+        "closed form of $Q_y/P$": ("closed form y", number(".4f")),
     }
     return format_columns(read_rows("orthotropic_angles.csv"), columns)
 
@@ -154,14 +154,14 @@ def orthotropic() -> str:
 def twin_discs() -> str:
     """Return the states of the worn discs."""
     columns = {
-        "beta, degrees": ("beta", number("g")),
+        r"$\beta$, degrees": ("beta", number("g")),
         "revolution": ("revolution", number(",.0f")),
         "half-width in x, mm": ("a", number(".3f")),
         "half-width in y, mm": ("b", number(".3f")),
         "wear depth, mm": ("wear_max", number(".4g")),
         "peak contact pressure, MPa": ("p_max", number(".0f")),
-        "Q_x/P": ("Qx/P", number(".4f")),
-        "Q_y/P": ("Qy/P", number("z.4f")),
+        "$Q_x/P$": ("Qx/P", number(".4f")),
+        "$Q_y/P$": ("Qy/P", number("z.4f")),
         "stick fraction": ("stick", number(".2f")),
     }
     return format_columns(read_rows("twin_discs.csv"), columns)
@@ -173,7 +173,7 @@ def twin_discs_mesh() -> str:
         "mesh": ("mesh", str),
         "contact solutions": ("solves", str),
         "wear depth, mm": ("wear_max", number(".5f")),
-        "Q_x/P": ("Qx/P", number(".4f")),
+        "$Q_x/P$": ("Qx/P", number(".4f")),
         "half-width in y, mm": ("b", number(".3f")),
         "pressure at y = 0, MPa": ("pressure at y = 0", number(".1f")),
         "peak contact pressure, MPa": ("p_max", number(".0f")),
@@ -200,9 +200,9 @@ def wear() -> str:
         "tolerance": ("tolerance", str),
         "contact solutions": ("solves", str),
         "seconds": ("seconds", number(".1f")),
-        "time of the paper's scheme / this package": ("paper/this", number(",.0f")),
+        "time of the scheme of the paper / time of tractive_sam": ("paper/this", number(",.0f")),
         "error of the profile, % of its depth": ("profile error at 15000", PER_CENT),
-        "error of Q_x/P, %": ("Qx_over_P error at 15000", number("+.4f", 100.0)),
+        "error of $Q_x/P$, %": ("Qx_over_P error at 15000", number("+.4f", 100.0)),
     }
     return format_columns(read_rows("wear.csv"), columns)
 
@@ -390,7 +390,7 @@ def subsurface() -> str:
         "problem": ("what", str),
         "seconds": ("seconds", number(".2g")),
         "seconds / seconds of the FFTs": ("over its FFTs", number(".1f")),
-        "MiB": ("MiB", number(".1f")),
+        "memory, MiB": ("MiB", number(".1f")),
     }
     return format_columns(read_rows("subsurface.csv"), columns)
 
@@ -434,7 +434,7 @@ def fatigue() -> str:
     """Return the damage of body A of the twin discs with and without wear."""
     three = number(".3g")
     columns = {
-        "beta, degrees": ("beta", str),
+        r"$\beta$, degrees": ("beta", str),
         "mesh": ("mesh", str),
         "tolerance": ("tolerance", number("g")),
         "D without wear": ("without wear A", three),
@@ -522,8 +522,8 @@ def jacobian_carter() -> str:
     """Return errors of the slope of Carter's curve for each mesh."""
     columns = {
         "elements across": ("n", str),
-        "error of the slope": ("slope", number(".1e")),
-        "error of the force": ("force", number(".1e")),
+        "relative error of the slope": ("slope", number(".1e")),
+        "relative error of the force": ("force", number(".1e")),
     }
     return format_columns(read_rows("jacobian_carter.csv"), columns)
 
@@ -533,9 +533,9 @@ def tables() -> str:
     columns = {
         "method": ("method", str),
         "time per point, µs": ("s", number(".2g", 1e6)),
-        "median error / (mu P)": ("median", number(".1e")),
-        "largest error / (mu P)": ("worst", number(".1e")),
-        "median error of the moment / (mu P c)": ("moment", number(".1e")),
+        r"median error / $(\mu P)$": ("median", number(".1e")),
+        r"largest error / $(\mu P)$": ("worst", number(".1e")),
+        r"median error of the moment / $(\mu P c)$": ("moment", number(".1e")),
     }
     about = read_rows("tables_about.csv")[0]
     summary = (
@@ -567,7 +567,8 @@ def table_gradients() -> str:
         "contact. The numbers in brackets are the error bars of the table "
         "(`python benchmarks/table_gradients.py`):"
         f"\n\n{format_table(('a/b', *names), body)}\n\n"
-        f"The error of the derivatives of a force, divided by sqrt(K_ii K_jj), was computed at "
+        f"The error of the derivatives of a force, divided by "
+        rf"$\sqrt{{K_{{ii}} K_{{jj}}}}$, was computed at "
         f"{about['points']} random points. Its median is {share(about['forces median'])} %, its "
         f"95th percentile {share(about['forces 95%'])} %, and its maximum "
         f"{share(about['forces largest'])} %. For the moment, these values are "
@@ -625,15 +626,15 @@ def transient_order() -> str:
     body = [
         (label, *(force(forces[slip, n]) for n in meshes))
         for label, slip in (
-            ("Q_x/(mu P), second order", "auto"),
-            ("Q_x/(mu P), first order", "upwind"),
+            (r"$Q_x/(\mu P)$, second order", "auto"),
+            (r"$Q_x/(\mu P)$, first order", "upwind"),
         )
     ]
     steps = [row for row in rows if row["over"] == "step"]
     length = number(".3g")
     over_steps = format_table(
         ("step, mm", *(length(row["step"]) for row in steps)),
-        [("Q_x/(mu P)", *(force(row["Qx"]) for row in steps))],
+        [(r"$Q_x/(\mu P)$", *(force(row["Qx"]) for row in steps))],
     )
     meshes_text = (
         "The tables give the force between two spheres with a = 3.5 mm. The spheres start from "
