@@ -139,7 +139,7 @@ Quiet: TypeAlias = Annotated[
 
 
 def print_note(text: str) -> None:
-    """Print a note, once in a command, even if it concerns a block and the scene."""
+    """Print a note if the command has not printed it before, for the scene or a block of it."""
     printed = _running().notes
     if (content := text.removeprefix("duty: ")) not in printed:
         printed.add(content)

@@ -147,7 +147,7 @@ def jacobian_of(
 
 @dataclass(frozen=True, eq=False)
 class _Systems:
-    """The linearised problems of a contact: of all fields, and of the tractions alone."""
+    """Linear systems for derivatives at a solved contact: for all fields, or for tractions only."""
 
     model: Model
     contact: State
@@ -169,7 +169,7 @@ class _Systems:
 
     @property
     def _problem(self) -> Problem:
-        """The problem that was solved."""
+        """The dimensionless problem of the model with the gap and the wear of the contact."""
         return self.model.problem(
             (self.model.undeformed_gap + self.contact.wear) / self.model.units.gap
         )

@@ -167,7 +167,10 @@ class Model:
         return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))
 
     def with_friction(self, law: FrictionLaw) -> "Model":
-        """Return the model with another friction law in this frame; it shares the operators."""
+        """Return a copy with another friction law for the same scaled frame (`Frame`).
+
+        Both models share the elastic operators.
+        """
         _ = self.operators, self.units, self.undeformed_gap  # computed once for both
         model = copy(self)
         model.laws = self.laws.replace(friction=law)

@@ -197,7 +197,9 @@ def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
 def _rolling_resistance(
     model: Model, pressure: np.ndarray, gap: np.ndarray, depth: np.ndarray
 ) -> float:
-    """Return the work of the pressure on the slope of the undeformed, worn bodies, N.
+    """Return the work of the pressure on the slope of the worn bodies per rolling distance, N.
+
+    `gap` is the remaining gap of the solved contact, and `depth` the wear depth, both in mm.
 
     It uses central differences d of h - g, with g the remaining gap. In contact g is zero, but the
     outermost elements reach beyond its edge, and with g the balance of work holds on any mesh: h -

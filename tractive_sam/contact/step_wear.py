@@ -101,7 +101,7 @@ class StepWear:
         return distance * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
 
     def _relative_depth(self, pressure: np.ndarray, gained: np.ndarray) -> float:
-        """Return the depth worn in a step over the largest depth that the pressure can follow.
+        """Return the depth worn in a step over the largest stable depth; above 1, ripples grow.
 
         The gap of a step contains the wear w' = 2 w_1 - w_2 that is extrapolated from one (w_1) and
         two (w_2) steps before. Pressure responds to a ripple of it by its stiffness. The mean

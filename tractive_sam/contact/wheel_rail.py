@@ -21,10 +21,10 @@ Solve = Callable[[Model, State | None], State]
 def share_load(
     model: Model, solve: Solve, start: State | None, tolerance: float = 1e-6, max_steps: int = 12
 ) -> tuple[State, ...]:
-    """Return the patches of a wheel that carry its load together.
+    """Find the depth of a wheel at which its contact patches together carry its load.
 
-    By the secant method for the load to the power 2/3, which for a Hertz contact is linear in the
-    depth of the wheel. The first patch has the cost of all.
+    It uses the secant method for the load to the power 2/3, which for a Hertz contact is linear in
+    the depth of the wheel. The first patch has the cost of all.
 
     Parameters
     ----------

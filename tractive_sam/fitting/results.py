@@ -128,7 +128,7 @@ class FitResult:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The free keys."""
+        """Dotted keys of the scene that were fitted."""
         return self.design.fit.free
 
     def _named(self, name: str) -> dict[str, float]:

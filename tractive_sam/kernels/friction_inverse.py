@@ -48,7 +48,9 @@ def split(state, direction, kappa, stiffness, D, row, smooth, rough):
 
 @compiled
 def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out):
-    """Integrate from the leading edge of every row, at which the traction is zero.
+    """Apply the preconditioner of rolling friction: integrate each row from its leading edge.
+
+    The traction is zero at the leading edge.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
     element to the next. In an element that slips only the part tau along t is integrated, with t.D

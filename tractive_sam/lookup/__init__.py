@@ -18,8 +18,8 @@ from tractive_sam.lookup.coordinates import (
     RATIO,
     REVERSED,
     Coordinates,
-    by_coordinates,
     creepages_at,
+    creepages_by_coordinates,
 )
 from tractive_sam.lookup.creep_table import CreepTable, Forces, share_of_bar
 from tractive_sam.lookup.describe import describe_axis, describe_range
@@ -37,13 +37,13 @@ __all__ = [
     "Forces",
     "Hermite",
     "arguments_of",
-    "by_coordinates",
     "c_sources",
     "cell_of",
     "check_axis_name",
     "check_name",
     "columns_of",
     "creepages_at",
+    "creepages_by_coordinates",
     "describe_axis",
     "describe_range",
     "plain_title",

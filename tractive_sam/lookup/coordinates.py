@@ -49,7 +49,7 @@ MIN_RADIUS, POLE = 1e-9, 1e-6
 
 
 def unit_radius(ratio: Any) -> Any:
-    """Return r_0 for a/b."""
+    """Return r_0, the length of scaled creepages at u = 1/2, for the ratio a/b of the semi-axes."""
     return 2.0 / (3.2 + 0.9 * ratio)
 
 
@@ -60,8 +60,11 @@ def creepages_at(ratio: float, heading: float, tilt: float, u: float) -> np.ndar
     return np.array([t * np.cos(heading), t * np.sin(heading), r * np.sin(tilt) / SPIN])
 
 
-def by_coordinates(ratio: float, heading: float, tilt: float, u: float) -> np.ndarray:
-    """Return the derivatives of w by heading, tilt and u, shape (3, 3), for u < 1."""
+def creepages_by_coordinates(ratio: float, heading: float, tilt: float, u: float) -> np.ndarray:
+    """Return the derivatives of the scaled creepages w (rows) by heading, tilt and u (columns).
+
+    For the ratio a/b of the semi-axes and u < 1; shape (3, 3). The module defines the coordinates.
+    """
     r0 = unit_radius(ratio)
     r, stretch = r0 * u / (1.0 - u), r0 / (1.0 - u) ** 2
     ch, sh, ct, st = np.cos(heading), np.sin(heading), np.cos(tilt), np.sin(tilt)

@@ -62,6 +62,8 @@ class Elasticity(Law, ABC):
     ) -> np.ndarray:
         """Return the displacement u_A - u_B of an element per unit traction on another element.
 
+        The table has a coefficient for each offset of the elements in x and y.
+
         Parameters
         ----------
         component : str
@@ -188,9 +190,10 @@ class HalfSpaces(Elasticity):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Return the displacement u_A - u_B of an element per unit traction on another element.
+        """Return the influence coefficients of two half-spaces for all offsets, mm/MPa.
 
-        The coefficients are integrals over an element.
+        They are displacements u_A - u_B at the centre of an element per uniform unit traction on
+        another one.
 
         Parameters as in `Elasticity.coefficients`.
         """

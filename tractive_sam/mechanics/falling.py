@@ -172,7 +172,7 @@ class LateralFactor:
 def _interpolate(
     values: np.ndarray, nodes: tuple[np.ndarray, ...], points: tuple[np.ndarray, ...]
 ) -> np.ndarray:
-    """Return a field of elements at other points, bilinear between the centres."""
+    """Return a field on the tensor grid of other points, bilinear between the element centres."""
     along, across = (_weights(a, b.ravel()) for a, b in zip(nodes, points, strict=True))
     return along @ values @ across.T
 

@@ -60,19 +60,19 @@ class Frame:
         return float(largest @ change / (largest.sum() * max(self.mu)))
 
     def to_scaled(self, traction: np.ndarray) -> np.ndarray:
-        """Return p~ = F^-T p_t for a field of shape (2, ...)."""
+        """Return tractions (2, ...) in the scaled frame, p~ = F^-T p_t."""
         return _times(self.inverse.T, traction)
 
     def to_physical(self, scaled: np.ndarray) -> np.ndarray:
-        """Return p_t = F^T p~ for a field of shape (2, ...)."""
+        """Return tractions (2, ...) in x and y from the scaled frame, p_t = F^T p~."""
         return _times(self.matrix.T, scaled)
 
     def slip_to_scaled(self, slip: np.ndarray) -> np.ndarray:
-        """Return s~ = F s for a field of shape (2, ...)."""
+        """Return slip (2, ...) in the scaled frame, in which friction is isotropic, s~ = F s."""
         return _times(self.matrix, slip)
 
     def slip_to_physical(self, scaled: np.ndarray) -> np.ndarray:
-        """Return s = F^-1 s~ for a field of shape (2, ...)."""
+        """Return slip (2, ...) in x and y from the scaled frame, s = F^-1 s~."""
         return _times(self.inverse, scaled)
 
     def norm(self, traction: np.ndarray) -> np.ndarray:

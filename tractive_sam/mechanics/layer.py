@@ -39,7 +39,7 @@ class InterfacialLayer(Elasticity):
     def coupled(self) -> bool:
         """Whether pressure causes tangential displacement, and traction normal displacement.
 
-        The layer does not change it.
+        The answer is the one for the bodies: the layer does not change it.
         """
         return self.bodies.coupled
 
@@ -51,7 +51,7 @@ class InterfacialLayer(Elasticity):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Return the displacement u_A - u_B of an element per unit traction on another element.
+        """Return the influence coefficients of the bodies with the shear of the layer, mm/MPa.
 
         A traction shears only the layer at its own element.
 

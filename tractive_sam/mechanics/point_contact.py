@@ -131,7 +131,10 @@ def hertz(
     _require_positive(e_star=e_star, radius_x=radius_x, radius_y=radius_y)
     ratio = _axis_ratio(radius_x, radius_y)
     # Everything below for a similar ellipse with a b = 1; it scales with c = sqrt(a b).
-    (depth, across), (_, along) = _integrals(ratio, 1 / ratio), _integrals(1 / ratio, ratio)
+    (depth, across), (_, along) = (
+        _carlson(ratio, 1 / ratio),
+        _carlson(1 / ratio, ratio),
+    )
     bend = (along + across) / 3
     curvature = (1 / radius_x + 1 / radius_y) / 2
     if pressure is not None:
@@ -160,7 +163,10 @@ def _axis_ratio(radius_x: float, radius_y: float) -> float:
 
     def excess(log_ratio: float) -> float:
         ratio = math.exp(log_ratio)
-        (_, in_x), (_, in_y) = _integrals(1 / ratio, ratio), _integrals(ratio, 1 / ratio)
+        (_, in_x), (_, in_y) = (
+            _carlson(1 / ratio, ratio),
+            _carlson(ratio, 1 / ratio),
+        )
         return math.log(in_x / in_y) + target
 
     # By secants, as it is nearly a straight line: near a circle a/b is the 2/3 power of R_x/R_y,
@@ -175,7 +181,7 @@ def _axis_ratio(radius_x: float, radius_y: float) -> float:
     return math.exp(at)
 
 
-def _integrals(y: float, z: float) -> tuple[float, float]:
+def _carlson(y: float, z: float) -> tuple[float, float]:
     """Return Carlson's integrals R_F(0, y, z) and R_D(0, y, z).
 
     R_F(0, y, z) = pi/(2 M), M the arithmetic-geometric mean of the roots of y and z (DLMF 19.22.1),

@@ -148,8 +148,8 @@ def _keep_planner_for_fork() -> None:
     _PLANNING.acquire()
 
 
-def _give_planner_back() -> None:
-    """Release the planner after the fork."""
+def _release_planner() -> None:
+    """Release the locks of the planner of transforms after a fork, in parent and child."""
     _PLANNING.release()
     _QUEUE.release()
 
@@ -157,8 +157,8 @@ def _give_planner_back() -> None:
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(
         before=_keep_planner_for_fork,
-        after_in_parent=_give_planner_back,
-        after_in_child=_give_planner_back,
+        after_in_parent=_release_planner,
+        after_in_child=_release_planner,
     )
 
 

@@ -4,12 +4,15 @@ import numpy as np
 
 
 def extent(occupied: np.ndarray) -> slice:
-    """Return the slice from the first to the last occupied place; one place if none is occupied."""
+    """Return the slice from the first to the last loaded place; one place if none is loaded."""
     where = np.flatnonzero(occupied)
     return slice(where[0], where[-1] + 1) if where.size else slice(0, 1)
 
 
-def reach(occupied: np.ndarray) -> int:
-    """Return the largest offset between an occupied place and any other place."""
+def largest_offset(occupied: np.ndarray) -> int:
+    """Return the largest distance, in elements, from a loaded place to any place of the axis.
+
+    `occupied` is a mask of the loaded places along one axis of the mesh, shape (n,).
+    """
     loaded = extent(occupied)
     return max(loaded.stop - 1, occupied.size - 1 - loaded.start)

@@ -12,7 +12,7 @@ from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_spectral import layer_product
 from tractive_sam.operators.fft import padded_length, transform
 from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.load_extent import reach
+from tractive_sam.operators.load_extent import largest_offset
 from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 
 MAX_BYTES = 64 * 2**20
@@ -96,7 +96,7 @@ class StressLayers:
         self.threads = threads
         loaded = np.any(tractions, axis=0)
         # No offset from a loaded element is longer than half a period.
-        farthest = (reach(np.any(loaded, axis=k)) for k in (1, 0))
+        farthest = (largest_offset(np.any(loaded, axis=k)) for k in (1, 0))
         self._padded = tuple(
             padded_length(-(-(far + 1) // self.multiple) * self.multiple) for far in farthest
         )

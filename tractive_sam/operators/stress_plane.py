@@ -8,7 +8,7 @@ import numpy as np
 from tractive_sam.kernels.stress_lattice import edge_table
 from tractive_sam.kernels.stress_spectral import plane_product
 from tractive_sam.operators.fft import padded_length
-from tractive_sam.operators.load_extent import extent, reach
+from tractive_sam.operators.load_extent import extent, largest_offset
 from tractive_sam.operators.stress_fft import edge_transform
 from tractive_sam.results import Grid
 
@@ -59,7 +59,7 @@ class StressPlane:
             tractions = tractions.swapaxes(1, 2)[[1, 0, 2]]
         loaded = np.any(tractions, axis=0)
         self._points = loaded.shape[1]
-        self._padded = padded_length(reach(np.any(loaded, axis=0)) + 1)
+        self._padded = padded_length(largest_offset(np.any(loaded, axis=0)) + 1)
         rows = extent(np.any(loaded, axis=1))
         jumps = np.diff(tractions[:, rows], axis=1, prepend=0.0, append=0.0)
         # Plane minus edge, in elements.

@@ -201,7 +201,7 @@ class Worker:
         self._columns = {n: ColumnBuffer.create(shape, single) for n, shape in shapes.items()}
 
     def transform_rows(self, fields: np.ndarray) -> None:
-        """Transform rows (fields n_x, n_y) along y."""
+        """Transform the rows of this thread along y; `fields` has the shape (fields * n_x, n_y)."""
         for a, b in self._blocks:
             buffer = self._rows[b - a]
             buffer.inputs[:, : fields.shape[1]] = fields[a:b]
@@ -220,7 +220,10 @@ class Worker:
             tile[:] = buffer.columns[:, :count]
 
     def restore_rows(self, out: np.ndarray) -> None:
-        """Transform rows back along y, into an array of shape (fields n_x, n_y)."""
+        """Transform the rows of this thread back along y, into its rows of `out`.
+
+        `out` has the rows of all fields one below the other, shape (fields * n_x, n_y).
+        """
         for a, b in self._blocks:
             buffer = self._rows[b - a]
             buffer.spectra[:] = self._spectra[a:b]

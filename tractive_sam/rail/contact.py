@@ -184,18 +184,14 @@ def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) 
         Height of the top of the flange, mm; its face ends there (EN 13715).
     """
     if not np.isfinite(clearance.gap).any():
-        raise NoContactError("the wheel does not meet the rail: check y, inner and gauge")
+        raise NoContactError("the wheel does not meet the rail")
     k = int(np.argmin(clearance.gap))
     height = wheel.profile.at(clearance.s)[:, 1]
     if height[k] > height.max() - flange_top or k <= np.argmax(height):
-        raise NoContactError(
-            "the wheel has derailed: the top of its flange is on the rail; reduce y or yaw"
-        )
+        raise NoContactError("the wheel has derailed: the top of its flange is on the rail")
     measured = np.isfinite(clearance.gap[max(k - 1, 0) : k + 2])
     if k == clearance.gap.size - 1 or not measured.all():
-        raise NoContactError(
-            "the contact is at an end of a profile: extend the profile, or check y, inner and gauge"
-        )
+        raise NoContactError("the contact is at an end of a profile, which may be too short")
 
 
 def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> list[Patch]:

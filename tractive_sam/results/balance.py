@@ -34,7 +34,10 @@ class SteadyBalance:
 
     @property
     def energy(self) -> np.ndarray:
-        """Dissipated over supplied work for each record, shape (n,)."""
+        """Ratio of dissipated to supplied work in each record, shape (n,).
+
+        It is 1 without numerical error, and nan without friction, or if no work is supplied.
+        """
         history = self.history
         supplied = history["work_supplied"]
         rounding = self.rounding * history["P"] * np.abs(history["approach"])
@@ -43,7 +46,7 @@ class SteadyBalance:
 
     @property
     def wear(self) -> np.ndarray:
-        """Wear over the wear that the work of friction causes, for each record, shape (n,)."""
+        """Ratio of the wear to the wear that the work of friction causes, in each record, (n,)."""
         history = self.history
         largest = history["wear_max"] * 2.0 * history.grid.half_length[1]
         return self._worn_by_work(history["worn_area"], history["dissipation"], largest)
@@ -94,7 +97,10 @@ class StepBalance(SteadyBalance):
 
     @property
     def energy(self) -> np.ndarray:
-        """Dissipated over supplied work for each record, shape (n,) (`SteadyBalance.energy`)."""
+        """Ratio of dissipated and stored to supplied work in each record, shape (n,).
+
+        See `SteadyBalance.energy`.
+        """
         history = self.history
         stored, supplied = history["elastic_energy"], history["step_work"]
         gained = np.diff(stored, prepend=np.nan)
@@ -103,7 +109,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def wear(self) -> np.ndarray:
-        """Wear over the wear that the work of friction causes, for each record, shape (n,)."""
+        """Ratio of the wear to the wear that the work of friction causes, in each record, (n,)."""
         history = self.history
         if "step_worn" not in history.columns:
             return np.full(len(history), np.nan)

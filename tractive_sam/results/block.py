@@ -12,8 +12,8 @@ from tractive_sam.scene import Scene
 from tractive_sam.schema import required
 
 
-def block_parts(history: Recorded, k: int) -> dict[str, Any]:
-    """Return the parts of the history of one block that differ from the history of all blocks."""
+def attributes_of_block(history: Recorded, k: int) -> dict[str, Any]:
+    """Return the attributes of the history of block k (from 0) that replace those of all blocks."""
     scene = history.scene
     columns = {name: c for name, c in history.columns.items() if "block" not in c.dims}
     values = {}

@@ -15,7 +15,7 @@ from tractive_sam.optional import pandas, xarray
 from tractive_sam.results import exchange
 from tractive_sam.results.assembly import collect
 from tractive_sam.results.balance import balance_of
-from tractive_sam.results.block import block_parts
+from tractive_sam.results.block import attributes_of_block
 from tractive_sam.results.describe import summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.figure_table import html_with_figure
@@ -455,7 +455,7 @@ class History:
         >>> round(float(light["P"][-1])), light.state(2).scene.load.normal
         (200, 200.0)
         """
-        return replace(self, **block_parts(self, self.place_of(which)))
+        return replace(self, **attributes_of_block(self, self.place_of(which)))
 
     def place_of(self, which: int | str) -> int:
         """Return the index of a block in the [[duty]] of the scene, from its index or its name.

@@ -17,7 +17,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Cost:
-    """Work that does not depend on the machine.
+    """Computational cost of a solve, in counts that do not depend on the machine.
 
     Attributes
     ----------

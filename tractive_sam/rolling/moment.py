@@ -110,7 +110,10 @@ class Moment(Step):
         return self.distance
 
     def on(self, grid: Grid) -> "Moment":
-        """Return the moment on a wider mesh of equal elements; `Transient` adds the gap outside."""
+        """Return the state at this moment on a wider mesh with elements of the same size.
+
+        `Transient` computes the gap outside of the former mesh.
+        """
         before = None if self.before is None else StepResult(self.before.contact.on(grid))
         return replace(self, result=self.result.on(grid), before=before)
 

@@ -151,7 +151,7 @@ class Observer(ABC):
         return {}
 
     def record_block(self, block: int) -> Mapping[str, Any]:
-        """Return the values of the columns that exist for each block of a duty cycle."""
+        """Return the values of the columns that exist for each block of a duty cycle, by name."""
         return {}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
@@ -173,7 +173,7 @@ class Observer(ABC):
 
     @property
     def shortfall(self) -> str:
-        """Why the steps are not as accurate as the scene requires; empty if they are.
+        """Message that the steps are less accurate than the scene requires; empty if they are not.
 
         A history that ends with one has the status "inaccurate" and this message.
         """

@@ -136,7 +136,7 @@ class ProfileWear(Process[WornStep]):
     """Relative error of the load that the patches of a wheel carry together."""
 
     def begin(self) -> WornStep:
-        """Return the first step (`Process.begin`)."""
+        """Return the first step: the contact of the unworn profiles (`Process.begin`)."""
         wheel, rail = self._nodes
         return self._step(0, (np.zeros(wheel.size), np.zeros(rail.size)), {})
 

@@ -118,7 +118,7 @@ class DutyCycle(Revolutions):
 
     @property
     def spectrum(self) -> Spectrum:
-        """The different blocks."""
+        """Load spectrum: the blocks of the duty cycle, with equal blocks merged."""
         return self.model.scene.spectrum
 
     def state(self, step: Passage) -> dict[str, np.ndarray]:

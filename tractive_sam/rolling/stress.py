@@ -70,7 +70,7 @@ class LargestStress(Observer):
         return tuple(maxima_by_body(contact, block.laws) for contact, block in blocks)
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
-        """Return the values of the columns that exist for each block of a duty cycle."""
+        """Return the largest stresses in a block of a duty cycle: by column, then by body."""
         names = ("value", "interior", "surface", "at")
         maxima = self.maxima[block].items()
         return {

@@ -49,7 +49,7 @@ def model_of(
 
 def check_columns(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:
     """Return user-defined columns; raise an error if they cannot be recorded."""
-    columns, taken = tuple(columns), _taken_names(laws)
+    columns, taken = tuple(columns), _reserved_names(laws)
     for column in columns:
         _check_name("columns", column, taken)
         if column.dims not in DIMS or not callable(column.of) or column.role:
@@ -68,7 +68,7 @@ def check_observer_columns(observers: Iterable[Observer], columns: Iterable[Quan
     ValueError
         If a name is taken, or dimensions are not allowed.
     """
-    taken = _taken_names(None) | {column.name for column in columns}
+    taken = _reserved_names(None) | {column.name for column in columns}
     # Names of observers of the package, and prefixes of what else is stored to resume.
     names = {"damage", "heat", "stress", "worn", "gained", "before", "traction", "slip"}
     for seen in observers:
@@ -90,8 +90,11 @@ def check_observer_columns(observers: Iterable[Observer], columns: Iterable[Quan
             raise ValueError(f"{where}: {wrong[0]!r} needs {needed}")
 
 
-def _taken_names(laws: Laws | None) -> set[str]:
-    """Return the names that user-defined columns and fields cannot have."""
+def _reserved_names(laws: Laws | None) -> set[str]:
+    """Return the reserved names, which user-defined columns and fields cannot have.
+
+    `laws` add the columns of their stress criterion.
+    """
     stress = () if laws is None else stress_columns(laws.criterion)
     taken = {
         "status",

@@ -76,7 +76,7 @@ def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
         away = abs(place["xy".index(axis)])
         if length < semi_axis + away:
             smallest = f"{1.00001 * (semi_axis + away):.6g}"  # rounded up
-            cure = f"at least {smallest} in {axis}, the semi-axis {name} of the contact"
+            cure = f"at least {smallest} mm in {axis}, the semi-axis {name} that [load] causes"
             cure += " and the distance of grid.centre" if away else ""
             pair = Pair.from_tables(entries["body"], entries["load"])
             cure = "; ".join((cure, *pair_notes(pair)))

@@ -16,7 +16,7 @@ from .gap import Gap
 def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
     """Return the knots; raise a ValueError if they descend, or if three are equal."""
     if any(late < early for early, late in pairwise(places)):
-        raise ValueError("ascending numbers; two equal numbers are a jump")
+        raise ValueError("a list of ascending numbers; two equal numbers are a jump")
     if any(first == last for first, _, last in zip(places, places[1:], places[2:], strict=False)):
         raise ValueError("each number at most twice: two equal numbers are a jump")
     return places
@@ -25,7 +25,7 @@ def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
 def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
     """Return the numbers; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(places)):
-        raise ValueError("ascending numbers")
+        raise ValueError("a list of ascending numbers, each once")
     return places
 
 

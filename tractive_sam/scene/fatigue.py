@@ -34,7 +34,10 @@ _MAX_EXPONENT = 100.0
 def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
     """Report a table with neither a yield stress nor a limit."""
     if not entries.given & {"shear_yield", "yield_strength", "limit"}:
-        cure = "shear_yield or yield_strength for shakedown, limit for utilisation and damage"
+        cure = (
+            "at least one of fatigue.shear_yield and fatigue.yield_strength (for shakedown), and "
+            "fatigue.limit (for utilisation and damage), in MPa"
+        )
         yield Fault("limit", "nothing, and no yield stress", cure)
 
 

@@ -38,7 +38,7 @@ def _mu_at_rest(friction: dict[str, Any]) -> tuple[float, float]:
 
 
 def _check_ratio_of_coefficients(entries: ValidEntries, largest: float = 100.0) -> Iterator[Fault]:
-    """Report coefficients with a ratio above the largest one for which the solvers are tested."""
+    """Report mu1 and mu2 with a ratio above the largest one for which the solvers are tested."""
     mu = entries["mu"]
     if max(mu) > largest * min(mu) * (1.0 + 1e-12):
         allowed = f"one coefficient at most {largest:g} times the other"
@@ -78,7 +78,7 @@ LateralFactors = Annotated[
 
 
 def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
-    """Describe factors over the surface temperature by the first and the last; empty if None."""
+    """Describe the first and last pair of temperature (degC) and friction factor; empty if None."""
     if factors is None:
         return ""
     (cold, first), (hot, last) = factors[0], factors[-1]

@@ -69,12 +69,20 @@ def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
     return path.absolute()  # a scene may be written to, and read from, another folder
 
 
+def check_exists(path: Path, other_values: str = "") -> None:
+    """Raise a ValueError if a file does not exist; its message begins with other allowed values."""
+    # os.path.isfile, unlike Path.is_file, accepts any text.
+    if not may_be_missing() and not os.path.isfile(path):
+        raise ValueError(
+            f"{other_values}an existing file, relative to the folder of the scene's file (without "
+            "one, to the working folder)"
+        )
+
+
 def _check_file(path: Path) -> Path:
     """Return the absolute path of a gap file; raise a ValueError if it does not exist."""
     absolute = absolute_path(path, (".h5", ".npy", ".npz", *TEXTS))
-    # os.path.isfile, unlike Path.is_file, accepts any text.
-    if not may_be_missing() and not os.path.isfile(absolute):
-        raise ValueError("an existing file")
+    check_exists(absolute)
     return absolute
 
 

@@ -189,7 +189,7 @@ RULES = (
         "creepage in per cent",
         "scene",
         read_creepages,
-        "{given:g} is {percent:g} %; 1 % is 0.01",
+        "{given:g} is {percent:g} %; if {given:g} % is meant, write {meant:g}",
         "beyond 0.1 bodies slide rather than roll; 1 is one body at rest",
         above=0.1,
     ),

@@ -47,7 +47,7 @@ class ProcessTable(LawTable):
     end: Real = entry("last value of the coordinate of the process", ge=0)
     save: Annotated[tuple[Real, ...], AfterValidator(check_ascending)] = entry(
         "values of the coordinate at which fields are stored",
-        "ascending numbers up to end",
+        "a list of ascending numbers up to end",
         default_factory=lambda entries: tuple(sorted({0.0, entries["end"]})),
     )
     law_key: ClassVar[str] = "name"

@@ -138,7 +138,7 @@ def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
 
 
 def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
-    """Yield the largest computed pressure, MPa."""
+    """Yield the largest pressure of a solved contact, MPa, for a check of plausibility."""
     yield Reading("p_max", peak.pressure, {"place": peak.place})
 
 
@@ -159,7 +159,7 @@ def read_creepages(scene: Any) -> Iterator[Reading]:
     """Yield the magnitudes of both creepages."""
     for key in ("longitudinal", "lateral"):
         creepage = getattr(scene.creepage, key)
-        details = {"given": creepage, "percent": 100.0 * creepage}
+        details = {"given": creepage, "percent": 100.0 * creepage, "meant": 0.01 * creepage}
         yield Reading(f"creepage.{key}", abs(creepage), details)
 
 

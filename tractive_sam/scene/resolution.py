@@ -53,11 +53,13 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
         covered = " x ".join(f"{count:.2g}" for count in across)
         advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
         fewest = math.ceil(FewestElements.slip * margin)
-        needed = f" and at least {fewest} elements" if min(grid.elements) < fewest else ""
+        needed = ""
+        if min(grid.elements) < fewest:
+            needed = f" and at least {fewest} elements in each direction"
         warn(
             f"grid.elements: {elements} do not resolve the Hertz contact, which covers {covered} "
-            "of them; check the units of [load] and of the radii, or use grid.half_length = "
-            f"[{advised}]{needed}"
+            "of them in x and y; check the units of [load] and of the radii, or use "
+            f"grid.half_length = [{advised}]{needed}"
         )
         return
     needs = [

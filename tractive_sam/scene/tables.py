@@ -180,15 +180,16 @@ def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Ite
 
 
 def _check_centre_of_domain(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a centre without a domain, or with another number of directions."""
+    """Report a centre of the grid without half lengths, or with another number of directions."""
     centre, half_length = entries["centre"], entries["half_length"]
     if centre is None:
         return
     if half_length is None:
-        cure = "only with half_length: a chosen domain is centred at the origin"
+        cure = "nothing without grid.half_length: the default domain is centred at the origin"
         yield Fault("centre", shorten(centre), cure)
     elif len(centre) != len(half_length):
-        yield Fault("centre", shorten(centre), "as many numbers as half_length")
+        allowed = f"as many numbers as grid.half_length: {len(half_length)}"
+        yield Fault("centre", shorten(centre), allowed)
 
 
 def _check_grid_is_not_empty(entries: ValidEntries) -> Iterator[Fault]:
@@ -216,7 +217,7 @@ class Mesh(Table):
         None,
     )
     elements: _ElementsPerAxis | None = entry(
-        "numbers of elements in x and y; by default, they follow from the contact",
+        "numbers of elements of the mesh in x and y; by default, they follow from the contact",
         "a pair of integers from 3 to 1e6",
         None,
     )

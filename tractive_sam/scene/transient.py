@@ -82,7 +82,7 @@ class Transient(Table):
 
     distance: Knots = entry(
         "knots: rolling distances, mm",
-        "ascending numbers; two equal numbers are a jump",
+        "a list of two or more ascending numbers; two equal numbers are a jump",
         min_length=2,
     )
     load: InnerTable[LoadCourse] = entry("courses of the load", default=LoadCourse())
@@ -118,7 +118,7 @@ class Transient(Table):
     )
     save: Saved = entry(
         "distances at which fields are stored, mm",
-        "ascending numbers from the first knot to the last",
+        "a list of ascending numbers from the first knot to the last",
         default_factory=lambda entries: tuple(sorted({*entries["distance"]})),
     )
     cycle_start: NotBelowZero | None = entry(

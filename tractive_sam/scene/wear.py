@@ -53,7 +53,7 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
 def _check_ascending(save: tuple[int, ...]) -> tuple[int, ...]:
     """Return the revolutions; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(save)):
-        raise ValueError("ascending integers")
+        raise ValueError("a list of ascending integers, each once: the revolutions to store")
     return save
 
 

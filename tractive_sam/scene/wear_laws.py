@@ -68,8 +68,8 @@ def _check_points(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float,
     return points
 
 
-def _check_table_is_used(entries: ValidEntries) -> Iterator[Fault]:
-    """Report laws of the bodies without the table that they name, and an unused table."""
+def _check_table_of_rates(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a missing table of wear rates, which A or B = "table" needs, and an unused one."""
     table, bodies = entries["table"], (entries["A"], entries["B"])
     if table is None and bodies == (None, None):
         yield Fault("table", "nothing", "a table, or laws A and B of the bodies")
@@ -105,7 +105,7 @@ class WearLaws(Table):
     B: LawOrTable | None = entry(
         "law of body B; without a law, the body does not wear", default=None
     )
-    checks: ClassVar[tuple[Check, ...]] = (_check_table_is_used,)
+    checks: ClassVar[tuple[Check, ...]] = (_check_table_of_rates,)
 
 
 class Sets(Table):

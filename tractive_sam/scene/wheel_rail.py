@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
@@ -221,7 +222,7 @@ def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
-    """Report keys of wear that need profiles, and tables and keys that worn profiles do not use."""
+    """Report keys that only wear of profiles uses, and keys and tables that it does not allow."""
     wears, wheel = entries["wear"] is not None, entries["wheel"] is not None
     if "wear.step_depth" in entries.given and not wheel:
         yield Fault(
@@ -253,7 +254,11 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
     try:
         contact = WheelRail.from_tables(wheel, rail, wheelset, entries["body"].material.E_star)
     except (NoContactError, RuntimeError) as error:  # the roll may not converge without contact
-        yield Fault("wheelset", f"y = {wheelset.y:g} mm", str(error))
+        given = (
+            f"y = {wheelset.y:g} mm and inner = {wheelset.inner:g} mm with rail.gauge = "
+            f"{rail.gauge:g} mm"
+        )
+        yield Fault("wheelset", f"{given}; {error}", _describe_possible_place(entries))
         return
     radii = contact.equivalent_radii
     expected = {"A": (radii[0], math.inf), "B": (math.inf, radii[1])}
@@ -266,6 +271,18 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
     load = entries["load"]
     if load.normal != (wheelset.load or wheelset.normal_load) or load.force_x or load.force_y:
         yield Fault("load", "with [wheelset]", "wheelset.load or normal_load, and no [load]")
+
+
+def _describe_possible_place(entries: ValidEntries, halvings: int = 5) -> str:
+    """Describe places of a wheelset whose wheel rests on the rail, for the message of a fault."""
+    wheel, rail, wheelset = (entries[name] for name in TABLES)
+    text = "a place in which the tread or the face of the flange rests on the rail"
+    for y in (*(wheelset.y / 2**k for k in range(1, halvings + 1)), 0.0):
+        nearer = wheelset.model_copy(update={"y": y})
+        with suppress(NoContactError, RuntimeError):
+            WheelRail.from_tables(wheel, rail, nearer, entries["body"].material.E_star)
+            return f"{text}, for example y = {y:g} mm"
+    return f"{text}; with this inner, gauge and yaw not even y = 0 is one"
 
 
 def _profile_faults(**tables: Any) -> Iterator[Fault]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -21,28 +21,29 @@ from tractive_sam.rail import (
 )
 from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one
 
-from .gap import absolute_path, may_be_missing
+from .gap import absolute_path, check_exists
 from .schedule import PatchSchedule, Schedule
 
 
-def _check_profile(name: str) -> str:
+def _check_profile(name: str, built_in: tuple[str, ...]) -> str:
     """Return a built-in name, or the absolute path of a profile file, which must exist."""
-    if name in BUILTIN:
+    if name in built_in:
         return name
-    allowed = f"{', '.join(BUILTIN)}, or a file ending in {', '.join(SUFFIXES)}"
+    listed = " or ".join(built_in)
     if Path(name).suffix not in SUFFIXES:
-        raise ValueError(allowed)
+        raise ValueError(f"{listed}, or a file ending in {', '.join(SUFFIXES)}")
     path = absolute_path(Path(name), SUFFIXES)
-    if not may_be_missing() and not os.path.isfile(path):
-        raise ValueError(f"an existing file, or one of {', '.join(BUILTIN)}")
+    check_exists(path, f"{listed}, or ")
     return str(path)
 
 
 _Unit = Literal["mm", "m", "in"]
-_Profile = Annotated[
-    str,
-    BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value),
-    AfterValidator(_check_profile),
+_NameOrPath = Annotated[
+    str, BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value)
+]
+_WheelProfile = Annotated[_NameOrPath, AfterValidator(partial(_check_profile, built_in=("S1002",)))]
+_RailProfile = Annotated[
+    _NameOrPath, AfterValidator(partial(_check_profile, built_in=("60E1", "UIC60-manchester")))
 ]
 _FreeOrReal = Literal["free"] | Real
 
@@ -85,7 +86,9 @@ class WheelTable(_ProfileTable):
     460.0
     """
 
-    profile: _Profile = entry("wheel profile: S1002, or a file", "S1002, or the path of a file")
+    profile: _WheelProfile = entry(
+        "wheel profile: S1002, or a file", "S1002, or the path of a file"
+    )
     radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
 
     @property
@@ -107,7 +110,7 @@ class RailTable(_ProfileTable):
     40.0
     """
 
-    profile: _Profile = entry(
+    profile: _RailProfile = entry(
         "rail profile: 60E1, UIC60-manchester, or a file",
         "60E1, UIC60-manchester, or the path of a file",
     )

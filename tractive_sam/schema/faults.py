@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import difflib
 import inspect
+import re
 import reprlib
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar, TypeVar
 
@@ -121,11 +122,24 @@ def shorten(value: object, max_length: int = 60) -> str:
 
 
 def suggest_name(name: str, names: Iterable[str]) -> str:
-    """Return a text that lists the allowed names, with the one most like `name` first."""
+    """Return a text that lists the allowed names, with the nearest one first.
+
+    Parameters
+    ----------
+    name : str
+        A name that is not allowed.
+    names : iterable or mapping of str
+        Allowed names; the values of a mapping are their meanings. If no name is spelled like
+        `name`, the nearest one is the only one with that word in its meaning.
+    """
+    meanings = names if isinstance(names, Mapping) else {}
     names = list(names)
     listed = ", ".join(names)
     reordered = [key for key in names if sorted(key.split("_")) == sorted(name.split("_"))]
     nearest = reordered or difflib.get_close_matches(name, names, n=1)
+    if not nearest:
+        described = [key for key in names if name in re.findall(r"\w+", meanings.get(key, ""))]
+        nearest = described if len(described) == 1 else []
     return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"
 
 

@@ -103,7 +103,10 @@ def suggest_key(table: type[TableBase], name: str) -> str:
     ]
     if name in table.renamed_keys:
         return f"{table.renamed_keys[name]}, the new name of the key"
-    return f"{' or '.join(inner)}, perhaps?" if inner else suggest_name(name, table.model_fields)
+    if inner:
+        return f"{' or '.join(inner)}, perhaps? The key belongs in a table"
+    meanings = {key: info.title or "" for key, info in table.model_fields.items()}
+    return suggest_name(name, meanings)
 
 
 def _to_plain(value: Any, convert: Callable[[Any], dict[str, Any]]) -> Any:

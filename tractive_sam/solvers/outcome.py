@@ -76,7 +76,7 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Initial guess of a solve on the complete mesh; names and units as in `Outcome`.
+    """Initial guess of a solver on the finest mesh; each attribute is as in `Outcome`.
 
     An `Outcome` will do as well. Two more things may be known: the response of the elastic operator
     to the tractions, of dissimilar bodies with the pressure (`response`, shape (2 or 3, n_x, n_y)),

@@ -62,7 +62,7 @@ class GapError(ValueError):
     ... except (ts.GapError, ts.SceneError) as error:
     ...     print(error)
     1 fault in the scene:
-      file: given 'missing.csv'; allowed: an existing file
+      file: given 'missing.csv'; allowed: an existing file, relative to ...
     """
 
     def __init__(self, path: Path, value: str, allowed: str, table: str = "gap") -> None:

@@ -315,7 +315,7 @@ def _submit_chains(
     Yields each task with the length of its chain and its outcome, None if its workers died.
     """
     calls = [
-        (f"case-{chain[0].case.number}", chain[0].seconds, _call_of(chain)) for chain in chains
+        (f"case-{chain[0].case.number}", chain[0].seconds, _worker_call(chain)) for chain in chains
     ]
     for k, future in _submit_calls(client, calls):
         for task, outcome in zip(chains[k], _outcomes(future, len(chains[k])), strict=True):
@@ -437,8 +437,11 @@ def check_installed() -> None:
         raise ResultsError(f"{missing}; or use 0 workers")
 
 
-def _call_of(chain: Chain) -> tuple[Any, ...]:
-    """Return the function that a worker calls for a chain, and its arguments."""
+def _worker_call(chain: Chain) -> tuple[Any, ...]:
+    """Return the function that a worker calls for a chain, and its arguments.
+
+    A chain is a tuple of tasks that a worker receives together.
+    """
     first = chain[0]
     if first.file is not None:
         return run_case, first.case.scene, str(first.file)

@@ -135,7 +135,7 @@ def cycle_fatigue(
             radius[body][:, k], residual[body][:, k], values = _evaluate(laws, cycles, limit)
             for utilisation, value in zip(used[body], values, strict=False):
                 utilisation[:, k] = value
-    surfaces = (_surfaces(contact, law) for contact, law in zip(contacts, laws, strict=True))
+    surfaces = (_surface_cycles(contact, law) for contact, law in zip(contacts, laws, strict=True))
     for passes in zip(*surfaces, strict=True):
         body, cycles = passes[0][0], [cycle for _, cycle, _ in passes]
         is_valid = np.any([rows for _, _, rows in passes], axis=0)
@@ -276,8 +276,13 @@ def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int
     return grid.centre[0] + np.concatenate((x, -x))
 
 
-def _surfaces(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield for each body its name, the cycles (6, n, m) along rows of corners, and valid rows."""
+def _surface_cycles(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+    """Yield for each body its name, the stress cycles at its surface, and the mask of valid rows.
+
+    A point of the surface passes the contact along a row of element corners: the cycles have the
+    shape (6, n, m), with stress components, n positions in x, the last one unloaded, and m rows. A
+    row that only touches the edge of the contact is not valid.
+    """
     grid, bodies = contact.grid, fatigue_table(contact).bodies
     load = LoadedBodies.from_contact(contact, bodies, laws)
     lattice = Lattice(grid.elements, grid.dx, grid.dy)

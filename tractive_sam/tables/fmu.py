@@ -21,7 +21,7 @@ from typing import Literal
 from tractive_sam.extras import require_extra
 from tractive_sam.lookup import CreepTable, c_sources
 from tractive_sam.output_file import write_file
-from tractive_sam.tables.fmu_description import Description2, Description3, inputs_of
+from tractive_sam.tables.fmu_description import Description2, Description3, list_inputs
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def _compiled(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
 
 def _interface(table: CreepTable, name: str, token: str, version: _FmiVersion) -> dict[str, str]:
     """Return the C code of the functions of the interface, by file name."""
-    inputs = inputs_of(table)
+    inputs = list_inputs(table)
     values = {
         "NAME": name,
         "TOKEN": token,

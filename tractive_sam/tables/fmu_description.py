@@ -68,7 +68,7 @@ _INPUTS = {
 }
 
 
-def inputs_of(table: CreepTable) -> list[FmuVariable]:
+def list_inputs(table: CreepTable) -> list[FmuVariable]:
     """Return the inputs of the unit of a table, in the order of its function in C."""
     inputs = []
     for name in arguments_of(table):
@@ -83,8 +83,8 @@ def inputs_of(table: CreepTable) -> list[FmuVariable]:
     return inputs
 
 
-def outputs_of() -> list[FmuVariable]:
-    """Return the outputs of a unit: forces, and their derivatives by creepages."""
+def list_outputs() -> list[FmuVariable]:
+    """Return the output variables of an FMU: forces, and their derivatives by creepages."""
     forces = (
         FmuVariable("Qx", "longitudinal force on body A", "N"),
         FmuVariable("Qy", "lateral force on body A", "N"),
@@ -132,7 +132,7 @@ class Description2:
 
     def __init__(self, table: CreepTable, name: str, token: str):
         self.title, self.name, self.token = plain_title(table), name, token
-        self.inputs, self.outputs = inputs_of(table), outputs_of()
+        self.inputs, self.outputs = list_inputs(table), list_outputs()
         self.sources = ("unit.c", f"{name}.c")
         self.tool = f"tractive_sam {versions()['tractive-sam']}"  # type: ignore[operator]
 

@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tractive_sam.lookup import by_coordinates, creepages_at
+from tractive_sam.lookup import creepages_at, creepages_by_coordinates
 from tractive_sam.reference import full_slip_with_spin
 from tractive_sam.schema import Fault
 from tractive_sam.tables.contacts import Solved
@@ -105,7 +105,7 @@ class TableContacts:
             return _full_slip_node(ratio, heading, tilt, self.refinement.step)
         solved = self.solved[node.job]
         by_w = node.signs[:, None] * solved.gradient * node.signs
-        by = by_w @ by_coordinates(ratio, heading, tilt, min(u, self.refinement.last_u))
+        by = by_w @ creepages_by_coordinates(ratio, heading, tilt, min(u, self.refinement.last_u))
         return Solved(node.signs * solved.force, solved.bar, by)
 
     def solve(self, jobs: Iterable[Job], nodes: int) -> None:

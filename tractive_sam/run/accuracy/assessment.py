@@ -64,7 +64,10 @@ def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Asse
 
 
 def worst_error_bar(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
-    """Return the widest of the relative error bars that govern, and its name."""
+    """Return the widest relative error bar among the quantities that decide the mesh, and its name.
+
+    `peak` includes the peak pressure.
+    """
     # Quantities that must be within the tolerance; for unworn bodies the peak pressure as well.
     governing = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
     names = (*governing, "p_max") if peak else governing
