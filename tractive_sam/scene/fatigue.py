@@ -34,10 +34,7 @@ _MAX_EXPONENT = 100.0
 def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
     """Report a table with neither a yield stress nor a limit."""
     if not entries.given & {"shear_yield", "yield_strength", "limit"}:
-        cure = (
-            "at least one of fatigue.shear_yield and fatigue.yield_strength (for shakedown), and "
-            "fatigue.limit (for utilisation and damage), in MPa"
-        )
+        cure = "[fatigue] shear_yield or yield_strength (shakedown), limit (utilisation), in MPa"
         yield Fault("limit", "nothing, and no yield stress", cure)
 
 

@@ -53,9 +53,9 @@ def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float 
         covered = " x ".join(f"{count:.2g}" for count in across)
         advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
         fewest = math.ceil(FewestElements.slip * margin)
-        needed = ""
-        if min(grid.elements) < fewest:
-            needed = f" and at least {fewest} elements in each direction"
+        needed = (
+            f" and at least {fewest} elements per direction" if min(grid.elements) < fewest else ""
+        )
         warn(
             f"grid.elements: {elements} do not resolve the Hertz contact, which covers {covered} "
             "of them in x and y; check the units of [load] and of the radii, or use "

@@ -254,10 +254,7 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
     try:
         contact = WheelRail.from_tables(wheel, rail, wheelset, entries["body"].material.E_star)
     except (NoContactError, RuntimeError) as error:  # the roll may not converge without contact
-        given = (
-            f"y = {wheelset.y:g} mm and inner = {wheelset.inner:g} mm with rail.gauge = "
-            f"{rail.gauge:g} mm"
-        )
+        given = f"y = {wheelset.y:g}, inner = {wheelset.inner:g}, rail.gauge = {rail.gauge:g} mm"
         yield Fault("wheelset", f"{given}; {error}", _describe_possible_place(entries))
         return
     radii = contact.equivalent_radii
