@@ -777,6 +777,23 @@ def fit_repeats() -> str:
     return format_columns(read_rows("fit_repeats.csv"), columns)
 
 
+def fit_posterior() -> str:
+    """Return posterior samples of a creep curve, beside the linearised fit."""
+    columns = {
+        "key": ("key", str),
+        "fit": ("fit", number(".4g")),
+        "standard deviation": ("sd", number(".3g")),
+        "95 % interval from": ("low", number(".4g")),
+        "to": ("high", number(".4g")),
+        "mean of the samples": ("mean", number(".4g")),
+        "their standard deviation": ("sd of samples", number(".3g")),
+        "95 % of the samples from": ("quantile low", number(".4g")),
+        "up to": ("quantile high", number(".4g")),
+        "autocorrelation time, steps": ("autocorrelation", number(".0f")),
+    }
+    return format_columns(read_rows("fit_posterior.csv"), columns)
+
+
 def fit_cost() -> str:
     """Return the cost of fits."""
     columns = {
@@ -858,5 +875,6 @@ TABLES = {
         fit_exact,
         fit_repeats,
         fit_cost,
+        fit_posterior,
     )
 }
