@@ -37,7 +37,8 @@ def share_load(
     tolerance : float
         Relative error of the load.
     max_steps : int
-        Largest number of depths.
+        Largest number of depths; the contacts at the last one are returned even if the load is not
+        within the tolerance.
 
     Returns
     -------

@@ -50,7 +50,8 @@ def split(state, direction, kappa, stiffness, D, row, smooth, rough):
 def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out):
     """Apply the preconditioner of rolling friction: integrate each row from its leading edge.
 
-    The traction is zero at the leading edge.
+    The traction is zero at the leading edge. ``row`` is the residual of the linearised problem,
+    which `split` divides.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
     element to the next. In an element that slips only the part tau along t is integrated, with t.D

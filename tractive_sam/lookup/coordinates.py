@@ -54,7 +54,7 @@ def unit_radius(ratio: Any) -> Any:
 
 
 def creepages_at(ratio: float, heading: float, tilt: float, u: float) -> np.ndarray:
-    """Return the scaled creepages w of coordinates; for u = 1 their direction."""
+    """Return the scaled creepages w at given coordinates; for u = 1 only their direction."""
     r = 1.0 if u == 1.0 else unit_radius(ratio) * u / (1.0 - u)
     t = r * np.cos(tilt)
     return np.array([t * np.cos(heading), t * np.sin(heading), r * np.sin(tilt) / SPIN])

@@ -10,7 +10,7 @@ from tractive_sam.mechanics.law import Law
 
 
 class StressCriterion(Law, ABC):
-    r"""Criterion of a state of stress: one number from its six components, the larger the worse.
+    r"""Equivalent stress: a number from six stress components (xx, yy, zz, xy, xz, yz).
 
     Attributes
     ----------

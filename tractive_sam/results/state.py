@@ -441,7 +441,7 @@ class State:
 
     @property
     def worn_mass(self) -> dict[str, float]:
-        """Mass of `worn_volume` by the density of each body, mg."""
+        """Mass worn off the bodies "A" and "B", their `worn_volume` times density, mg."""
         bodies = self.scene.body
         density = {"A": bodies.A.density, "B": bodies.B.density}
         return {name: 1e-3 * density[name] * volume for name, volume in self.worn_volume.items()}

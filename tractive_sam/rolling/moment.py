@@ -1,4 +1,4 @@
-"""A moment of a transient: the contact, and all that the next step needs."""
+"""State of a transient at one time: the contact, and all that the next step needs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -15,7 +15,7 @@ from tractive_sam.scene import Scene
 
 @dataclass(frozen=True, eq=False)
 class Moment(Step):
-    """A contact of the course, with all that the next step needs.
+    """State of a transient at one rolling distance, with all that the next step needs.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Moment(Step):
 
     @classmethod
     def from_stored(cls, scene: Scene, stored: StoredStep) -> "Moment":
-        """Return the moment of a record; the model and the observers complete it."""
+        """Return the moment of a stored record; the model and the observers complete it."""
         history, row, state = stored.history, stored.row, stored.state
         names = ("distance", "stretch", "next_step", "approach", "xi_x", "xi_y")
         columns = {name: history[name] for name in names}

@@ -50,7 +50,7 @@ class Revolutions(Process[Passage]):
         return self._with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
-        """Yield the steps after one, to the end or to a contact that is not solved."""
+        """Yield the steps that follow a step, to the end or to a contact that is not solved."""
         schedule, blocks = self.model.scene.schedule, self.model.blocks
         last = replace(last, contacts=tuple(map(with_heat, blocks, last.contacts)))
         if schedule.adaptive or schedule.fixed:
@@ -62,7 +62,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
+        """Return the number of records for an element size dx, mm; estimated for adaptive steps."""
         end = int(scene.schedule.end)
         if scene.schedule.fixed:
             return 1 + len(scene.schedule.stops)

@@ -115,7 +115,7 @@ def read_radii(pair: Pair) -> Iterator[Reading]:
 
 
 def read_hertz_pressure(pair: Pair) -> Iterator[Reading]:
-    """Yield the peak pressure by Hertz, MPa."""
+    """Yield the peak pressure according to Hertz, MPa."""
     if pair.hertz is not None:
         yield Reading(pair.key, pair.hertz.p0)
 
@@ -126,7 +126,7 @@ def _are_metals(materials: Mapping[str, Material], softest: float = 4e4) -> bool
 
 
 def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
-    """Yield the peak pressure by Hertz between metals, MPa."""
+    """Yield the peak pressure according to Hertz, MPa, if both bodies are as stiff as metals."""
     # With a gap the pressure is known when the contact is solved.
     if pair.hertz is not None and not pair.rough and _are_metals(pair.bodies.materials):
         meant = "is the load in N (N/mm for a line contact), not in kN, and are the radii in mm?"
@@ -143,7 +143,7 @@ def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
 
 
 def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
-    """Yield the largest computed pressure between metals, MPa; none without contact."""
+    """Yield the largest pressure of a solved contact between metals, MPa; none without contact."""
     if peak.pressure > 0.0 and _are_metals(peak.materials):
         yield Reading("p_max", peak.pressure, {"place": peak.place})
 
@@ -164,7 +164,7 @@ def read_creepages(scene: Any) -> Iterator[Reading]:
 
 
 def read_friction(scene: Any) -> Iterator[Reading]:
-    """Yield the larger friction coefficient."""
+    """Yield the larger one of both friction coefficients."""
     yield Reading("friction.mu", max(scene.friction.mu))
 
 

@@ -35,7 +35,7 @@ def _check_radius(value: float) -> float:
     """Return a radius; raise an error for 0 or a magnitude out of range."""
     if value == math.inf or SMALLEST <= abs(value) <= LARGEST:
         return value
-    raise ValueError("a number other than 0 (negative: concave), or inf (flat)")
+    raise ValueError("a number other than 0, mm (negative: concave), or inf (flat)")
 
 
 def _is_number(value: Any) -> bool:
