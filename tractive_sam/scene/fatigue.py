@@ -43,9 +43,9 @@ def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
     # Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
     # bounds of the first two the fatigue limit in torsion equals that in bending.
     sensitivities = {
-        "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2)"),
-        "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3"),
-        "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²))"),
+        "dang-van": (1.5, "3 (tau_e/sigma_e - 1/2), torsion and bending limits"),
+        "crossland": (3.0 - math.sqrt(3.0), "3 tau_e/sigma_e - sqrt 3, torsion, bending limits"),
+        "findley": (10.0, "k, sigma_e/tau_e = 2 / (1 + k/sqrt(1 + k²)), bending, torsion limits"),
         "fatemi-socie": (10.0, "k"),
     }
     criterion, value = entries["criterion"], entries["sensitivity"]
