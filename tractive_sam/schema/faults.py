@@ -121,18 +121,19 @@ def shorten(value: object, max_length: int = 60) -> str:
         return f"an unprintable {type(value).__name__}"
 
 
-def suggest_name(name: str, names: Iterable[str]) -> str:
+def suggest_name(name: str, names: Iterable[str], meanings: Mapping[str, str] = {}) -> str:
     """Return a text that lists the allowed names, with the nearest one first.
 
     Parameters
     ----------
     name : str
         A name that is not allowed.
-    names : iterable or mapping of str
-        Allowed names; the values of a mapping are their meanings. If no name is spelled like
-        `name`, the nearest one is the only one with that word in its meaning.
+    names : iterable of str
+        Allowed names.
+    meanings : mapping of str to str
+        Meanings of allowed names. If no name is spelled like `name`, the nearest one is the only
+        one with that word in its meaning.
     """
-    meanings = names if isinstance(names, Mapping) else {}
     names = list(names)
     listed = ", ".join(names)
     reordered = [key for key in names if sorted(key.split("_")) == sorted(name.split("_"))]

@@ -105,7 +105,8 @@ def suggest_key(table: type[TableBase], name: str) -> str:
         return f"{table.renamed_keys[name]}, the new name of the key"
     if inner:
         return f"{' or '.join(inner)}, perhaps? The key belongs in a table"
-    return suggest_name(name, {key: info.title or "" for key, info in table.model_fields.items()})
+    meanings = {key: info.title or "" for key, info in table.model_fields.items()}
+    return suggest_name(name, meanings, meanings)
 
 
 def _to_plain(value: Any, convert: Callable[[Any], dict[str, Any]]) -> Any:
