@@ -131,7 +131,7 @@ def test_stress_is_that_of_the_planes(history):
 
 
 def test_stress_of_a_narrower_mesh_is_plotted_in_the_middle(tmp_path, monkeypatch):
-    monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_: NARROW)
+    monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_, **__: NARROW)
     scene = (
         ts.Scene.builtin("twin-discs")
         .replace(grid=None)

@@ -71,7 +71,7 @@ def test_it_is_as_on_the_wide_mesh_from_the_beginning(scene):
 @pytest.mark.parametrize("name", ["alike", "worn"])
 def test_a_file_becomes_wider_and_is_continued(tmp_path, monkeypatch, name):
     scene = COURSES[name]
-    monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_: narrow(scene))
+    monkeypatch.setattr("tractive_sam.contact.model.choose_grid", lambda *_, **__: narrow(scene))
     whole = ts.roll(scene)
     assert whole.status == "done"
     interrupted(scene, tmp_path / "a.h5", len(whole) - 3)
