@@ -45,7 +45,17 @@ class _Console(Console):
 
 def replace_missing_signs() -> None:
     """Replace signs that the encoding of an output lacks, for example µm by um."""
-    signs = {"µ": "u", "±": "+-", "²": "2", "³": "3", "…": "...", "°": "deg", "–": "-", "’": "'"}
+    signs = {
+        "µ": "u",
+        "±": "+-",
+        "²": "2",
+        "³": "3",
+        "…": "...",
+        "°": "deg",
+        "ö": "oe",
+        "–": "-",
+        "’": "'",
+    }
 
     def replace(error: UnicodeError) -> tuple[str, int]:
         if not isinstance(error, UnicodeEncodeError):

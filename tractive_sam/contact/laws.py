@@ -319,7 +319,7 @@ def _fatigue(scene: Scene) -> CycleCriterion | None:
 
 
 def _life(scene: Scene) -> Woehler | None:
-    """Return the Woehler curve of a scene; None without a limit."""
+    """Return the Wöhler curve of a scene; None without a limit."""
     table = scene.fatigue
     if table is None or table.limit is None:
         return None

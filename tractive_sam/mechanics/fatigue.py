@@ -1,4 +1,4 @@
-"""Fatigue criteria, Woehler curve, life of a volume, and shakedown of stress cycles."""
+"""Fatigue criteria, Wöhler curve, life of a volume, and shakedown of stress cycles."""
 
 import math
 from collections.abc import Callable
@@ -286,7 +286,7 @@ def interpolate_over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray
 
 @dataclass(frozen=True)
 class Woehler(Law):
-    """Woehler curve with Miner's sum: the life at the utilisation u is N = cycles u^-exponent.
+    """Wöhler curve with Miner's sum: the life at the utilisation u is N = cycles u^-exponent.
 
     Each cycle adds 1/N to the damage; a crack starts at 1 (Palmgren 1924, Miner 1945).
 

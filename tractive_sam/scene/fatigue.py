@@ -1,4 +1,4 @@
-"""The [fatigue] table: shakedown, fatigue criterion and Woehler curve of the material."""
+"""The [fatigue] table: shakedown, fatigue criterion and Wöhler curve of the material."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tractive_sam.schema import (
 from .tables import check_distinct
 
 _MAX_EXPONENT = 100.0
-"""Exponent of a Woehler curve for which 1 % of the stress changes the life by a factor of e."""
+"""Exponent of a Wöhler curve for which 1 % of the stress changes the life by a factor of e."""
 
 
 def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
@@ -123,7 +123,7 @@ class Fatigue(LawTable):
     """Shakedown limits, fatigue criterion, and damage during wear.
 
     The shakedown limits follow from a yield stress. The utilisation follows from the fatigue limit
-    of the criterion, and the damage from the utilisation and a Woehler curve. The stress is
+    of the criterion, and the damage from the utilisation and a Wöhler curve. The stress is
     computed for elastic material.
 
     The parameters of a criterion of another package are further keys. If the criterion has a
@@ -156,7 +156,7 @@ class Fatigue(LawTable):
     )
     cycles: Positive = entry("number of cycles to failure at a utilisation of 1", default=1e7)
     exponent: Positive = entry(
-        "exponent of the Woehler curve, life = cycles * utilisation ** -exponent",
+        "exponent of the Wöhler curve, life = cycles * utilisation ** -exponent",
         default=10.0,
         le=_MAX_EXPONENT,
     )

@@ -253,7 +253,7 @@ def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int
     Friction causes tension behind the contact, and the hydrostatic tension of a deep point has its
     maximum at a distance of some depths over the friction coefficient. At the distance s from a
     line contact the stress is proportional to 1/s. The error of a maximum is proportional to the
-    square of the spacing over s: with columns equally spaced in 1/sqrt(s) it does not depend on s,
+    square of the spacing over s³: with columns equally spaced in 1/sqrt(s) it does not depend on s,
     and a few columns cover the stress. Outside an ellipse the stress is proportional to 1/s², and
     the error to 1/s.
 

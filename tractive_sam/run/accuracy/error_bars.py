@@ -4,8 +4,9 @@ With an error C h^p, results on two meshes with element sizes in the ratio sqrt(
 (2^(p/2) - 1) C h^p. So the error of the finer one is their difference times 1.0 if it falls with h²
 (equal bodies), and times 2.4 if it falls with h (different bodies; see `operators.stencil`). The
 positions of the edges of contact and of stick within their elements scatter the results by about as
-much, and a small difference may be chance. So the previous difference counts as well, and the error
-of one force is applied to all forces, since one traction causes them.
+much, and a small difference may be chance. So the previous difference counts as well, and the
+relative error bar of each force is at least 0.4 times the largest one of all forces, since one
+traction causes them.
 
 The largest stress at a surface may converge more slowly. If slip turns about its pole, or no
 elements resolve the end of stick, the stress has a cusp: its error falls with the root of h.
