@@ -16,12 +16,12 @@ import tractive_sam
 LIMITS = {
     "modules on the longest chain of imports": 13,
     "modules that import each other, in any way": 0,
-    "modules with TYPE_CHECKING": 4,
+    "modules with TYPE_CHECKING": 3,
     "functions over 40 code lines": 7,
     "functions over 60 code lines": 0,
     "modules over 250 code lines": 2,
-    "module constants": 253,
-    "code lines": 38450,
+    "module constants": 250,
+    "code lines": 38480,
     "public names": 122,
 }
 

@@ -8,23 +8,26 @@ from functools import cache
 
 from threadpoolctl import ThreadpoolController
 
-LARGE = 2**19
-"""Numbers of a padded array from which threads pay; below, they cost more than they bring."""
 
-MAX_THREADS = 4
-"""Threads of a large transform; memory feeds no more of them."""
-
-
-def threads_for_transform(padded: tuple[int, int]) -> int:
-    """Return the number of threads for a transform: all usable cores, up to `MAX_THREADS`.
+def threads_for_transform(padded: tuple[int, int], large: int = 2**19, max_threads: int = 4) -> int:
+    """Return the number of threads for a transform: one, or all usable cores if it is large.
 
     The environment variable OMP_NUM_THREADS limits it, as in most libraries.
+
+    Parameters
+    ----------
+    padded : pair of int
+        Size of the padded array.
+    large : int
+        Numbers of a padded array from which threads pay; below, they cost more than they bring.
+    max_threads : int
+        Threads of a large transform; memory feeds no more of them.
     """
-    if math.prod(padded) < LARGE:
+    if math.prod(padded) < large:
         return 1
     bound = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
     allowed = int(bound) if bound.isdigit() else cores()
-    return max(1, min(MAX_THREADS, allowed))
+    return max(1, min(max_threads, allowed))
 
 
 def cores() -> int:

@@ -107,10 +107,6 @@ def _check_scaled_axes(entries: ValidEntries) -> Iterator[Fault]:
                 yield Fault(f"axis[{k}].key", shorten(key), cure)
 
 
-OMITTED = ("wear", "subsurface", "fatigue", "accuracy", "grid")
-"""Tables of a scene that affect neither its creep forces nor the meshes of a table."""
-
-
 def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of a scene that is not a single steady contact."""
     scene = entries["scene"]
@@ -287,8 +283,10 @@ class TableDesign(Document):
                 speed = None if self.scene.creepage is None else self.scene.creepage.speed
                 rolls |= {} if speed is None else {"speed": speed}
                 answers = required_friction(self.scene).temperature is not None
-                omitted = dict.fromkeys(OMITTED if answers else (*OMITTED, "heat"))
-                scene = self.scene.replace(**omitted, creepage=rolls)
+                # These affect neither the creep forces nor the meshes of a table.
+                omitted = ["wear", "subsurface", "fatigue", "accuracy", "grid"]
+                omitted += [] if answers else ["heat"]
+                scene = self.scene.replace(**dict.fromkeys(omitted), creepage=rolls)
             scene = scene.replace(**entries) if entries else scene
         if scene.wheelset is not None and len(patches := scene.wheel_rail.patches) > 1:
             given = f"y = {scene.wheelset.y:g} mm, {len(patches)} patches"
