@@ -53,8 +53,8 @@ def _handle_end() -> Iterator[None]:
         raise
 
 
-class _Program(TyperGroup):
-    """All commands; help is printed while the context is made."""
+class _CommandGroup(TyperGroup):
+    """Group of the commands, whose failures and signals end with a message and an exit status."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
         """Parse the arguments; end with a message and an exit status if they are not valid."""
@@ -68,7 +68,7 @@ class _Program(TyperGroup):
 
 
 app = typer.Typer(
-    cls=_Program,
+    cls=_CommandGroup,
     name="tractive-sam",
     help="Compute tractive rolling contact: forces, stick and slip, wear.",
     epilog="Exit status: 0 done; 2 the input is not valid; 3 not converged or stopped early.",

@@ -330,7 +330,7 @@ class Model:
         return self.forces_of((self.scene.load.force_x, self.scene.load.force_y))
 
     def forces_of(self, forces: tuple[float | None, float | None]) -> PrescribedForces:
-        """Return dimensionless forces from (Q_x, Q_y), N; None for a prescribed creepage."""
+        """Return forces (Q_x, Q_y), N, over unit pressure and element area; None: a creepage."""
         prescribed = [(k, q) for k, q in enumerate(forces) if q is not None]
         if not prescribed:
             return PrescribedForces()

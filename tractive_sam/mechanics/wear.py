@@ -232,9 +232,9 @@ def frictional_work(traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Energy(WearLaw):
-    """Energy law: depth proportional to the frictional work w_k = -p_k s_k along each axis.
+    """Energy law: depth k1 w_1 + k2 w_2 by the frictional work w_k = -p_k s_k along each axis.
 
-    The depth is k1 w_1 + k2 w_2. It depends on the work only and is additive: the wear of a contact
+    The depth depends on the work only and is additive: the wear of a contact
     follows from its total work along each tribological axis. With k1 = k2 the axes have no
     influence. `ArchardByWork` has a norm of the slip instead: with i_j = k_j mu_j its depth is
     equal for slip along an axis and for k1 = k2, and larger otherwise.

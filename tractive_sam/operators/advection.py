@@ -57,11 +57,11 @@ class Advection:
 
     @property
     def reach(self) -> int:
-        """Number of nodes ahead of the mesh that `before` needs."""
+        """Number of nodes ahead of the mesh that `previous_values` needs."""
         return self.elements + (2 if self.part else 0)
 
     def middle(self, parabola: np.ndarray) -> np.ndarray:
-        """Return the distance from particles to the middle of their path, in elements.
+        """Return the mean distance of particles from their nodes within a step, in elements.
 
         Spin makes the rigid slip linear along the path, so that its mean is its value in the
         middle. On a path that is interpolated by a straight line the rigid slip is so, too.
@@ -69,7 +69,7 @@ class Advection:
         Parameters
         ----------
         parabola : ndarray of bool, shape (n_x, n_y)
-            See `before`.
+            See `previous_values`.
         """
         m, f, d = self.elements, self.part, max(self.length, 1e-300)
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
@@ -95,14 +95,14 @@ class Advection:
         return (1.0 - f) * here + f * ahead + curved
 
     def spread(self, values: np.ndarray, parabola: np.ndarray) -> np.ndarray:
-        """Return values of particles spread over the nodes: the adjoint of `before`.
+        """Return values of particles spread over the nodes: the adjoint of `previous_values`.
 
         Parameters
         ----------
         values : ndarray, shape (..., n_x, n_y)
             Values of the particles that are at the nodes after the step.
         parabola : ndarray of bool, shape (n_x, n_y)
-            See `before`.
+            See `previous_values`.
 
         Returns
         -------

@@ -173,7 +173,7 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
 
 @history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_each_damaged_body)
 def damage(history: History, body: str = "A", *, most: int = 4, decades: float = 6.0) -> Figure:
-    """Damage of a body in its material, below the unworn surface, at the stored revolutions.
+    """Maps of the damage of a body over y and depth, one for each of the stored revolutions.
 
     A line is the worn surface: the material above it is removed. The scale is logarithmic.
 

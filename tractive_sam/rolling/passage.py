@@ -41,7 +41,7 @@ class ProfilePoint:
         return self.profile + 0.5 * self.rate
 
     def on(self, elements: int) -> "ProfilePoint":
-        """Return the point on a mesh of more elements in y."""
+        """Return the point on a wider mesh of equal elements, with zeros at both ends."""
         more = (elements - self.profile.size) // 2
         return ProfilePoint(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
 

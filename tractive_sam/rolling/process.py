@@ -113,8 +113,8 @@ class Step(ABC):
 
     @property
     def contact(self) -> State:
-        """The contact that determines how the step ended."""
-        return self.contacts[0]
+        """The first contact that was not solved, or the first one if all were."""
+        return next((c for c in self.contacts if not c.converged), self.contacts[0])
 
     @property
     def converged(self) -> bool:

@@ -89,13 +89,6 @@ class WornStep(Step):
         return tuple(position.share for position in self.positions)
 
     @property
-    def contact(self) -> State:
-        """The contact that determines how the step ended (`Step.contact`)."""
-        return next(
-            (contact for contact in self.contacts if not contact.converged), self.contacts[0]
-        )
-
-    @property
     def grid(self) -> Grid:
         """The mesh of all blocks (`Step.grid`)."""
         return self.mesh

@@ -345,15 +345,15 @@ class SequentialRuns:
         if not _is_steady(scene):
             return roll(scene, progress=False)
         began = perf_counter()
-        chosen = self._model_of(scene)
+        chosen = self._model_with_last_operators(scene)
         memory.check_roll(chosen, in_memory=True)
         model, contact = solve_from_nearby(chosen, self._contact)
         self._model, self._contact = chosen, contact if contact.converged else None
         run = Recording(scene, chosen.measured, Model, None, False, None, (), began)
         return run.begin(process_of(model), start_passage(model, (contact,)))[0]
 
-    def _model_of(self, scene: Scene) -> Model:
-        """Return the model of a scene, with the operators of the last one if possible."""
+    def _model_with_last_operators(self, scene: Scene) -> Model:
+        """Return the model of a scene; it shares operators if only the creepages have changed."""
         if self._model is not None:
             before = self._model.scene
             if scene == before.model_copy(update={"creepage": scene.creepage}):

@@ -267,7 +267,7 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
                 yield Fault(key, f"{getattr(body, f'radius_{axis}'):g}", "nothing with [wheel]")
     load = entries["load"]
     if load.normal != (wheelset.load or wheelset.normal_load) or load.force_x or load.force_y:
-        yield Fault("load", "with [wheelset]", "wheelset.load or normal_load, and no [load]")
+        yield Fault("load", "with [wheelset]", "no [load], but wheelset.load or normal_load")
 
 
 def _describe_possible_place(entries: ValidEntries, halvings: int = 5) -> str:

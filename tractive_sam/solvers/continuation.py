@@ -1,6 +1,6 @@
 """Continuation: a hard problem by easier ones, each started from the one before.
 
-The path begins in full slip, at `FULL` times the creepages: there tractions oppose the rigid slip,
+The path begins in full slip, at `full` times the creepages: there tractions oppose the rigid slip,
 whatever the elasticity does. As the creepages fall, stick spreads from the leading edge. A stretch
 of the path that fails is halved.
 """
@@ -14,7 +14,7 @@ from tractive_sam.solvers.problem import Problem
 
 @dataclass(frozen=True)
 class Continuation:
-    """Continuation in the creepages.
+    """Solver of a hard problem that lowers the creepages from full slip to the prescribed ones.
 
     Attributes
     ----------

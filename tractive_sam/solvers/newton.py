@@ -299,11 +299,11 @@ class Newton:
     def damped(
         self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool
     ) -> Iterate:
-        """Return the trial at the given length, or at the first halving that lowers the merit.
+        """Return the first trial, halving the length, whose merit is at most `rise` times `merit`.
 
         The active sets of a step may be worse for some steps before the solution improves, so some
-        rise is allowed. If no length is that good, the best one is taken. After the residual has
-        stalled, full steps swing between two states, and the best length is taken as well.
+        rise is allowed. If no length is that good, the best one is taken. If the residual has
+        `stalled`, full steps swing between two states, and the best length is taken as well.
         """
         trials = []
         for _ in range(self.halvings):

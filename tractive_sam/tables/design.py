@@ -94,8 +94,8 @@ def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault("axis", f"{name} {names.count(name)} times", "each once")
 
 
-def _check_scaled_axes(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of axes that need a scene."""
+def _check_axes_without_scene(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of axes other than those of friction in a table without a scene."""
     # Keys that do not change the scaling of contacts of Hertz, by mu1 P.
     scaled = ("friction.mu", "friction.angle")
     if entries["scene"] is not None:
@@ -180,7 +180,7 @@ class TableDesign(Document):
         _check_finest,
         _check_keys,
         _check_axes,
-        _check_scaled_axes,
+        _check_axes_without_scene,
         _check_scene,
     )
     error_class: ClassVar[type[SceneError]] = TableError
