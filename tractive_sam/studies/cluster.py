@@ -155,9 +155,19 @@ def _close_unused_clients() -> None:
 
 
 def _silence_worker(dask_worker: "Worker") -> None:
-    """Suppress messages of a worker about cases that it aborts: the client reports them."""
+    """Suppress messages of a worker about aborted cases and lost connections.
+
+    The client reports both; if a command ends while a worker reports to the scheduler, the worker
+    would print a traceback.
+    """
     logging.getLogger("distributed.worker.state_machine").setLevel(logging.ERROR)
+    logging.getLogger("distributed.worker").addFilter(_is_no_lost_connection)
     dask_worker.http_server.stop()
+
+
+def _is_no_lost_connection(record: logging.LogRecord) -> bool:
+    """Return whether a message has another reason than a closed connection."""
+    return not (record.exc_info and isinstance(record.exc_info[1], OSError))
 
 
 def _close_pages(dask_scheduler: "Scheduler") -> None:
