@@ -37,14 +37,19 @@ def wheel_on_rail(view: ContactView) -> Figure:
     wheel_rail = view.contact.scene.wheel_rail
     figure, axes = new_axes(1.0, 0.6)
     points, _ = wheel_rail.wheel.silhouette(wheel_rail.wheel.profile.s)
+    length = 12.0  # of the normals, mm
+    points = points[-points[:, 2] < length]  # a yawed flange seems to reach far up at its back
     axes.plot(points[:, 1], -points[:, 2], label="wheel")
     _draw_profile(axes, wheel_rail.rail, label="rail")
-    for patch in wheel_rail.patches:
+    patches = sorted(wheel_rail.patches, key=lambda patch: patch.origin[1])
+    sides = ["center"] if len(patches) == 1 else ["right"] + ["left"] * (len(patches) - 1)
+    for patch, side in zip(patches, sides, strict=True):
         y, z = patch.origin[1:]
-        ends = 12.0 * patch.normal[1:]
+        ends = length * patch.normal[1:]
         label = f"{np.degrees(patch.angle):.1f}°"
         axes.plot([y, y + ends[0]], [-z, -z - ends[1]], color=LOOK.grey)
-        axes.annotate(label, (y + ends[0], -z - ends[1]), ha="center")
+        axes.annotate(label, (y + ends[0], -z - ends[1]), ha=side)
+    axes.margins(y=0.15)  # for the labels above the normals
     axes.set(xlabel="y (mm)", ylabel="height (mm)", aspect="equal")
     axes.legend(loc="lower center")
     return figure

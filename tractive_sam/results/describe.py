@@ -64,7 +64,7 @@ def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str
     history : History
         All records.
     only_if_open : bool
-        Whether to omit balances within `closed_within` of unity.
+        Whether to omit balances with an error of at most half a percent.
     """
     # Error of the energy balance that is not reported.
     closed_within = 5e-3

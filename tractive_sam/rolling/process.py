@@ -187,9 +187,13 @@ class StoredStep:
         LookupError
             When a name is looked up that was not stored.
         """
-        start = f"{observer.name}_"
-        arrays = {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
-        return _ObserverState(arrays, start, self.state)
+        arrays = self.state_under(observer.name)
+        return _ObserverState(arrays, f"{observer.name}_", self.state)
+
+    def state_under(self, name: str) -> dict[str, np.ndarray]:
+        """Return the stored arrays of a part of the step, by their names within it."""
+        start = f"{name}_"
+        return {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
 
     def require(self, names: Iterable[str], before: int = 0) -> None:
         """Raise a LookupError if a column is not finite in this record or some before it."""

@@ -64,7 +64,7 @@ class WornStep(Step):
         mesh: Grid,
     ) -> WornStep:
         """Return the step with these positions, and the change in the next one."""
-        schedule, worn = scene.schedule, []
+        schedule = scene.schedule
         lengths = [stop - revolution for stop in schedule.stops if stop > revolution]
         if not lengths or not all(position.contact.converged for position in positions):
             return cls(revolution, depths, positions, mesh, depths, 0)
@@ -197,12 +197,6 @@ class ProfileWear(Process[WornStep]):
         stored.require(("wheel_wear", "rail_wear"))
         positions = []
         for k, (share, local) in enumerate(_positions(scene)):
-            start = f"position{k}_"
-            state = {
-                name.removeprefix(start): array
-                for name, array in stored.state.items()
-                if name.startswith(start)
-            }
             spectrum = scene.spectrum
             of_block = history.block(spectrum.places.index(k)) if spectrum else history
             none = np.zeros(of_block.grid.elements)
@@ -210,7 +204,9 @@ class ProfileWear(Process[WornStep]):
                 ("pressure", "traction_x", "traction_y", "slip_x", "slip_y"), none
             )
             contact = replace(of_block.contact(row, fields | {"wear": none}), scene=local)
-            positions.append(PositionWear.restore(share, contact, state))
+            positions.append(
+                PositionWear.restore(share, contact, stored.state_under(f"position{k}"))
+            )
         revolution = int(history["revolution"][row])
         return WornStep.from_positions(scene, revolution, depths, tuple(positions), history.grid)
 
