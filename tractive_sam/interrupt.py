@@ -150,6 +150,9 @@ def mark_reported() -> None:
 def ignore_signals() -> None:
     """Ignore signals while the process ends, so that they do not change the exit status."""
     _state.seconds = 0.0
+    if hasattr(signal, "setitimer"):
+        # Python removes the handler of the timer at its end; the signal would kill the process.
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
     _received.clear()
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)

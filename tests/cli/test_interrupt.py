@@ -216,6 +216,20 @@ except KeyboardInterrupt as error:
 
 
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no such timer")
+def test_no_timer_runs_while_the_process_ends(folder):
+    """Python removes its handler at the end, and the signal would then kill the process."""
+    body = """
+from tractive_sam.interrupt import ignore_signals
+os.kill(os.getpid(), signal.SIGTERM)
+before = signal.getitimer(signal.ITIMER_REAL)[0]
+ignore_signals()
+print(before > 0.0, signal.getitimer(signal.ITIMER_REAL)[0])
+"""
+    result = ran(folder, LATE.format(body=body), signal.SIGTERM)
+    assert result.stdout.split() == ["True", "0.0"]
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="there is no such timer")
 @pytest.mark.parametrize("times", [1, 2])
 def test_what_has_reported_its_end_prints_no_second_line(folder, times):
     """Time may be over while the program puts away what it holds, or a second signal comes."""
