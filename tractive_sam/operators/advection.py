@@ -19,7 +19,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Advection:
-    """Distance that particles move in a step; see the module.
+    """Interpolation of nodal fields that material carries along x by d in a step.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class Advection:
 
     @classmethod
     def from_distance(cls, distance: float, rounding: float = 2e-6) -> "Advection":
-        """Return the advection over a distance in elements.
+        """Return the advection over a distance, in elements; nearly full numbers are rounded.
 
         Parameters
         ----------
@@ -52,7 +52,7 @@ class Advection:
 
     @property
     def length(self) -> float:
-        """Distance over the element size, d/dx."""
+        """Distance that particles move in the step, in elements (d/dx)."""
         return self.elements + self.part
 
     @property
@@ -61,7 +61,7 @@ class Advection:
         return self.elements + (2 if self.part else 0)
 
     def middle(self, parabola: np.ndarray) -> np.ndarray:
-        """Return the mean distance of particles from their nodes within a step, in elements.
+        """Return the mean distance of each particle from its node during the step, in elements.
 
         Spin makes the rigid slip linear along the path, so that its mean is its value in the
         middle. On a path that is interpolated by a straight line the rigid slip is so, too.
@@ -75,7 +75,7 @@ class Advection:
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
 
     def previous_values(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
-        """Return values of a step before at the former places of the particles of the nodes.
+        """Interpolate a field of before the step at the former places of the particles at nodes.
 
         Parameters
         ----------
@@ -95,7 +95,7 @@ class Advection:
         return (1.0 - f) * here + f * ahead + curved
 
     def spread(self, values: np.ndarray, parabola: np.ndarray) -> np.ndarray:
-        """Return values of particles spread over the nodes: the adjoint of `previous_values`.
+        """Return the adjoint of `previous_values`: distribute values of particles to the nodes.
 
         Parameters
         ----------
@@ -119,7 +119,7 @@ class Advection:
         return nodes
 
     def after(self, nodes: np.ndarray) -> np.ndarray:
-        """Return values after a step at the places that the particles of the nodes have reached.
+        """Interpolate a field after the step where the particles that began at the nodes are then.
 
         By a straight line between nodes; behind the mesh as at its end.
 
@@ -133,7 +133,7 @@ class Advection:
         return (1.0 - self.part) * here + self.part * behind
 
     def carried(self, nodes: np.ndarray) -> np.ndarray:
-        """Return depths that move with the material: none is negative, the sum does not change.
+        """Move depths with the material by one step; none turns negative, their sum is unchanged.
 
         A part of an element moves as a flux from node to node, with slopes that make no new
         extremes (van Leer 1974, J. Comput. Phys. 14, 361-370). Like the parabola it is of second
@@ -186,7 +186,7 @@ class Advection:
         return nodes
 
     def inside(self, contact: np.ndarray) -> np.ndarray:
-        """Return which particles were between three nodes in contact, (n_x, n_y), as `parabola`.
+        """Return a mask of particles that came from between three nodes in contact, (n_x, n_y).
 
         Parameters
         ----------

@@ -59,12 +59,12 @@ class Convolution:
 
     @cached_property
     def _single(self) -> list[np.ndarray]:
-        """The kernels in single precision."""
+        """Spectra of the kernels in single precision, for fields of float32."""
         kind = np.complex64 if np.iscomplexobj(self._kernels[0]) else np.float32
         return [tile.astype(kind) for tile in self._kernels]
 
     def as_matrix(self) -> np.ndarray:
-        """Return the dense matrix, column by column; for small meshes and tests."""
+        """Return the convolution as a dense matrix, from its effect on unit vectors; for tests."""
         size = int(np.prod(self.shape))
         columns = [self(unit.reshape(self.shape)).ravel() for unit in np.eye(size)]
         return np.stack(columns, axis=1)

@@ -29,7 +29,7 @@ Entries = tuple[float, float, float]
 
 
 class Operators:
-    """Dimensionless elastic operators on a mesh; each is computed when first used.
+    """Dimensionless elastic operators of two bodies on a mesh; each is computed when first used.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Operators:
         self.frame = frame or Frame()
 
     def on(self, lattice: Lattice) -> "Operators":
-        """Return the operators of these bodies and units on another mesh."""
+        """Return the operators of these bodies and units on another lattice."""
         return Operators(lattice, self.elasticity, *self._units, self.frame)
 
     @cached_property
@@ -68,29 +68,29 @@ class Operators:
 
     @cached_property
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:
-        """Return the operators for another number of elements; the last eight are stored."""
+        """Function that returns the operators on a lattice of another shape (n_x, n_y)."""
         # Not a method of these operators: a cache of those would hold itself.
         return lru_cache(8)(
             partial(_on_part, self.lattice, self.elasticity, *self._units, self.frame)
         )
 
     def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
-        """Return the spectrum of a component of the displacement."""
+        """Return the spectrum of a component ("xx", "xz", ...) of the displacement, mm/MPa."""
         return spectrum(
             influence.displacement_table(self.lattice, self.elasticity, component, period)
         )
 
     def _slip(self, component: str) -> np.ndarray:
-        """Return the spectrum of a component of the slip."""
+        """Return the spectrum of a component ("xx", "xz", ...) of the slip per traction."""
         return spectrum(influence.slip(self.lattice, self.elasticity, component))
 
     def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
-        """Return the spectrum of A_nn, dimensionless."""
+        """Return the spectrum of A_nn, gap per pressure, dimensionless."""
         return self._per_gap * self._displacement("zz", period).real
 
     @cached_property
     def along_x(self) -> np.ndarray:
-        """Spectra along x of A_nn per traction, mm/MPa, (p_y, p_x/2 + 1), for sums over x."""
+        """Fourier transform along x of the normal displacement, mm/MPa, shape (p_y, p_x/2 + 1)."""
         px, _ = self.lattice.padded
         # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
         table = influence.displacement_table(self.lattice, self.elasticity, "zz")
@@ -100,23 +100,23 @@ class Operators:
 
     @cached_property
     def _slip_spectra(self) -> np.ndarray:
-        """Entries (11, 12, 22) of D_tt."""
+        """Spectra of the entries (11, 12, 22) of D_tt, from tractions to slip."""
         entries = self._tangential(*(self._slip(k) for k in ("xx", "xy", "yy")))
         return self._per_slip * np.stack(entries)
 
     def _convolution(self, spectra, product, fields: int) -> Convolution:
-        """Return a convolution with spectra in the number type of the lattice."""
+        """Return the zero-padded convolution on the lattice with spectra of kernels."""
         spectra = np.ascontiguousarray(spectra)
         return Convolution(spectra, product, fields, self.lattice.shape, self.lattice.padded)
 
     def _inverse(self, spectra, product, fields: int) -> Convolution:
-        """Return a convolution with inverted spectra, a preconditioner."""
+        """Return the cyclic convolution with inverted spectra, a preconditioner."""
         period = self.lattice.cyclic
         spectra = np.stack(spectra) / np.prod(period) ** 2
         return Convolution(spectra, product, fields, self.lattice.shape, period)
 
     def _tangential(self, xx, xy, yy):
-        """Return the entries (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""
+        """Rotate and scale entries to the frame: (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""
         (a, b), (c, d) = self.frame.matrix
         return (
             a * a * xx + 2.0 * a * b * xy + b * b * yy,
@@ -126,22 +126,22 @@ class Operators:
 
     @cached_property
     def normal(self) -> Convolution:
-        """Operator A_nn: pi_n -> normal displacement."""
+        """Operator A_nn from pressure to normal displacement, dimensionless."""
         return self._convolution([self._normal_spectrum()], spectral.scale, 1)
 
     @cached_property
     def normal_inverse(self) -> Convolution:
-        """Circulant inverse of `normal`, its preconditioner."""
+        """Approximate (circulant) inverse of `normal`, used as a preconditioner."""
         return self._inverse([1.0 / self._normal_spectrum(self.lattice.cyclic)], spectral.scale, 1)
 
     @cached_property
     def slip(self) -> Convolution:
-        """Operator D_tt: pi_t -> slip at the leading faces."""
+        """Operator D_tt from tangential tractions to slip at the leading faces of the elements."""
         return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
 
     @cached_property
     def self_influence(self) -> Entries:
-        """Entries (11, 12, 22) of D_tt of an element on itself."""
+        """Slip at an element due to its own traction: entries (11, 12, 22) of D_tt."""
         lattice = self.lattice.with_shape((1, 1))
         tables = (influence.slip(lattice, self.elasticity, k) for k in ("xx", "xy", "yy"))
         entries = self._tangential(*(table[0, 0] for table in tables))
@@ -150,14 +150,14 @@ class Operators:
 
     @cached_property
     def self_displacement(self) -> Entries:
-        """Entries (11, 12, 22) of `tangential` of an element on itself."""
+        """Displacement of an element due to its own traction: entries (11, 12, 22) of A_tt / dx."""
         operator = self.on(self.lattice.with_shape((1, 1))).tangential
         first, second = (operator(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
         return float(first[0]), float(first[1]), float(second[1])
 
     @cached_property
     def ripple_compliance(self) -> float:
-        """Response of A_nn to a unit pressure that alternates in sign between elements."""
+        """Normal displacement by a unit pressure that alternates in sign between elements."""
         first, second = (_alternating(n) for n in self.lattice.shape)
         signs = np.outer(first, second)
         response = self.on(self.lattice.with_shape(signs.shape)).normal(signs[None])[0]
@@ -166,12 +166,12 @@ class Operators:
 
     @property
     def layer_slip(self) -> np.ndarray | None:
-        """Slip over an element of an interfacial layer by the traction gained there, (2, 2)."""
+        """Slip of an interfacial layer per traction gained over an element, (2, 2), or None."""
         layer, F = self.elasticity.layer, self.frame.matrix
         return self._per_slip * layer / self.lattice.dx * F @ F.T if layer else None
 
     def opening(self, angle: np.ndarray) -> np.ndarray:
-        """Return the slip of the surfaces by a unit of gap that closes at an edge, (m, 2, 2).
+        """Return the slip per unit of gap that closes at edges of given angles, shape (m, 2, 2).
 
         Parameters
         ----------
@@ -184,19 +184,19 @@ class Operators:
 
     @cached_property
     def tangential(self) -> Convolution:
-        """Operator A_tt / dx in units of slip: its difference along x is the slip."""
+        """Operator A_tt / dx from tractions to tangential displacement over dx (units of slip)."""
         return self._convolution(self._displacement_per_dx(), spectral.symmetric_2x2, 2)
 
     @cached_property
     def tangential_inverse(self) -> Convolution:
-        """Circulant inverse of `tangential`."""
+        """Approximate (circulant) inverse of `tangential`, used as a preconditioner."""
         a11, a12, a22 = self._displacement_per_dx(self.lattice.cyclic)
         determinant = a11 * a22 - a12 * a12
         inverse = (a22 / determinant, -a12 / determinant, a11 / determinant)
         return self._inverse(inverse, spectral.symmetric_2x2, 2)
 
     def _displacement_per_dx(self, period: tuple[int, int] | None = None) -> np.ndarray:
-        """Return the spectra of A_tt / dx in units of slip."""
+        """Return the spectra of A_tt / dx, tangential displacement over dx in units of slip."""
         entries = self._tangential(
             *(self._displacement(k, period).real for k in ("xx", "xy", "yy"))
         )
@@ -204,19 +204,19 @@ class Operators:
 
     @cached_property
     def coupled(self) -> Convolution:
-        """Operator (pi_n, pi_t) -> (gap A_nn pi_n + A_nt pi_t, slip D_tn pi_n + D_tt pi_t)."""
+        """Operator from pressure and tractions to (gap, slip), including A_nt and D_tn."""
         drag = [self._per_slip * self._slip(k) for k in ("xz", "yz")]
         return self._with_pressure(drag, self._slip_spectra)
 
     @cached_property
     def coupled_displacement(self) -> Convolution:
-        """Operator (pi_n, pi_t) -> (A_nn pi_n + A_nt pi_t, (A_tn pi_n + A_tt pi_t) / dx)."""
+        """Operator from pressure and tractions to (gap, tangential displacement over dx)."""
         per_dx = self._per_slip / self.lattice.dx
         drag = [per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz")]
         return self._with_pressure(drag, self._displacement_per_dx())
 
     def _with_pressure(self, drag: list[np.ndarray], tangential: np.ndarray) -> Convolution:
-        """Return the convolution of pressure and tractions.
+        """Return the operator from pressure and tractions to gap and slip, or displacement over dx.
 
         Parameters
         ----------
@@ -235,12 +235,12 @@ class Operators:
 
 
 def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:
-    """Return the operators for a number of elements."""
+    """Return operators with these bodies and units on a lattice of `shape` elements."""
     return Operators(lattice.with_shape(shape), elasticity, gap, slip, frame)
 
 
 def _alternating(elements: int, ripples: int = 15) -> np.ndarray:
-    """Return 1 and -1 in turn on an odd number of elements in a row, with a sum of zero.
+    """Return weights that alternate in sign along 15 elements and sum to zero; [1] for one element.
 
     The ends count half; a single element is 1.
     """

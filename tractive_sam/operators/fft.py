@@ -36,7 +36,7 @@ def padded_length(n: int) -> int:
 def plan(
     source: np.ndarray, target: np.ndarray, axis: int, direction: str, threads: int = 1
 ) -> pyfftw.FFTW:
-    """Return FFTW's fastest transform along one axis; planning overwrites both arrays.
+    """Return FFTW's fastest transform from `source` to `target`; planning overwrites both arrays.
 
     Back to real numbers, executing it overwrites the source.
     """
@@ -125,7 +125,7 @@ class PaddedTransform:
 
 @cache
 def _recall_wisdom() -> None:
-    """Load the stored plans of FFTW once."""
+    """Load FFTW's plans of earlier processes, once, and store them when this process ends."""
     wisdom.load()
     atexit.register(wisdom.save)
 
@@ -135,7 +135,7 @@ _PLANNING, _QUEUE = Lock(), Lock()
 
 
 def _wait_for_planner() -> None:
-    """Wait for a running plan before the process forks."""
+    """Acquire the lock of FFTW's planner; a fork of the process that waits goes first."""
     with _QUEUE:
         _PLANNING.acquire()
 
@@ -143,13 +143,13 @@ def _wait_for_planner() -> None:
 def _keep_planner_for_fork() -> None:
     # A lock that another thread holds while the process forks stays held in the child for good.
     # With the queue, the fork waits for one plan, and not for all plans that threads still request.
-    """Hold the planner while the process forks."""
+    """Acquire both locks of the planner before the process forks."""
     _QUEUE.acquire()
     _PLANNING.acquire()
 
 
 def _release_planner() -> None:
-    """Release the locks of the planner of transforms after a fork, in parent and child."""
+    """Release both locks of the planner after a fork, in parent and child."""
     _PLANNING.release()
     _QUEUE.release()
 
@@ -163,7 +163,7 @@ if hasattr(os, "register_at_fork"):
 
 
 class PlanCache(Generic[Plan]):
-    """Plans of each thread of the process, made at the first call and found again by arguments.
+    """Cache of plans (objects with their arrays) for each thread, found by the arguments of `make`.
 
     A plan owns the arrays that it works on, so that threads cannot share it. Every computation
     requests plans often, so a program that received a signal stops here.

@@ -14,7 +14,7 @@ _INTERFACES = "pyfftw.interfaces"
 
 
 def _interfaces_when_used() -> ModuleType:
-    """Return a module in place of the interfaces, which loads them when one is first used."""
+    """Return a stand-in module that imports `pyfftw.interfaces` at the first use of a name."""
     stand_in = ModuleType(_INTERFACES)
 
     def load(name: str) -> Any:

@@ -15,7 +15,7 @@ to 1e-8 then, and less of larger ones."""
 def _panels(
     x: float, y: float, dx: float, dy: float, speed: float, kappa: float, until: float = np.inf
 ) -> np.ndarray:
-    """Return the ends of the panels in s, over the times in which heat crosses an element.
+    """Return the ends of quadrature panels in s, the square root of the time since the release.
 
     If the source began a time `until` ago, s, to be squared, ends at that.
     """
@@ -50,7 +50,7 @@ def temperature_coefficients(
     lam: float,
     until: float = np.inf,
 ) -> np.ndarray:
-    """Return the temperature at points due to a unit flux into an element at the origin.
+    """Return surface temperatures at points due to a unit flux into a moving element at the origin.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def temperature_coefficients(
 
 
 class SurfaceHeat:
-    """Operator from the flux into a body to the temperature rise of its surface, on a mesh.
+    """Operator on a mesh from a steady flux into a body to its surface temperature rise, K.
 
     Parameters
     ----------
@@ -136,7 +136,7 @@ class SurfaceHeat:
         return self._apply(flux[None])[0]
 
     def inverse_with(self, body: "SurfaceHeat") -> Convolution:
-        """Return the circulant inverse of the sum of two operators, a preconditioner."""
+        """Return the circulant inverse of this plus another body's operator, a preconditioner."""
         both = self._spectrum + body._spectrum
         inverse = 1.0 / (both * np.prod(self._period) ** 2)
         return Convolution(inverse[None], spectral.scale, 1, self._apply.shape[1:], self._period)

@@ -25,7 +25,7 @@ from tractive_sam.results import Grid, widen_field
 
 @dataclass(frozen=True, eq=False)
 class Exponentials:
-    """A sum of exponentials that approximates the inverse root of a time.
+    """Sum of exponentials that approximates 1/sqrt(t).
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Exponentials:
 
     @classmethod
     def between(cls, first: float, last: float, ratio: float = 3.0) -> "Exponentials":
-        """Fit the sum from one time to a later one, s.
+        """Fit the exponentials to 1/sqrt(t) between two times, s.
 
         Parameters
         ----------
@@ -63,7 +63,7 @@ class Exponentials:
 
 
 class HeatMemory:
-    """Fluxes into a body, step by step -> temperature of its surface by all earlier steps.
+    """Temperature of a body's surface due to its heating in all earlier steps of time.
 
     Material enters the mesh cold. Material that has left it is dropped, except in a margin that
     conducts heat back. Beyond the margin it would warm the mesh by less than 1e-3 of the largest
@@ -128,11 +128,11 @@ class HeatMemory:
         self.fade[:fading, 0], self.fade[-fading:, 0] = ramp, ramp[::-1]
 
     def none(self) -> np.ndarray:
-        """Return the fields of a body that was never warmed."""
+        """Return heat fields of zero: a body that was never warmed."""
         return np.zeros(self.shape)
 
     def settled(self, flux: np.ndarray, changing: float = 1e-6) -> np.ndarray:
-        """Return the fields of a body that a flux, mW/mm², shape (n_x, n_y), has warmed for long.
+        """Return the steady heat fields of a body under a constant flux, mW/mm², shape (n_x, n_y).
 
         Until what a step of as many elements as heat fades over changes of them, over the largest.
         """
@@ -145,7 +145,7 @@ class HeatMemory:
         return past
 
     def adopt(self, past: np.ndarray) -> np.ndarray:
-        """Return the fields of a narrower mesh with equal elements on this one.
+        """Return heat fields of a smaller mesh, with equal elements, on this larger one.
 
         A wider mesh may have slower rates. As all lags so far are short for these, exp(-r tau) is
         linear between the slowest rate before and none.
@@ -156,20 +156,20 @@ class HeatMemory:
         return widen_field(np.array([*past[:-1], *slower, past[-1]]), mesh)
 
     def after_shock(self, past: np.ndarray, heat: np.ndarray) -> np.ndarray:
-        """Return the fields after heat, mJ/mm², shape (n_x, n_y), was taken up in no time."""
+        """Return the heat fields after the sudden release of heat, mJ/mm², shape (n_x, n_y)."""
         return past + widen_field(heat, self.shape[1:])
 
     def taken_up(self, past: np.ndarray) -> float:
-        """Return the heat in the body below the mesh with its margin, mJ; of a line per length."""
+        """Return the heat contained in heat fields, with the margin, mJ (line contact: mJ/mm)."""
         return float(past[-1].sum() * self.grid.element_area)
 
     def on_mesh(self, field: np.ndarray) -> np.ndarray:
-        """Return the part of a field that is on the mesh, shape (n_x, n_y)."""
+        """Return a field without its margin, shape (n_x, n_y)."""
         (first_x, first_y), (nx, ny) = self._margins, self.grid.elements
         return field[first_x : first_x + nx, first_y : first_y + ny]
 
     def periods(self, time: float) -> tuple[int, int]:
-        """Return lengths of transforms in which no end of a mesh warms the other one."""
+        """Return padded transform lengths for a step of time: no heat wraps around the ends."""
         spread = 5.0 * np.sqrt(2.0 * self._kappa * time)
         shift, *aside = self.grid.sides
         reaches = [(self._speed * time + spread) / shift, *(spread / side for side in aside)]
@@ -179,7 +179,7 @@ class HeatMemory:
         return fast_length(nx), fast_length(ny)
 
     def waves(self, periods: tuple[int, int]) -> np.ndarray:
-        """Return kappa |k|² - i V k_x of the waves of a transform, 1/s.
+        """Return the rates kappa |k|² - i V k_x at which waves decay and move in a transform, 1/s.
 
         The shape is (p_x, p_y/2 + 1), and (p_x, 1) for a line contact, which has no waves in y.
         """
@@ -190,12 +190,12 @@ class HeatMemory:
         return self._kappa * squares - 1j * self._speed * along
 
     def step(self, past: np.ndarray, time: float) -> "HeatStep":
-        """Carry fields of the past, of the shape `shape`, through a step of some time, s."""
+        """Return a step of duration `time`, s, of a body with the heat fields `past`."""
         return HeatStep(self, past, time)
 
 
 class HeatStep:
-    """A step of a body that was warmed before.
+    """Conduction in a body over one step of time, from its heat fields before the step.
 
     Parameters
     ----------
@@ -224,13 +224,13 @@ class HeatStep:
         self.temperature = memory.on_mesh(self.rise)
 
     def _carried(self, weights: np.ndarray) -> np.ndarray:
-        """Return a weighted sum of the fields after the step without its flux, with the margin."""
+        """Return a weighted sum of the heat fields after the step, if no heat enters during it."""
         plan = transform(1, self._memory.shape[1:], self._padded)
         plan.forward(np.tensordot(weights * self._decay, self._past, 1)[None])[0] *= self._spread
         return plan.backward()[0] / np.prod(self._padded)
 
     def after(self, flux: np.ndarray) -> np.ndarray:
-        """Return the fields after the step, given the flux in it, mW/mm², shape (n_x, n_y)."""
+        """Return the heat fields after the step, given the flux in it, mW/mm², shape (n_x, n_y)."""
         memory, time = self._memory, self._time
         plan = transform(1, memory.shape[1:], self._padded)
         heat = time * plan.forward(widen_field(flux, memory.shape[1:])[None])[0]
@@ -246,7 +246,7 @@ class HeatStep:
 
 
 def _symmetric(factors: np.ndarray) -> np.ndarray:
-    """Return factors of waves, real at the shortest one along x: it has no direction."""
+    """Drop the imaginary part of the factors at the shortest wave along x, in place."""
     half = len(factors) // 2
     factors[half] = factors[half].real
     return factors

@@ -23,7 +23,7 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Numbers and sides of elements: the part of a grid that a convolution needs."""
+    """Number and side lengths of elements: the part of a grid that a convolution needs."""
 
     shape: tuple[int, int]
     dx: float
@@ -40,7 +40,7 @@ class Lattice:
 
     @property
     def cyclic(self) -> tuple[int, int]:
-        """Periods of the tables of circulant inverses: the lattice without padding.
+        """Periods (p_x, p_y) of the tables of circulant inverses, without zero padding.
 
         That loads also act across its edges costs a method none or one iteration more; without
         padding an inverse takes a third of the time.
@@ -49,17 +49,17 @@ class Lattice:
 
     @property
     def coarsening(self) -> tuple[int, int]:
-        """Elements in x and y that form one of the next coarser lattice; a row only in x."""
+        """Elements in x and y that one of the next coarser lattice replaces: 2, or 1 of a row."""
         return min(2, self.shape[0]), min(2, self.shape[1])
 
     def coarsened(self) -> "Lattice":
-        """Return a lattice that covers this one, with elements that combine a `block` each."""
+        """Return a lattice that covers this one with elements of twice the side (`coarsening`)."""
         (nx, ny), (bx, by) = self.shape, self.coarsening
         return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy)
 
 
 def _coefficients(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
-    """Return the displacement per unit traction at offsets of one quadrant, mm/MPa."""
+    """Return displacement per unit traction, mm/MPa, at non-negative offsets in x and y."""
     px, py = lattice.padded
     # Two more offsets in x than half a period, for the difference at the last one.
     offsets = px // 2 + 2, py // 2 + 1
@@ -69,7 +69,7 @@ def _coefficients(lattice: Lattice, elasticity: Elasticity, component: str) -> n
 def unfold_quadrant(
     table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], shift: int = 0
 ) -> np.ndarray:
-    """Unfold a quadrant by its parities; ``shift`` elements are added to the offset in x."""
+    """Extend a table of non-negative offsets to a periodic one by its parities in x and y."""
     px, py = period
     i = np.arange(px)
     i = np.where(i > px // 2, i - px, i) + shift
@@ -89,7 +89,7 @@ def displacement_table(
     component: str,
     period: tuple[int, int] | None = None,
 ) -> np.ndarray:
-    """Return the relative displacement u_A - u_B at the centres per unit traction on an element.
+    """Return the table of relative displacements u_A - u_B per unit traction on an element, mm/MPa.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray
 def block_mean(
     values: np.ndarray, block: tuple[int, int], mode: Literal["constant", "edge"]
 ) -> np.ndarray:
-    """Return means over blocks of the last two axes; `mode` fills up the last as `numpy.pad`."""
+    """Return means over blocks of elements (last two axes); `mode` pads incomplete blocks."""
     (nx, ny), (bx, by) = values.shape[-2:], block
     pad = [(0, 0)] * (values.ndim - 2) + [(0, -nx % bx), (0, -ny % by)]
     v = np.pad(values, pad, mode=mode)

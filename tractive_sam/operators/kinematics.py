@@ -44,7 +44,7 @@ from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
 
 @dataclass(frozen=True, eq=False)
 class Kinematics(ABC):
-    """Relation of slip and displacement; see the module.
+    """Relation between tangential displacement and slip: steady rolling, or a step of rolling.
 
     Attributes
     ----------
@@ -59,27 +59,27 @@ class Kinematics(ABC):
 
     @abstractmethod
     def tangential(self, operators: Operators) -> Convolution:
-        """Return the map from tractions to slip."""
+        """Return the operator from tangential tractions to slip."""
 
     @abstractmethod
     def coupled(self, operators: Operators) -> Convolution:
-        """Return the map from pressure and tractions to gap and slip."""
+        """Return the operator from pressure and tangential tractions to gap and slip."""
 
     @abstractmethod
     def self_influence(self, operators: Operators) -> Entries:
-        """Return the slip of an element due to its traction."""
+        """Return the slip of an element due to its own traction, entries (11, 12, 22)."""
 
     @abstractmethod
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """Return the slip that the friction law sees under a pressure and a gap, (n_x, n_y)."""
+        """Return the `FrictionSlip` (slip corrected at edges) of a pressure and a gap."""
 
     @abstractmethod
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
-        """Return the map from rows of a friction law to tractions that nearly have these rows.
+        """Return a preconditioner: approximate inverse of the linearised friction conditions.
 
         Parameters
         ----------
@@ -97,44 +97,44 @@ class Kinematics(ABC):
         """
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
-        """Return the weight of slip relative to tractions in the iterations."""
+        """Return the weight of slip relative to tractions in the friction law's iterations."""
         return 1.0
 
     def slip_scale(self, block: int) -> float:
-        """Return slip on elements that are `block` times as long over that on these."""
+        """Return the ratio of slip on elements `block` times as long to slip on these elements."""
         return 1.0
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the kinematics on elements that are made of a block each."""
+        """Return the kinematics on a mesh whose elements combine `block` elements of this one."""
         return self
 
     def within(self, box: Box) -> Self:
-        """Return the kinematics on a rectangle of the mesh."""
+        """Return the kinematics restricted to a rectangle (box) of the mesh."""
         return self
 
 
 @dataclass(frozen=True, eq=False)
 class SteadyRolling(Kinematics):
-    """Particles pass a contact that does not change: slip is a difference of displacements."""
+    """Steady rolling: slip is a difference of displacements along x."""
 
     joint = False
 
     def tangential(self, operators: Operators) -> Convolution:
-        """Return the map from tractions to slip (`Kinematics.tangential`)."""
+        """Return the operator from tangential tractions to slip, D_tt."""
         return operators.slip
 
     def coupled(self, operators: Operators) -> Convolution:
-        """Return the map from pressure and tractions to gap and slip (`Kinematics.coupled`)."""
+        """Return the operator from pressure and tangential tractions to gap and slip."""
         return operators.coupled
 
     def self_influence(self, operators: Operators) -> Entries:
-        """Return the slip of an element due to its traction (`Kinematics.self_influence`)."""
+        """Return the slip of an element due to its own traction, entries (11, 12, 22)."""
         return operators.self_influence
 
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """Return the slip that the friction law sees under a pressure and a gap, (n_x, n_y)."""
+        """Return the `FrictionSlip` (slip corrected at edges) of a pressure and a gap."""
         lattice, stencil = operators.lattice, self.stencil
         leading = stencil.leading(pressure, gap)
         seen = stencil.staggered, pressure, gap, leading, (leading[0] + 1, leading[1])
@@ -144,7 +144,7 @@ class SteadyRolling(Kinematics):
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
-        """Return the map from rows of a friction law to tractions that nearly have these rows.
+        """Return a preconditioner of the linearised friction conditions: the upwind sweep.
 
         The map is the upwind sweep.
 
@@ -160,7 +160,7 @@ class SteadyRolling(Kinematics):
 
 @dataclass(frozen=True, eq=False)
 class RollingStep(Kinematics):
-    """Particles roll a distance, or shift: slip is the change of their displacement.
+    """Step of transient rolling or shift: slip is the change of displacement of a particle.
 
     Attributes
     ----------
@@ -180,21 +180,21 @@ class RollingStep(Kinematics):
     joint = True
 
     def tangential(self, operators: Operators) -> Convolution:
-        """Return the map from tractions to slip (`Kinematics.tangential`)."""
+        """Return the operator from tangential tractions to displacement over dx, A_tt / dx."""
         return operators.tangential
 
     def coupled(self, operators: Operators) -> Convolution:
-        """Return the map from pressure and tractions to gap and slip (`Kinematics.coupled`)."""
+        """Return the operator from pressure and tractions to gap and displacement over dx."""
         return operators.coupled_displacement
 
     def self_influence(self, operators: Operators) -> Entries:
-        """Return the slip of an element due to its traction (`Kinematics.self_influence`)."""
+        """Return the displacement of an element due to its own traction, entries (11, 12, 22)."""
         return operators.self_displacement
 
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """Return the slip that the friction law sees under a pressure and a gap, (n_x, n_y).
+        """Return the `FrictionSlip` of a pressure, with the gap that particles close in the step.
 
         The gap that has closed is `entering`.
         """
@@ -207,7 +207,7 @@ class RollingStep(Kinematics):
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
-        """Return the map from rows of a friction law to tractions that nearly have these rows.
+        """Return a preconditioner: the circulant inverse combined with the local friction terms.
 
         The map combines the circulant inverse with the local terms.
 
@@ -217,7 +217,7 @@ class RollingStep(Kinematics):
         return partial(inverse_of_step, inverse=operators.tangential_inverse)
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
-        """Return the weight of slip, small if elements displace each other (`Kinematics`).
+        """Return the weight of slip relative to tractions; less than 1 for large compliances.
 
         Slip is displacement here. With its full weight a step from rest would slip everywhere; if
         all tractions at their bound displace much too far, the next iteration would return.
@@ -227,17 +227,17 @@ class RollingStep(Kinematics):
         return self.far / (max(along, self.far) * max(first, second))
 
     def slip_scale(self, block: int) -> float:
-        """Return slip on elements that are `block` times as long over that on these.
+        """Return the ratio of slip on elements `block` times as long to slip on these elements.
 
         The unit of slip includes the length of an element.
         """
         return 1.0 / block
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the kinematics on elements that are made of a block each."""
+        """Return the step on a mesh whose elements combine `block` elements of this one."""
         entering = block_mean(self.entering, block, "edge")
         return replace(self, entering=entering, length=self.length / block[0])
 
     def within(self, box: Box) -> Self:
-        """Return the kinematics on a rectangle of the mesh (`Kinematics.within`)."""
+        """Return the step restricted to a rectangle (box) of the mesh."""
         return replace(self, entering=self.entering[box])

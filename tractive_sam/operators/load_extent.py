@@ -4,13 +4,13 @@ import numpy as np
 
 
 def extent(occupied: np.ndarray) -> slice:
-    """Return the slice from the first to the last loaded place; one place if none is loaded."""
+    """Return the slice from the first to the last True of a mask; slice(0, 1) if there is none."""
     where = np.flatnonzero(occupied)
     return slice(where[0], where[-1] + 1) if where.size else slice(0, 1)
 
 
 def largest_offset(occupied: np.ndarray) -> int:
-    """Return the largest distance, in elements, from a loaded place to any place of the axis.
+    """Return the largest distance, in elements, from a loaded element to any element along an axis.
 
     `occupied` is a mask of the loaded places along one axis of the mesh, shape (n,).
     """

@@ -14,7 +14,7 @@ except ImportError:  # this system has no limits
 
 
 def available_memory() -> float:
-    """Return the memory that the process may still take, bytes; infinite if it is unknown."""
+    """Return the memory, in bytes, that the process may still allocate; infinite if unknown."""
     return max(0.0, min(_free_memory(), memory_of_groups(), _memory_of_limit()))
 
 
@@ -32,7 +32,7 @@ def _free_memory() -> float:
 def memory_of_groups(
     root: Path = Path("/sys/fs/cgroup"), members: Path = Path("/proc/self/cgroup")
 ) -> float:
-    """Return the memory left to the control groups of the process, bytes.
+    """Return the memory, in bytes, that the control groups (cgroups) still allow the process.
 
     In `root`, Linux stores the limits of groups, such as containers or batch jobs; `members` lists
     those of the process.
@@ -54,7 +54,7 @@ def memory_of_groups(
 
 
 def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
-    """Return the memory left to one control group, bytes."""
+    """Return the memory, in bytes, that one control group still allows; inf if unlimited."""
     try:
         limit_bytes, used = (float((group / name).read_text()) for name in (limit, usage))
     except (OSError, ValueError):  # no control group, or "max"
@@ -66,7 +66,7 @@ def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
 
 
 def _memory_of_limit() -> float:
-    """Return the memory left by ``ulimit -v``, bytes."""
+    """Return the memory, in bytes, that ``ulimit -v`` still allows; infinite without a limit."""
     if resource is None:
         return math.inf
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)

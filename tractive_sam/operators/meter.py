@@ -4,7 +4,7 @@ from threading import local
 
 
 class _TransformedPoints(local):
-    """Points that this thread has transformed: fields times padded elements."""
+    """Count of FFT points (fields times padded elements) that this thread has transformed."""
 
     points = 0.0
 
@@ -13,12 +13,12 @@ _TRANSFORMED = _TransformedPoints()
 
 
 def count_transform(fields: int, padded: tuple[int, int]) -> None:
-    """Count one padded transform of several fields, forward or backward."""
+    """Add one padded FFT of several fields, forward or backward, to the count of this thread."""
     _TRANSFORMED.points += fields * padded[0] * padded[1]
 
 
 class ConvolutionMeter:
-    """Counter of the convolutions of this thread.
+    """Counter of the convolutions that this thread has done since the counter was created.
 
     The unit is one application of the tangential operator on a mesh: two fields forward and two
     backward. A transform of fewer fields, or on a part of the mesh, counts by its share of points,
@@ -36,5 +36,5 @@ class ConvolutionMeter:
 
     @property
     def convolutions(self) -> float:
-        """Number of convolutions, in applications of the tangential operator."""
+        """Work since the creation, in applications of the tangential operator (four transforms)."""
         return (_TRANSFORMED.points - self._before) / self._unit

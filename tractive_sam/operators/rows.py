@@ -7,7 +7,7 @@ from tractive_sam.operators.elastic import Operators
 
 
 def row_compliance(operators: Operators, contact: np.ndarray) -> np.ndarray:
-    """Return the mean normal displacement of each row in contact by a load on each row.
+    """Return the matrix of mean normal displacements of rows (elements of one y) by loads on rows.
 
     A row is what a ring of material meets: all elements of one y. The load of a row is spread
     evenly over its elements in contact, and the displacement averaged over them (a Galerkin

@@ -14,17 +14,17 @@ __version__ = f"scipy-{scipy.__version__}"
 
 
 def zeros_aligned(shape: Sequence[int], dtype: Any = np.float64) -> np.ndarray:
-    """Return an array of zeros; SciPy needs no alignment."""
+    """Return an array of zeros, in place of pyfftw's function of this name."""
     return np.zeros(shape, dtype)
 
 
 def next_fast_len(n: int) -> int:
-    """Return a length of at least n that is transformed fast."""
+    """Return the smallest length of at least n that SciPy transforms fast."""
     return int(scipy.fft.next_fast_len(n))
 
 
 class FFTW:
-    """A transform between two arrays along one axis, without normalisation.
+    """SciPy's FFT along one axis with the interface of `pyfftw.FFTW`, without normalisation.
 
     Parameters
     ----------
@@ -66,14 +66,14 @@ class FFTW:
                 self._options["n"] = target.shape[axis]
 
     def execute(self) -> None:
-        """Set the target to the transform of the source."""
+        """Transform the source array into the target array."""
         self._target[...] = self._transform(self._source, **self._options)
 
 
 def import_wisdom(wisdom: Sequence[bytes]) -> None:
-    """Ignore the wisdom of FFTW."""
+    """Do nothing, in place of pyfftw's function: SciPy has no wisdom."""
 
 
 def export_wisdom() -> tuple[bytes, ...]:
-    """Return no wisdom."""
+    """Return an empty tuple, in place of pyfftw's function: SciPy has no wisdom."""
     return ()

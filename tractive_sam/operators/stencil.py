@@ -50,7 +50,7 @@ Places = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class Stencil:
-    """Points of an element at which slip is evaluated; see the module.
+    """Discretisation of slip: at the leading faces of elements (upwind) or staggered, second order.
 
     Attributes
     ----------
@@ -62,11 +62,11 @@ class Stencil:
 
     @property
     def rigid_ahead(self) -> float:
-        """Distance ahead of the centre at which the rigid slip is taken, in elements."""
+        """Distance ahead of the centre at which the rigid slip is evaluated: 0.5 or 0 elements."""
         return 0.5 if self.staggered else 0.0
 
     def at_centres(self, slip: np.ndarray) -> np.ndarray:
-        """Return the slip at the centres, for wear and dissipation, from the leading faces.
+        """Return the slip at element centres, the mean of both faces, for wear and dissipation.
 
         With the mean of both faces frictional work and energy law agree to rounding: the elastic
         part of the mean is a central difference, and its work on the tractions is zero by
@@ -84,7 +84,7 @@ class Stencil:
         return mean
 
     def leading(self, bound: np.ndarray, gap: np.ndarray) -> Places:
-        """Return indices (i, j) of elements with an opening gap ahead of them; none for `UPWIND`.
+        """Return indices (i, j) of contact elements with an open gap ahead; none for `UPWIND`.
 
         Parameters
         ----------
@@ -121,7 +121,7 @@ def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) 
 def edge_turning(
     bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float
 ) -> np.ndarray:
-    """Return the change of `edge_angles` by a change of the pressure, shape (m,)."""
+    """Return the change of `edge_angles` that a small change of the pressure causes, shape (m,)."""
 
     def aside_and_fall(here, behind, left, right):
         return 0.5 * aspect * (left - right), np.where(falls, behind - here, 0.1 * here)
@@ -136,7 +136,7 @@ def edge_turning(
 
 
 def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return the ratio of distances from the edge: to the centre ahead, and to the leading element.
+    """Return distances of the contact edge to the centre ahead over those to the leading centre.
 
     At the edge the squared pressure, linear from the element behind on, is zero.
     """
@@ -146,7 +146,7 @@ def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
 
 def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return the change of `entry_beyond` by a change of the pressure, shape (m,)."""
+    """Return the change of `entry_beyond` that a small change of pressure causes, shape (m,)."""
     here, behind, _, _ = _around(bound, i, j)
     ratio = behind / here
     changed, changed_behind, _, _ = _around(change, i, j)
@@ -155,7 +155,7 @@ def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.nda
 
 
 def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return values at elements, behind them, and behind them on both sides; 0 outside the mesh."""
+    """Return a field's values at elements (i, j), behind them, and behind to the left and right."""
     rows, columns = np.add(i, [[0], [-1], [-1], [-1]]), np.add(j, [[0], [0], [-1], [1]])
     width = field.shape[1]
     inside = (rows >= 0) & (columns >= 0) & (columns < width)
@@ -163,7 +163,7 @@ def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
 
 class FrictionSlip:
-    """The slip in the friction law, from the slip of the leading faces, under a pressure.
+    """Correction of the slip in the friction law for elements at the leading edge of contact.
 
     Parameters
     ----------
@@ -216,12 +216,12 @@ class FrictionSlip:
 
     @cached_property
     def _turned(self) -> np.ndarray:
-        """Derivative of the opening by the angle, by differences."""
+        """Derivative of the slip per unit of gap with respect to the angle of the edge."""
         h = 1e-4
         return (self._opening_at(self._angle + h) - self._opening_at(self._angle - h)) / (2.0 * h)
 
     def sticking(self, slip: np.ndarray, traction: np.ndarray) -> np.ndarray:
-        """Return the expression that vanishes for sticking elements, linear in slip and traction.
+        """Return the slip, corrected at leading elements, that vanishes where elements stick.
 
         The slip of the leading face, less what the opening ahead of a leading element accounts
         for. There it is divided by 1 + `stiffness`, so that it answers the traction no more than
@@ -240,7 +240,7 @@ class FrictionSlip:
 
     @cached_property
     def _answer(self) -> np.ndarray:
-        """Slip of the faces of leading elements by their tractions, shape (m, 2, 2)."""
+        """Slip at the faces of leading elements per traction of the element, shape (m, 2, 2)."""
         answer = self._opening * (self._gap / self._bound)[:, None, None]
         if self._layer is not None:
             answer += self._entry[:, None, None] * self._layer
@@ -248,12 +248,12 @@ class FrictionSlip:
 
     @cached_property
     def _met(self) -> tuple[np.ndarray, np.ndarray]:
-        """Factors of slip and tractions of the leading elements in `sticking`."""
+        """Coefficients of slip and of tractions in `sticking` at the leading elements."""
         factor = 1.0 / (1.0 + self._stiffness)
         return factor, factor[:, None, None] * self._answer
 
     def _share(self, traction: np.ndarray) -> np.ndarray:
-        """Return the traction of the leading elements over their bound, shape (2, m)."""
+        """Return the traction of the leading elements over their traction bound, shape (2, m)."""
         return traction[:, *self._here] / self._bound
 
     def sticking_change(
@@ -264,7 +264,7 @@ class FrictionSlip:
         gap: np.ndarray,
         at: np.ndarray,
     ) -> np.ndarray:
-        """Return the change of `sticking` if pressure and gap change as well.
+        """Return the derivative of `sticking` along a change of pressure, tractions, gap and slip.
 
         The set of leading elements is assumed not to change.
 
@@ -310,7 +310,7 @@ class FrictionSlip:
     def stretched(
         self, slip: np.ndarray, traction: np.ndarray, by: np.ndarray, unit: float
     ) -> np.ndarray:
-        """Return the change of `sticking` if the axes of the frame are stretched.
+        """Return the change of `sticking` if the scales of the frame's axes change (friction).
 
         Parameters
         ----------
@@ -331,7 +331,7 @@ class FrictionSlip:
         return change
 
     def _leading(self, slip: np.ndarray, times_gap: np.ndarray, traction: np.ndarray) -> np.ndarray:
-        """Return `sticking` of the leading elements, shape (2, m)."""
+        """Return the corrected slip `sticking` at the leading elements, shape (2, m)."""
         opening = np.einsum("mab,bm->am", self._opening, times_gap)
         if self._layer is not None:
             opening += self._entry * (self._layer @ traction)
@@ -339,7 +339,7 @@ class FrictionSlip:
 
     @property
     def stiffness(self) -> np.ndarray:
-        """Bound on the part of `sticking` that depends on the traction of the element.
+        """Bound on the derivative of the corrected slip by the element's own traction, (n_x, n_y).
 
         Before the division; shape (n_x, n_y), zero but in leading elements.
         """

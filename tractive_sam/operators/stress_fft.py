@@ -10,7 +10,7 @@ from tractive_sam.operators.fftw import pyfftw
 
 
 class LayerTransform:
-    """Forward transform of packed tables and backward transform of six stresses.
+    """FFTs for `StressLayers`: four packed tables forward, six stress components backward.
 
     Parameters
     ----------
@@ -45,19 +45,19 @@ class LayerTransform:
         self._stress_y = plan(self.spectra[:, :nx], stresses, 2, "FFTW_BACKWARD", threads)
 
     def forward(self) -> None:
-        """Set `packs` to the spectra of `tables`."""
+        """Transform the array `tables` into the array `packs`."""
         self._tables_y.execute()
         self._tables_x.execute()
 
     def backward(self) -> np.ndarray:
-        """Return the stresses (6, n_x, n_y) of `spectra`, times p_x p_y."""
+        """Transform `spectra` back and return six stresses (6, n_x, n_y), times p_x p_y."""
         self._stress_x.execute()
         self._stress_y.execute()
         return self._stresses
 
 
 class EdgeTransform:
-    """Forward transform of the packed tables of a vertical plane.
+    """FFTs along a plane for `StressPlane`: eight packed tables of edges, forward.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ class EdgeTransform:
         self._plan = plan(self.tables, self.packs, 2, "FFTW_FORWARD")
 
     def forward(self) -> None:
-        """Set `packs` to the spectra of `tables`."""
+        """Transform the array `tables` into the array `packs`."""
         self._plan.execute()
 
 

@@ -20,7 +20,7 @@ MAX_BYTES = 64 * 2**20
 
 
 class _Transforms:
-    """A cache of the transforms of the integrals over an element, by mesh and depth.
+    """Cache of the transformed influence tables of stress, by mesh and depth, limited in bytes.
 
     If they become too many, the mesh used longest ago is dropped. Of one mesh the first depths are
     retained, as every pass goes through all depths.
@@ -31,7 +31,7 @@ class _Transforms:
         self._lock = Lock()
 
     def get(self, mesh: Hashable, depth: float) -> np.ndarray | None:
-        """Return the cached transforms, or None."""
+        """Return the transformed tables of a mesh at a depth, or None if they are not cached."""
         with self._lock:
             if mesh not in self._meshes:
                 return None
@@ -39,7 +39,7 @@ class _Transforms:
             return self._meshes[mesh].get(depth)
 
     def keep(self, mesh: Hashable, depth: float, transforms: np.ndarray) -> None:
-        """Store a copy of transforms, if there is room for it."""
+        """Store a copy of the transformed tables of a mesh at a depth, if there is room for it."""
         with self._lock:
             of_mesh = self._meshes.setdefault(mesh, {})
             while self._size() + transforms.nbytes > MAX_BYTES and len(self._meshes) > 1:
@@ -48,7 +48,7 @@ class _Transforms:
                 of_mesh[depth] = transforms.copy()
 
     def _size(self) -> int:
-        """Return the size of the cached transforms, bytes."""
+        """Return the size of all cached tables, bytes."""
         return sum(layer.nbytes for of_mesh in self._meshes.values() for layer in of_mesh.values())
 
 
@@ -56,7 +56,7 @@ _transforms = _Transforms()
 
 
 class StressLayers:
-    """Stress at the centres of a mesh, layer by layer, by discrete convolution and FFT.
+    """Subsurface stress of both bodies at the centres of a mesh, one depth at a time, by FFT.
 
     The bodies are half-spaces z >= 0 with z into the body, loaded as in
     :mod:`tractive_sam.kernels.stress`. For tractions constant on every element the result is exact;
@@ -105,7 +105,7 @@ class StressLayers:
         self._loads = spectra * (0.5 / (np.pi * px * py))
 
     def at(self, depth: float) -> np.ndarray:
-        """Return the stresses at one depth.
+        """Return the stress tensors at one depth, MPa, shape (bodies, 6, n_x, n_y).
 
         Parameters
         ----------
@@ -126,7 +126,7 @@ class StressLayers:
         return out
 
     def _packs(self, transform: LayerTransform, depth: float) -> np.ndarray:
-        """Return the transformed integrals at one depth."""
+        """Return the transformed influence tables at one depth, from the cache or computed."""
         sides = self.lattice.dx, self.lattice.dy
         mesh = *sides, *self._padded
         packs = _transforms.get(mesh, depth)
@@ -138,7 +138,7 @@ class StressLayers:
         return packs
 
     def _by_rows(self, work: Callable[[int, int], None]) -> None:
-        """Divide the rows 0 to p_x/2 among the threads, which call work(first, last)."""
+        """Call work(first, last) for ranges that cover the rows 0 to p_x/2, in parallel threads."""
         count = self._padded[0] // 2 + 1
         if self.threads == 1:
             work(0, count)

@@ -14,7 +14,7 @@ from tractive_sam.results import Grid
 
 
 class StressPlane:
-    """Stress on a vertical plane at the centres along it, depth by depth.
+    """Subsurface stress on a vertical plane x or y = constant, one depth at a time.
 
     Bodies, accuracy and sharing as for `StressLayers`, at a fraction of its cost: along the plane
     the elements are convolved by FFT, across it they are summed in the spectrum. The integral over
@@ -73,7 +73,7 @@ class StressPlane:
         self._loads = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
 
     def at(self, depth: float) -> np.ndarray:
-        """Return the stresses at one depth.
+        """Return the stress tensors along the plane at one depth, MPa, shape (bodies, 6, n).
 
         Parameters
         ----------
@@ -96,7 +96,7 @@ class StressPlane:
 
 
 def _snapped(place: float) -> float:
-    """Return a place in elements from an edge, moved onto a close centre or edge."""
+    """Round a coordinate, in elements, to a centre or edge if it is closer than 1e-9 to it."""
     # Distance, in elements, below which a plane lies on a row of centres or of edges.
     coincident = 1e-9
     nearest = 0.5 * round(2.0 * place)

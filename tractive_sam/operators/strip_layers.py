@@ -10,7 +10,7 @@ from tractive_sam.operators.influence import Lattice
 
 
 class StripLayers:
-    """Stress layers below a line contact: one convolution of the edges of the strips.
+    """Subsurface stress below a line contact, one depth at a time, by convolution of strips.
 
     Exact to rounding, about 1e-13 of the tractions; see :mod:`tractive_sam.kernels.strip_stress`.
 
@@ -41,7 +41,7 @@ class StripLayers:
         self._loads = spectra[:, 0] / (np.pi * self._padded[1])
 
     def at(self, depth: float) -> np.ndarray:
-        """Return the stresses at the centres of the strips at one depth.
+        """Return the stress tensors at the centres of the strips at one depth, MPa.
 
         Parameters
         ----------

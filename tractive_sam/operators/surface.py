@@ -15,7 +15,7 @@ from tractive_sam.operators.influence import Lattice
 def surface_stress(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, signs: Sequence[float] = (1.0,)
 ) -> np.ndarray:
-    """Return the stress at the corners of the elements, as means from centre to centre.
+    """Return the surface stress at the corners of elements, from differences of displacement.
 
     With tractions constant on elements the stress is infinite at every edge across which the
     tangential one jumps; the displacement is finite. Its differences between centres are means of
@@ -48,7 +48,7 @@ def surface_stress(
 
 
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
-    """Return u_x, u_y at the centres by tangential traction and by pressure, (4, n_x, n_y).
+    """Return u_x and u_y by tangential traction, and both by pressure, at centres, (4, n_x, n_y).
 
     The shear modulus is one. The transform owns the arrays.
     """
@@ -60,7 +60,7 @@ def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) ->
 
 @lru_cache(maxsize=4)
 def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray]:
-    """Return the spectra of the kernels: even ones (3, ...) real, odd ones (2, ...) imaginary."""
+    """Return spectra of the displacement kernels: real ones xx, xy, yy, imaginary ones xz, yz."""
 
     def of(component: str) -> np.ndarray:
         return spectrum(influence.displacement_table(lattice, body, component))

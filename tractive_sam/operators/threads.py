@@ -10,7 +10,7 @@ from threadpoolctl import ThreadpoolController
 
 
 def threads_for_transform(padded: tuple[int, int], large: int = 2**19, max_threads: int = 4) -> int:
-    """Return the number of threads for a transform: one, or all usable cores if it is large.
+    """Return the number of threads for an FFT: one, or several (at most 4) for a large array.
 
     The environment variable OMP_NUM_THREADS limits it, as in most libraries.
 
@@ -49,5 +49,5 @@ def single_blas_thread() -> Iterator[None]:
 
 @cache
 def _controller() -> ThreadpoolController:
-    """Return the controller of the thread pools, loaded once."""
+    """Return the controller of BLAS thread pools (threadpoolctl), created once."""
     return ThreadpoolController()

@@ -23,7 +23,7 @@ Product = Callable[[np.ndarray, np.ndarray], None]
 
 
 def tile_edges(fields: int, padded: tuple[int, int], cache: int = 2**19) -> list[int]:
-    """Return the first columns of the tiles, and the number of columns.
+    """Return the column indices that bound the tiles of a spectrum: first columns and the end.
 
     Parameters
     ----------
@@ -43,13 +43,13 @@ def tile_edges(fields: int, padded: tuple[int, int], cache: int = 2**19) -> list
 
 
 def block_edges(rows: int, padded: tuple[int, int], cache: int = 2**18) -> list[tuple[int, int]]:
-    """Return the first rows, and those behind the last, of blocks of about the size of a cache."""
+    """Return (first, end) of blocks of rows that each fit into the processor's cache."""
     count = -(-16 * padded[1] * rows // cache)
     return [*pairwise(k * rows // count for k in range(count + 1))]
 
 
 def column_stride(px: int, gap: int = 4) -> int:
-    """Return the distance of contiguous columns of the length p_x in memory.
+    """Return the distance between columns in memory: p_x plus a gap that avoids cache conflicts.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def column_stride(px: int, gap: int = 4) -> int:
 
 
 def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> list[np.ndarray]:
-    """Return contiguous kernels (entries, m) of each tile, of spectra (entries, p_x, p_y/2 + 1)."""
+    """Divide spectra (entries, p_x, p_y/2 + 1) into contiguous arrays (entries, m), one a tile."""
     edges = tile_edges(fields, padded)
     if len(edges) == 2:
         entries, px, half = spectra.shape
@@ -75,7 +75,7 @@ def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> 
 
 
 class Convolver(Protocol):
-    """A convolution on one mesh, planned once."""
+    """Protocol of a convolution on one mesh: a call with fields, kernels and a product."""
 
     def __call__(
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
@@ -84,7 +84,7 @@ class Convolver(Protocol):
 
 
 class UntiledConvolution:
-    """The convolution on a mesh with spectra that fit the cache (`Convolver`).
+    """Convolution on a small mesh, whose spectra fit the processor's cache (`Convolver`).
 
     Columns are stored contiguously: the transforms along x take a quarter less time, and those
     along y read and write at a stride at hardly any cost.
@@ -137,7 +137,7 @@ class UntiledConvolution:
 
 
 class RowBuffer(NamedTuple):
-    """Rows of one block: as numbers in, transformed along y, and as numbers out."""
+    """Arrays and FFTs along y for one block of rows: real inputs, spectra, real outputs."""
 
     inputs: np.ndarray
     spectra: np.ndarray
@@ -158,7 +158,7 @@ class RowBuffer(NamedTuple):
 
 
 class ColumnBuffer(NamedTuple):
-    """Padded columns of one tile, and their transforms along x in place."""
+    """Array and in-place FFTs along x for the padded columns of one tile."""
 
     columns: np.ndarray
     forward: Any
@@ -176,7 +176,7 @@ class ColumnBuffer(NamedTuple):
 
 
 class Worker:
-    """One thread of a `TiledConvolution`: its share of the rows and columns, and its buffers.
+    """Work of one thread in a `TiledConvolution`: its rows, its tiles of columns, its buffers.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ class Worker:
             self._spectra[a:b] = buffer.spectra
 
     def convolve_columns(self, kernels: Sequence[np.ndarray], product: Product) -> None:
-        """Pad columns, transform them along x, multiply by the kernels, and transform back."""
+        """Convolve the tiles of this thread along x: pad, transform, multiply, transform back."""
         for tile, kernel in zip(self._tiles, kernels[self._share], strict=True):
             buffer, count = self._columns[tile.shape[-1]], tile.shape[1]
             buffer.columns[:, :count] = tile
@@ -232,7 +232,7 @@ class Worker:
 
 
 class TiledConvolution:
-    """The convolution on a large mesh, tile by tile (`Convolver`).
+    """Convolution on a large mesh by several threads, tile by tile (`Convolver`).
 
     Parameters
     ----------
@@ -275,7 +275,7 @@ class TiledConvolution:
 
 
 def _number_types(single: bool) -> tuple[type, type]:
-    """Return the types of numbers and of their transforms."""
+    """Return (real type, complex type) of single or double precision."""
     return (np.float32, np.complex64) if single else (np.float64, np.complex128)
 
 

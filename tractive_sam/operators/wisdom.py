@@ -14,13 +14,13 @@ PRECISIONS = ("double", "single")
 
 
 def _file(precision: str) -> Path:
-    """Return the path of the stored wisdom of a precision."""
+    """Return the path of the file of stored FFTW plans (wisdom) for a precision."""
     cache = os.environ.get("TRACTIVE_SAM_CACHE") or platformdirs.user_cache_dir("tractive_sam")
     return Path(cache) / f"fftw-{pyfftw.__version__}-{precision}.wisdom"
 
 
 def load() -> None:
-    """Add the stored wisdom to FFTW's; ignore files that cannot be read."""
+    """Add stored plans (wisdom) to FFTW's; ignore files that cannot be read."""
     stored = [b"", b"", b""]
     for i, precision in enumerate(PRECISIONS):
         with suppress(OSError):
@@ -29,7 +29,7 @@ def load() -> None:
 
 
 def save() -> None:
-    """Store the wisdom of FFTW; ignore a cache that cannot be written."""
+    """Store FFTW's plans (wisdom) for later processes; ignore a cache that cannot be written."""
     for precision, wisdom in zip(PRECISIONS, pyfftw.export_wisdom(), strict=False):
         file = _file(precision)
         with suppress(OSError):

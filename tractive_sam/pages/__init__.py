@@ -8,5 +8,5 @@ __all__ = ["report", "style"]
 
 
 def style() -> str:
-    """Return the style of all pages, as CSS."""
+    """Return the style sheet (CSS) that all HTML pages share."""
     return files(__name__).joinpath("style.css").read_text("utf-8")

@@ -17,7 +17,7 @@ HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
 
 
 def charts(history: History, measured: Measurements | None = None) -> list[dict[str, Any]]:
-    """Return the charts over the course: titles, units, and lines with their numbers.
+    """Return the charts of a history's columns over its course, as JSON data for the page.
 
     Columns that neither change nor were measured are omitted: the table of numbers contains them.
     For a duty cycle a chart has the columns of the cycle and of its blocks.
@@ -56,7 +56,7 @@ def charts(history: History, measured: Measurements | None = None) -> list[dict[
 
 
 def _noise(history: History, name: str, share: float = 1e-6) -> float:
-    """Return the change of forces and moments due to errors of the solver, a share of the load."""
+    """Return the change of a force or moment that solver errors may cause; 0 of other columns."""
     load = share * float(np.nanmax(history["P"]))
     arm = float(np.nanmax(history["half_width_x"]))
     ratios = {"Qx_over_P": share, "Qy_over_P": share}
@@ -64,12 +64,12 @@ def _noise(history: History, name: str, share: float = 1e-6) -> float:
 
 
 def _of_cycle(history: History, column: Quantity) -> Quantity:
-    """Return the column of the cycle for a column of its blocks; others unchanged."""
+    """Return the column of the duty cycle for the same column of its blocks; others unchanged."""
     return history.columns.get(column.name.removeprefix(PREFIX), column)
 
 
 def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
-    """Return whether a position alternates, as between two peaks of about equal height.
+    """Return whether a position jumps to and fro, as between two peaks of about equal height.
 
     Parameters
     ----------
@@ -83,14 +83,14 @@ def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
 
 
 def chart_title(quantity: Quantity) -> str:
-    """Return the description of a quantity with a capital letter."""
+    """Return the long name of a quantity with a capital letter, the title of its chart."""
     return quantity.long_name[:1].upper() + quantity.long_name[1:]
 
 
 def _chart(
     history: History, title: str, group: list[Quantity], measured: Measurements | None
 ) -> dict[str, Any]:
-    """Return a chart: its title, the label of its axis, its lines, and whether it is last."""
+    """Return one chart as JSON data: title, label of the axis, lines, and whether it comes last."""
     # Columns of the solver; their charts are the last ones.
     solver = {
         "residual", "operator_applications", "convolutions", "jump", "converged",
@@ -114,7 +114,7 @@ def _chart(
 def _lines(
     history: History, quantity: Quantity, several: int, measured: Measurements | None
 ) -> Iterator[dict[str, Any]]:
-    """Yield the lines of a column that changes or was measured, one for each body and axis."""
+    """Yield the lines of a column in a chart, one a body and axis; constant columns have none."""
     values, noise = history[quantity.name], _noise(history, quantity.name)
     labels = {**LABELS, "block": history.block_names}
     for place in product(*(labels[dim] for dim in quantity.dims)):

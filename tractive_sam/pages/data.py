@@ -27,7 +27,7 @@ from tractive_sam.safe_text import printable_text
 
 @dataclass(frozen=True)
 class PageLimits:
-    """How much of a history a page shows.
+    """Limits on how much of a history its HTML page contains.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class PageLimits:
 def page_data(
     history: History, limits: PageLimits | None = None, measured: Measurements | None = None
 ) -> dict[str, Any]:
-    """Return all data of the page, and notes on omitted data."""
+    """Return all data of the HTML page of a history as JSON data, with notes on omitted data."""
     limits, blocks = limits or PageLimits(), _blocks(history)
     saved = select_evenly(history.saved, limits.records)
     states = []
@@ -102,13 +102,13 @@ def _omissions(history: History, saved: np.ndarray, surface: "_Window | None") -
 
 
 def _blocks(history: History) -> list[tuple[str, History]]:
-    """Return names and histories of the blocks of a duty cycle; else the history without a name."""
+    """Return (name, history) of each block of a duty cycle; ("", history) for other histories."""
     blocks = [(f", {name}", history.block(k)) for k, name in enumerate(history.block_names)]
     return blocks or [("", history)]
 
 
 def _scale(history: History) -> dict[str, Any]:
-    """Return the half widths and the pressure by which figures divide."""
+    """Return the half widths and the pressure by which the figures of the page divide."""
     scale = Scale.from_history(history)
     values = {"a": scale.a, "b": scale.b, "p": scale.p}
     return {name: value if np.isfinite(value) else None for name, value in values.items()} | {
@@ -118,7 +118,7 @@ def _scale(history: History) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class _Window:
-    """The part of the mesh around the contacts of all records, and the step between elements."""
+    """Rectangle of the mesh around the contacts of all records, shown at every n-th element."""
 
     x: slice
     y: slice
@@ -126,7 +126,7 @@ class _Window:
 
     @classmethod
     def around(cls, states: Sequence[ContactView], limits: PageLimits) -> "_Window | None":
-        """Return a window within limits, for ten fields; None if nothing touches."""
+        """Return the window around the contacts of all records, thinned to the limits, or None."""
         if not states:
             return None
         touching = np.any([state.contact.touching for state in states], axis=0)
@@ -145,12 +145,12 @@ class _Window:
         return np.swapaxes(values[..., x, y], -1, -2)
 
     def axes(self, state: ContactView) -> tuple[np.ndarray, np.ndarray]:
-        """Return the centres of the elements in x and y, mm."""
+        """Return x and y of the elements that the window shows, mm; y from the mesh's middle."""
         y = _on_bodies({"y": state.y}, "y")
         return state.x[self.x][:: self.every], y[self.y][:: self.every]
 
     def fields(self, states: Sequence[ContactView]) -> dict[str, Any]:
-        """Return the fields of all records, shape (records, y, x)."""
+        """Return axes and surface fields of all records as JSON data, shape (records, y, x)."""
         x, y = self.axes(states[0])
         rows: dict[str, list[np.ndarray]] = {}
         for state in states:
@@ -171,14 +171,14 @@ class _Window:
 
 
 def _side(touched: np.ndarray, margin: float) -> slice:
-    """Return the range of touched elements with a margin of at least two."""
+    """Return the slice of the touched elements along an axis, with a margin on both sides."""
     inside = np.flatnonzero(touched)
     more = max(2, round(0.5 * margin * (inside[-1] - inside[0] + 1)))
     return slice(max(0, inside[0] - more), min(touched.size, inside[-1] + more + 1))
 
 
 def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the fields of a contact by their names on the page."""
+    """Yield (name on the page, values) of the surface fields of one contact."""
     contact = state.contact
     yield "pressure", contact.pressure
     yield "px", contact.traction[0]
@@ -200,7 +200,7 @@ def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _stick(state: ContactView) -> np.ndarray:
-    """Return values that are zero at the boundary between stick and slip; nan without one."""
+    """Return a level field, zero at the boundary of stick and slip; nan if there is no boundary."""
     stick = state.contact.touching & ~state.slip_zone
     if not stick.any() or not state.slip_zone.any():
         return np.full(stick.shape, np.nan)
@@ -208,12 +208,12 @@ def _stick(state: ContactView) -> np.ndarray:
 
 
 def _normalize(values: np.ndarray) -> np.ndarray:
-    """Return values over the largest magnitude."""
+    """Return values divided by their largest magnitude."""
     return values / max(np.abs(values).max(), 1e-300)
 
 
 def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict[str, Any] | None:
-    """Return the worn depth of each body across the track, micrometres, shape (records, n_y)."""
+    """Return the wear depth profiles of both bodies across the track, micrometres, or None."""
     if history.grid.directions == 1 or not rows:
         return None
     names = {"wear_profile_A": "A", "wear_profile_B": "B", "wear_profile": "both"}
@@ -233,7 +233,7 @@ def _stress(
     states: Sequence[ContactView],
     limits: PageLimits,
 ) -> list[dict[str, Any]]:
-    """Return the stress on every stored plane, shape (records, second axis, first axis).
+    """Return maps of stress on each stored plane, for all records, as JSON data.
 
     The depths of blocks differ, so the axes have the shape (records, axis).
     """
@@ -274,7 +274,7 @@ def _stress(
 
 
 def _widen_to_grid(stress: PlaneStress, grid: Grid) -> PlaneStress:
-    """Return stress that was stored on a narrower mesh on the last one, with nan outside."""
+    """Extend stress that was stored on an earlier, narrower mesh to the last mesh, with nan."""
     sizes = {"x": grid.x.size, "y": grid.y.size}
     shape = tuple(sizes.get(name, places.size) for name, places in stress.axes.items())
     if shape == stress.components[COMPONENTS[0]].shape:
@@ -289,13 +289,13 @@ def _widen_to_grid(stress: PlaneStress, grid: Grid) -> PlaneStress:
 
 
 def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
-    """Return places along an axis; y from the middle of the mesh, as bands of blocks differ."""
+    """Return coordinates along an axis of a plane; y is taken from the middle of the mesh."""
     places = axes[name]
     return places - 0.5 * (places[0] + places[-1]) if name == "y" else places
 
 
 def _visible_range(name: str, states: Sequence[ContactView], size: int, margin: float) -> slice:
-    """Return the range of an axis of a plane that is shown."""
+    """Return the slice of an axis of a stress plane that the page shows."""
     if name == "depth":
         return slice(0, size)
     touching = np.any([state.contact.touching for state in states], axis=0)
@@ -304,7 +304,7 @@ def _visible_range(name: str, states: Sequence[ContactView], size: int, margin: 
 
 
 def _numbers(history: History, row: int) -> list[Mapping[str, str]]:
-    """Return the numbers of a record as rows of a table."""
+    """Return the values of a record as rows of a table: name, value, unit and meaning."""
     return [
         {
             "name": printable_text(name),

@@ -71,7 +71,7 @@ def report(
 
 
 def _page(history: History, measured: Measurements | None) -> str:
-    """Return the HTML of the page."""
+    """Return the HTML of the interactive page of a history."""
     part_names = ("report.html", "report.js", "report.css", "style.css")
     # Pattern of the code with which plotly looks for a style of its maps; it adds a missing one.
     guarded_style = r'getElementById\("([0-9a-f]{64})"\)'
@@ -105,12 +105,12 @@ def _page(history: History, measured: Measurements | None) -> str:
 
 
 def _unused(name: str) -> Html:
-    """Return an empty style that replaces one of plotly, which the policy of the page refuses."""
+    """Return an empty style element with the id that plotly would otherwise add to the page."""
     return fill('<style id="$name"></style>', name=name)
 
 
 def _plotly() -> tuple[str, dict[str, Any]]:
-    """Return the script of plotly, and the colours of the figures."""
+    """Return the source of plotly's script, and the colour scales of the figures."""
     # Colour maps of the figures: names in plotly by names in the page.
     scales = {
         "Viridis": "Viridis",
@@ -127,7 +127,7 @@ def _plotly() -> tuple[str, dict[str, Any]]:
 
 
 def _pictures(history: History, width: float = 460.0) -> Html:
-    """Return a section of the figures that the script does not draw, in pixels wide."""
+    """Return a section (HTML) with the figures that the page's script does not draw."""
     card_template = '<figure class="card"><figcaption>$caption</figcaption>$image</figure>\n'
     cards, names = [], SCRIPT_FIGURES.split()
     for drawing in list_figures(history):
@@ -147,12 +147,12 @@ $cards</div>
 
 
 def _escape_script(data: str) -> str:
-    """Return JSON that cannot end a script, whatever a title contains."""
+    """Escape JSON so that its text cannot end the script element that contains it."""
     return data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
 def _notes(history: History) -> list[str]:
-    """Return the warnings of the scene, each once."""
+    """Return the warnings that the scene of a history causes, each once."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         Scene(**history.scene.entries())
@@ -160,7 +160,7 @@ def _notes(history: History) -> list[str]:
 
 
 def _scene(history: History, limit: int = 20_000) -> str:
-    """Return the scene as TOML; only the first `limit` characters are shown."""
+    """Return the scene of a history as TOML, cut after `limit` characters."""
     text = history.scene.to_toml()
     return (
         text

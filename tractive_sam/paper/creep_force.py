@@ -53,7 +53,7 @@ def creep_force_findings(work: Work) -> Iterator[Finding]:
 
 
 def _isotropic(work: Work) -> Iterator[Finding]:
-    """Yield the findings of isotropic friction."""
+    """Yield the findings on creep-force curves with isotropic friction (Fig. 6a)."""
     scene = spheres(work.size)
     xi = np.linspace(0.05, LAST, work.size.creepages)
     work.report("creep-force curve, isotropic")
@@ -86,7 +86,7 @@ def _isotropic(work: Work) -> Iterator[Finding]:
 
 
 def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> Statement:
-    """Return the comparison with Kalker's simplified curve."""
+    """Return the statement that compares Q_x with Kalker's simplified creep-force curve."""
     partial = xi < 1
     deviation = Q_x[partial] / kalker_simplified(xi[partial]) - 1
     worst = abs(deviation).argmax()
@@ -109,7 +109,7 @@ def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> State
 
 
 def _compare_meshes(work: Work) -> FindingTable:
-    """Return the creep-force curve on several meshes and by both formulas."""
+    """Return a table of the creep-force curve on several meshes beside both formulas."""
     parameters, columns = (0.05, 0.2, 0.5, 0.8), []
     for elements in work.size.meshes:
         work.report(f"creep-force curve, {elements} × {elements} elements")
@@ -127,7 +127,7 @@ def _compare_meshes(work: Work) -> FindingTable:
 
 @dataclass(frozen=True, eq=False)
 class _AngleCurve:
-    """The creep-force curve at one angle.
+    """Creep-force curve of orthotropic friction at one angle of its axes.
 
     Attributes
     ----------
@@ -145,12 +145,12 @@ class _AngleCurve:
 
     @property
     def share(self) -> float:
-        """Last Q_x over Q_x of uniform sliding."""
+        """Ratio of the last Q_x of the curve to Q_x of uniform sliding."""
         return self.forces[0, -1] / self.full_slip[0]
 
 
 def _orthotropic(work: Work) -> Iterator[Finding]:
-    """Yield the findings of orthotropic friction."""
+    """Yield the findings on creep-force curves with orthotropic friction (Fig. 6b)."""
     xi, curves = np.linspace(0.05, LAST, work.size.creepages), {}
     for angle in ANGLES:
         work.report(f"creep-force curve, β = {angle:g}°")
@@ -175,7 +175,7 @@ def _orthotropic(work: Work) -> Iterator[Finding]:
 
 
 def _compare_sliding(curves: Mapping[float, _AngleCurve], points: int) -> Iterator[Statement]:
-    """Yield the statements on the transition to sliding."""
+    """Yield the statements on the creepage at which the contact slides, at three angles."""
     starts = [curve.sliding_from for curve in curves.values()]
     yield Statement(
         "Fig. 6(b)",
@@ -199,7 +199,7 @@ def _compare_sliding(curves: Mapping[float, _AngleCurve], points: int) -> Iterat
 
 
 def _compare_angles(curves: Mapping[float, _AngleCurve]) -> Iterator[Statement]:
-    """Yield the statements on the forces at the three angles."""
+    """Yield the statements that compare Q_x and Q_y at the three angles of friction."""
     values = [curve.forces[0, -1] for curve in curves.values()]
     uniform = [curve.full_slip[0] for curve in curves.values()]
     yield Statement(
@@ -229,7 +229,7 @@ def _compare_angles(curves: Mapping[float, _AngleCurve]) -> Iterator[Statement]:
 
 
 def _creep_unit(scene: Scene) -> float:
-    """Return the creep parameter, eq. (40), of a creepage of -1."""
+    """Return the creep parameter xi, eq. (40), of a creepage of -1 in a scene."""
     material = scene.material
     parameter = creep_parameter(
         -1.0,
@@ -243,7 +243,7 @@ def _creep_unit(scene: Scene) -> float:
 
 
 def _solve_curve(scene: Scene, xi: np.ndarray) -> np.ndarray:
-    """Return Q_x and Q_y over mu1 P at creep parameters, and the share of stick, shape (3, n)."""
+    """Solve a scene at creep parameters xi; return Q_x/(mu1 P), Q_y/(mu1 P), share of stick."""
     unit, scale = _creep_unit(scene), friction_bound(scene)
     rows: list[tuple[float, float, float]] = []
     contact: State | None = None

@@ -39,12 +39,12 @@ def disc_findings(work: Work) -> Iterator[Finding]:
 
 
 def _wear(histories: Histories, closed: float = 5e-3) -> Iterator[Finding]:
-    """Yield the findings on wear; balances are closed within a share of the work."""
+    """Yield the findings on wear depth and on the balances of work and wear."""
     last = _last_revolution(histories)
     depth = _stack_column(histories, "wear_max")[:, 1:]
     yield Statement(
         "Fig. 16",
-        "The worn depth is higher for β = 0° than for 45° or 90°.",
+        "The wear depth is higher for β = 0° than for 45° or 90°.",
         f"{join(1e3 * depth[:, -1], '.2f')} µm at N = {last} for β = {ANGLE_TEXT}; "
         f"deepest for 0° at {np.sum(depth.argmax(axis=0) == 0)} of {depth.shape[1]} stored "
         "revolutions.",
@@ -56,7 +56,7 @@ def _wear(histories: Histories, closed: float = 5e-3) -> Iterator[Finding]:
     )
     yield Statement(
         "Sec. 5",
-        "The worn depth follows from the pressure and the slip, eq. (19).",
+        "The wear depth follows from the pressure and the slip, eq. (19).",
         "Friction must dissipate the work that drives the discs. The error of the balance of work "
         f"is at most {missed:.0e} in any computed revolution, of the worn section {unworn:.0e}.",
         Verdict.from_conditions(max(missed, unworn) < closed),
@@ -65,7 +65,7 @@ def _wear(histories: Histories, closed: float = 5e-3) -> Iterator[Finding]:
 
 
 def _contact(histories: Histories) -> Iterator[Finding]:
-    """Yield the findings on the size of the contact and its pressure."""
+    """Yield the findings on the half widths of the worn contact and its pressure."""
     last = _last_revolution(histories)
     a, b = _stack_column(histories, "half_width_x"), _stack_column(histories, "half_width_y")
     yield Statement(
@@ -91,7 +91,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
 def _pressure(
     histories: Histories, b: np.ndarray, similar: float = 0.2, edge: float = 0.9
 ) -> Iterator[Finding]:
-    """Yield the findings on the pressure.
+    """Yield the findings on the evolution of the pressure and the place of its peak (Fig. 17).
 
     Pressures are similar within a relative distance, and a place beyond a share of the half width
     b is at the edge.
@@ -123,7 +123,7 @@ def _pressure(
 
 
 def _slip(histories: Histories) -> Statement:
-    """Return the comparison of the slip."""
+    """Return the statement that compares the largest slip of the three angles (Fig. 18)."""
     last = _last_revolution(histories)
     largest = np.array(
         [
@@ -150,7 +150,7 @@ def _largest_slip(history: History, revolution: int) -> float:
 
 
 def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
-    """Yield the findings on forces and stresses."""
+    """Yield the findings on how wear changes forces and subsurface stresses."""
     # Relative difference that is a change.
     changed = 0.02
     last = _last_revolution(histories)
@@ -183,7 +183,7 @@ def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
 
 
 def _table(angle: float, history: History) -> FindingTable:
-    """Return the results at the stored revolutions for one angle."""
+    """Return a table of the results at the stored revolutions for one angle of friction."""
     names = ("wear_max", "half_width_x", "half_width_y", "p_max", "p_max_at", "Qx_over_P")
     depth, a, b, p, p_at, Q_x = (read_saved(history, name) for name in names)
     Q_y = read_saved(history, "Qy_over_P")
@@ -225,16 +225,16 @@ def _table(angle: float, history: History) -> FindingTable:
 
 
 def _format_stress(history: History, value: float, at: np.ndarray) -> str:
-    """Format a largest stress and its place, over Hertz's values."""
+    """Return a maximum of stress over p0 and its place over Hertz's half widths, as text."""
     x, y, depth = at / (history.a0, history.b0, history.a0)
     return f"{value / history.p0:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
 
 
 def _compare_angles(histories: Histories) -> Iterator[Picture]:
-    """Yield figures that compare the angles."""
+    """Yield figures that compare the three angles of the friction axes."""
     named = {f"β = {angle:g}°": history for angle, history in histories.items()}
     for name, what in (
-        ("wear_max", "Largest worn depth of both discs"),
+        ("wear_max", "Largest wear depth of both discs"),
         ("Qx_over_P", "Longitudinal force"),
         ("Qy_over_P", "Lateral force"),
         ("p_95", "Pressure that 5 % of the load exceeds"),
@@ -249,7 +249,7 @@ def _compare_angles(histories: Histories) -> Iterator[Picture]:
 
 
 def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
-    """Yield figures of one angle each."""
+    """Yield figures of one angle of the friction axes each."""
     last = _last_revolution(histories)
     draws: tuple[tuple[str, Callable, str], ...] = (
         ("figs-09-14-profiles", plot.worn_profiles, "Figs. 9-14. Worn cross-sections"),
@@ -261,7 +261,7 @@ def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
             _section_at(last),
             f"Figs. 9-14. Equivalent stress, N = {last}",
         ),
-        ("fig-16", plot.wear_over_revolutions, "Fig. 16. Worn depth of both discs"),
+        ("fig-16", plot.wear_over_revolutions, "Fig. 16. Wear depth of both discs"),
         ("fig-17", plot.pressure_over_revolutions, "Fig. 17. Pressure"),
         ("fig-18", plot.slip_over_revolutions, "Fig. 18. Slip"),
     )
@@ -271,12 +271,12 @@ def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
 
 
 def _section_at(revolution: int) -> Callable:
-    """Return a function that draws stress sections at a revolution."""
+    """Return a function that draws the stress section of a history at a given revolution."""
     return lambda history: plot.von_mises_sections(history, "x=0", revolution=revolution)
 
 
 def _stack_column(histories: Histories, name: str) -> np.ndarray:
-    """Return a column at the stored revolutions, one row for each angle."""
+    """Return a column of all histories at the stored revolutions, one row for each angle."""
     return np.stack([read_saved(history, name) for history in histories.values()])
 
 

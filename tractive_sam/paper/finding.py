@@ -15,7 +15,7 @@ from tractive_sam.paper.size import Size
 
 
 class Verdict(StrEnum):
-    """Agreement of the results with a statement of the paper."""
+    """Degree to which the results agree with a statement of the paper."""
 
     AGREES = "agrees"
     PARTLY = "agrees in part"
@@ -24,7 +24,7 @@ class Verdict(StrEnum):
 
     @classmethod
     def from_conditions(cls, *conditions: bool | np.bool_) -> "Verdict":
-        """Return agreement if all of the conditions hold, and in part if some do."""
+        """Return AGREES if all conditions hold, PARTLY if some do, and DIFFERS if none does."""
         if all(conditions):
             return cls.AGREES
         return cls.PARTLY if any(conditions) else cls.DIFFERS
@@ -32,7 +32,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class Statement:
-    """A statement of the paper and the computed result.
+    """Statement of the paper with the computed result and a verdict.
 
     Texts are plain; a letter, an underscore and more letters are a symbol and its index: "Q_x".
 
@@ -59,7 +59,7 @@ class Statement:
 
 @dataclass(frozen=True)
 class Picture:
-    """A figure.
+    """Figure with its file name and caption, as a finding on the page.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class Picture:
 
     @cached_property
     def svg(self) -> bytes:
-        """The figure as vectors, with images of 150 dots per inch."""
+        """Return the figure as an SVG file, with images of 150 dots per inch."""
         memory = BytesIO()
         self.figure.savefig(memory, format="svg", dpi=150, metadata={"Date": None})
         return memory.getvalue()
@@ -85,7 +85,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class FindingTable:
-    """A table; the first column names the rows.
+    """Table of results with a caption, as a finding on the page; its first column names the rows.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ Finding: TypeAlias = Statement | Picture | FindingTable
 
 @dataclass(frozen=True)
 class Work:
-    """Settings of a chapter.
+    """Settings of a chapter's computations: mesh sizes, folder of results, progress function.
 
     Attributes
     ----------
@@ -126,7 +126,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Chapter:
-    """A group of the paper's figures.
+    """Title and function of a group of the paper's figures on the page.
 
     Attributes
     ----------
@@ -149,6 +149,6 @@ def format_deviation(value: float, reference: float) -> str:
 
 
 def join(values: Iterable[float], form: str) -> str:
-    """Return a list of numbers: "0.1, 0.2 and 0.3"."""
+    """Return numbers as a list in words: "0.1, 0.2 and 0.3"."""
     texts = [format(value, form) for value in values]
     return " and ".join([", ".join(texts[:-1]), texts[-1]]) if len(texts) > 1 else texts[0]

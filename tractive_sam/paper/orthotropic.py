@@ -48,7 +48,7 @@ def orthotropic_findings(work: Work) -> Iterator[Finding]:
 
 
 def _lateral(contacts: dict[float, State]) -> Statement:
-    """Return the comparison of the lateral traction."""
+    """Return the statement on the lateral traction p_y at each angle (Fig. 7)."""
     p_y = [
         float(abs(contact.traction[1]).max() / hertz_of(contact.scene).p0)
         for contact in contacts.values()
@@ -66,7 +66,7 @@ def _lateral(contacts: dict[float, State]) -> Statement:
 def _inside_and_surface(
     maxima: dict[float, Maximum], p0: float, expected: float = 0.6, same: float = 0.05
 ) -> Iterator[Finding]:
-    """Yield the comparison of the largest stresses inside and at the surface.
+    """Yield the statements on the largest stresses inside and at the surface (Fig. 8).
 
     The paper has one digit of the stress inside over p_0; values within a relative distance of
     `same` count as unchanged.
@@ -96,7 +96,7 @@ def _inside_and_surface(
 
 
 def _sides(contacts: dict[float, State], symmetric: float = 1e-3) -> Statement:
-    """Return the comparison of the two sides; fields that differ by less count as symmetric."""
+    """Return the statement on the asymmetry of the stress on the plane x = 0 (Fig. 8)."""
     differences = []
     for contact in contacts.values():
         values = stress_on_plane(contact, "x=0", "A").von_mises
@@ -112,7 +112,7 @@ def _sides(contacts: dict[float, State], symmetric: float = 1e-3) -> Statement:
 
 
 def _table(contacts: dict[float, State], maxima: dict[float, Maximum]) -> FindingTable:
-    """Return the forces and the maxima of the stress at each angle."""
+    """Return a table of the forces and the maxima of stress at each angle."""
     rows = []
     for angle, contact in contacts.items():
         top, hertz = maxima[angle], hertz_of(contact.scene)

@@ -16,7 +16,7 @@ from tractive_sam.paper.size import FULL, Size
 
 
 def chapter(number: int, about: Chapter, findings: Iterable[Finding]) -> Html:
-    """Render a chapter; findings are taken one by one as they are rendered."""
+    """Return the HTML of a chapter; its findings are computed one by one as they are rendered."""
     head = (
         '<h2 id="chapter-$number"><a class="up" href="#contents">contents</a>$title'
         "<small>$figures</small></h2>"
@@ -32,7 +32,7 @@ def page(
     size: Size,
     seconds: float,
 ) -> Html:
-    """Put rendered chapters under a head that counts the verdicts.
+    """Return the HTML page of rendered chapters, with a head that counts the verdicts.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def page(
 
 
 def text(plain: str) -> Html:
-    """Return plain text as HTML, with lowered indices of symbols and minus signs."""
+    """Return plain text as HTML, with subscripts of symbols (p_0) and true minus signs."""
     lowered = re.sub(
         r"(?<![A-Za-z])([A-Za-zξσµ])_([A-Za-z0-9]+)", r"\1<sub>\2</sub>", as_html(plain)
     )
@@ -85,7 +85,7 @@ def text(plain: str) -> Html:
 
 
 def _blocks(findings: Iterable[Finding]) -> Iterator[Html]:
-    """Yield successive statements as one table, and successive figures as one grid."""
+    """Yield findings as HTML: successive statements as one table, successive figures as a grid."""
     for kind, group in groupby(findings, type):
         blocks = [_block(finding) for finding in group]
         if kind is Statement:
@@ -98,7 +98,7 @@ def _blocks(findings: Iterable[Finding]) -> Iterator[Html]:
 
 
 def _block(finding: Finding) -> Html:
-    """Return a finding as a block of the page."""
+    """Return one finding (statement, figure or table) as HTML."""
     match finding:
         case Statement():
             return _statement(finding)
@@ -116,7 +116,7 @@ _STATEMENTS = (
 
 
 def _statement(statement: Statement) -> Html:
-    """Return a row of the table of statements."""
+    """Return a statement as a row of an HTML table, with its verdict."""
     return fill(
         '<tr><td class="place">$place</td><td data-head="The paper says">$paper</td>'
         '<td data-head="We find">$ours</td>'
@@ -130,13 +130,13 @@ def _statement(statement: Statement) -> Html:
 
 
 def _badge(verdict: Verdict) -> Html:
-    """Return a verdict as a coloured label."""
+    """Return a verdict as a coloured label in HTML."""
     kind = verdict.replace(" ", "-")
     return fill('<span class="verdict $kind">$verdict</span>', kind=kind, verdict=str(verdict))
 
 
 def _picture(picture: Picture, wide: float = 7.0) -> Html:
-    """Return a figure with its caption; figures wider than `wide`, inches, take a row each."""
+    """Return a figure with its caption as HTML; figures wider than `wide`, inches, fill a row."""
     return fill(
         '<figure$wide><label title="enlarge"><input type="checkbox" aria-label="enlarge">'
         '<img alt="$alt" src="data:image/svg+xml;base64,$data"></label>'
@@ -149,7 +149,7 @@ def _picture(picture: Picture, wide: float = 7.0) -> Html:
 
 
 def _table(table: FindingTable) -> Html:
-    """Return a table with its caption."""
+    """Return a table with its caption as HTML."""
     rows = (
         fill("<tr>$cells</tr>\n", cells=(fill("<td>$cell</td>", cell=text(cell)) for cell in row))
         for row in table.rows

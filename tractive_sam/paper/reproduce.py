@@ -87,7 +87,7 @@ def _store_findings(
     statements: list[Statement],
     report: Callable[[str], None],
 ) -> Iterator[Finding]:
-    """Yield findings, save their figures and collect their statements."""
+    """Yield each finding after its figure is saved or its statement added to `statements`."""
     for finding in findings:
         if isinstance(finding, Picture):
             report(f"figure {finding.name}")
@@ -98,7 +98,7 @@ def _store_findings(
 
 
 def _save(picture: Picture, figures: Path, format: str) -> None:
-    """Write a figure, and remove its file of an earlier run, of any format."""
+    """Write a figure to a file, and delete its files of earlier runs in any format."""
     for old in FORMATS:
         (figures / f"{picture.name}.{old}").unlink(missing_ok=True)
     path = figures / f"{picture.name}.{format}"

@@ -13,7 +13,7 @@ ANGLE_TEXT = "0°, 45° and 90°"
 
 
 def spheres(size: Size, elements: int | None = None) -> Scene:
-    """Return the scene of two equal spheres with isotropic friction (Sec. 8.1.1)."""
+    """Return the scene of two equal spheres with isotropic friction (Sec. 8.1.1 of the paper)."""
     n = elements or size.spheres
     return Scene.builtin("spheres").with_set([f"grid.elements=[{n}, {n}]"])
 
@@ -37,7 +37,7 @@ def flat_discs(size: Size) -> Scene:
 
 
 def _wear_settings(size: Size, elements: tuple[int, int]) -> list[str]:
-    """Return the settings of the mesh, the revolutions and the stored fields."""
+    """Return assignments of scene keys ("key=value"): mesh, revolutions, stored fields."""
     return [
         f"grid.elements={list(elements)}",
         f"wear.revolutions={size.revolutions}",
@@ -46,17 +46,17 @@ def _wear_settings(size: Size, elements: tuple[int, int]) -> list[str]:
 
 
 def hertz_of(scene: Scene) -> HertzContact:
-    """Return the Hertz contact of a scene of the paper; each has one."""
+    """Return the Hertz contact of a scene, which every scene of the paper has."""
     hertz = scene.hertz
     assert isinstance(hertz, HertzContact)
     return hertz
 
 
 def friction_of(scene: Scene) -> Friction:
-    """Return the friction of a scene of the paper."""
+    """Return the friction of a scene, which every scene of the paper has."""
     return required(scene.friction, "friction")
 
 
 def friction_bound(scene: Scene) -> float:
-    """Return the largest force of friction along e1, N."""
+    """Return mu1 P of a scene of the paper, the largest friction force along e1, N."""
     return friction_of(scene).mu[0] * hertz_of(scene).load

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Size:
-    """Meshes, creepages and revolutions.
+    """Numbers of elements, creepages and revolutions with which the paper is reproduced.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Size:
 
     @property
     def revolutions(self) -> int:
-        """Number of revolutions."""
+        """Number of revolutions of a run: the last one with stored fields."""
         return self.saved[-1]
 
 

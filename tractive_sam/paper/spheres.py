@@ -60,7 +60,7 @@ def sphere_findings(work: Work) -> Iterator[Finding]:
 
 
 def _compare_with_hertz(contact: State) -> Statement:
-    """Return the comparison of pressure and radius with the theory of Hertz."""
+    """Return the statement that compares pressure and radius with the theory of Hertz."""
     hertz, area = hertz_of(contact.scene), contact.grid.element_area
     radius = float(np.sqrt(np.count_nonzero(contact.touching) * area / np.pi))
     return Statement(
@@ -77,7 +77,7 @@ def _compare_with_hertz(contact: State) -> Statement:
 
 
 def _compare_force(contact: State, expected: float = 0.657) -> Statement:
-    """Return the comparison of Q_x/(mu P) with the paper's."""
+    """Return the statement that compares Q_x/(mu P) with the paper's value."""
     bound = friction_of(contact.scene).mu[0] * contact.P
     force = contact.Qx / bound
     upwind = solve(contact.scene.with_set(['solver.slip="upwind"'])).Qx / bound
@@ -92,7 +92,7 @@ def _compare_force(contact: State, expected: float = 0.657) -> Statement:
 
 
 def _zones(contact: State) -> Statement:
-    """Return the comparison of the zones of stick and slip."""
+    """Return the statement on the place and size of the zones of stick and slip."""
     x = np.broadcast_to(contact.grid.x[:, None] / hertz_of(contact.scene).a, contact.pressure.shape)
     stick, slip = x[contact.sticking].mean(), x[contact.sliding].mean()
     last = [column.argmax() for column in contact.touching.T if column.any()]
@@ -110,7 +110,7 @@ def _zones(contact: State) -> Statement:
 
 @dataclass(frozen=True)
 class _SectionMaxima:
-    """Maxima of the equivalent stress of one body on one plane; places in half widths a.
+    """Maxima of the von Mises stress of one body on one plane; coordinates over a.
 
     Attributes
     ----------
@@ -131,7 +131,7 @@ class _SectionMaxima:
 
     @classmethod
     def from_contact(cls, contact: State, plane: str, body: str) -> Self:
-        """Compute the stress on a plane of a body, and find its maxima."""
+        """Compute the stress of a body on a plane of a contact, and find its maxima."""
         hertz = hertz_of(contact.scene)
         p0, a = hertz.p0, hertz.a
         stress = stress_on_plane(contact, plane, body)
@@ -143,7 +143,7 @@ class _SectionMaxima:
 
     @property
     def cells(self) -> tuple[str, ...]:
-        """Cells of a row of the table."""
+        """Texts of the maxima and of the end of stick: a row of the table."""
         inside = self.interior
         cells = ("none", "", "")
         if inside is not None:
@@ -153,7 +153,7 @@ class _SectionMaxima:
 
 
 def _maxima(contact: State, same_place: float = 0.1) -> Iterator[Finding]:
-    """Yield the maxima on both planes, inside and at the surface, and the end of stick there.
+    """Yield the findings on the maxima of stress on both planes and on the end of stick (Fig. 5).
 
     Places within a distance of `same_place` half widths a count as one.
     """
@@ -189,6 +189,6 @@ def _maxima(contact: State, same_place: float = 0.1) -> Iterator[Finding]:
 
 
 def _stick_end(contact: State, y: float) -> float:
-    """Return the trailing end of the stick zone in the row nearest to y, mm."""
+    """Return x of the trailing end of the stick zone in the row nearest to y, mm; nan without."""
     row = contact.sticking[:, np.abs(contact.grid.y - y).argmin()]
     return float(contact.grid.x[row.argmax()] - 0.5 * contact.grid.dx) if row.any() else np.nan

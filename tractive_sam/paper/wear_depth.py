@@ -37,7 +37,7 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
     first, last = saved[0], saved[-1]
     yield Statement(
         "Fig. 15",
-        "The worn depth agrees well with the global incremental wear model (GIWM).",
+        "The wear depth agrees well with the global incremental wear model (GIWM).",
         f"Of both discs together {1e3 * depth[-1]:.2f} µm at N = {last}, GIWM "
         f"{1e3 * course.depth[last]:.2f} µm ({both[-1]:+.0%}; {both[0]:+.0%} at N = {first}). "
         f"Of a single disc, half of it: {single[0]:+.0%} at N = {first}, {single[-1]:+.0%} at N = "
@@ -51,7 +51,7 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
     yield Picture(
         "fig-15",
         plot.compare({"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
-        "Fig. 15. Largest worn depth of both discs together.",
+        "Fig. 15. Largest wear depth of both discs together.",
     )
     yield Picture(
         "fig-15-half-width",
@@ -61,7 +61,7 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
 
 
 def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
-    """Return the wear by the global incremental wear model."""
+    """Return the wear of a scene of the paper by the global incremental wear model (GIWM)."""
     A, B, hertz = scene.body.A, scene.body.B, hertz_of(scene)
     return giwm(
         load=required(scene.normal_load, "load.normal"),
@@ -76,7 +76,7 @@ def _giwm(scene: Scene, revolutions: int) -> GlobalWear:
 
 
 def _table(history: History, course: GlobalWear, saved: list[int]) -> FindingTable:
-    """Return depths and half widths, computed and by GIWM."""
+    """Return a table of wear depths and half widths, computed and by GIWM."""
     depth, b = (read_saved(history, name)[1:] for name in ("wear_max", "half_width_y"))
     rows = [
         (
@@ -90,7 +90,7 @@ def _table(history: History, course: GlobalWear, saved: list[int]) -> FindingTab
         for k, N in enumerate(saved)
     ]
     return FindingTable(
-        "Worn depth of both discs and half width b of the contact, computed and by GIWM (Table 1).",
+        "Wear depth of both discs and half width b of the contact, computed and by GIWM (Table 1).",
         ("N", "depth, µm", "GIWM, µm", "difference", "b, mm", "GIWM, mm"),
         rows,
     )

@@ -9,7 +9,7 @@ from tractive_sam.scene import Scene
 
 
 def roll_into_file(work: Work, scene: Scene, name: str) -> History:
-    """Roll a scene into the results file of that name; an earlier file is replaced.
+    """Roll a scene, store the results in the file `name`.h5 (overwritten), and return the history.
 
     Raises
     ------
@@ -28,5 +28,5 @@ def roll_into_file(work: Work, scene: Scene, name: str) -> History:
 
 
 def read_saved(history: History, name: str) -> np.ndarray:
-    """Return a column at the revolutions with stored fields."""
+    """Return a column of a history at the revolutions with stored fields."""
     return history[name][np.isin(history["revolution"], history.field_revolutions)]

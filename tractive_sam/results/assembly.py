@@ -23,7 +23,7 @@ from tractive_sam.scene import Scene
 
 
 def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, Any]:
-    """Return the parts of a history that records determine, with fields on its mesh."""
+    """Stack records to arrays: return the arguments of `History` (columns, values, fields, ...)."""
     with_fields = [record for record in records if record.fields]
     names = records[0].columns if records else columns(scene)
     coordinate = find_by_role(names.values(), COORDINATE)
@@ -46,14 +46,14 @@ def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, An
 
 
 def _widen(record: Record, name: str, grid: Grid) -> np.ndarray:
-    """Return a field of a record on a mesh that may be wider; nan if the record lacks it."""
+    """Return a field of a record on a mesh that may be wider; nan everywhere if not recorded."""
     if name not in record.fields:
         return np.full_like(record.fields["pressure"], np.nan)
     return widen_field(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
 
 
 def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
-    """Stack recorded values to an array, one row a record, on a mesh that may be wider."""
+    """Stack values of a column, one a record, to an array; values along a mesh are widened."""
     along = {"x": grid.elements[0], "y": grid.elements[1]}
     for dim in {"block", *PROFILES}.intersection(quantity.dims):
         along[dim] = np.shape(values[0])[quantity.dims.index(dim)] if len(values) else 0
@@ -75,7 +75,7 @@ def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.nd
 def _stresses_by_plane(
     records: Sequence[Record], block: int | None = None
 ) -> dict[tuple[str, str], list[PlaneStress]]:
-    """Return the stored stresses by body and plane."""
+    """Return the stored stresses of all records by (body, plane), of one block or of no block."""
     first = records[0].stress if records else ()
     rows = {
         (stress.body, str(stress.plane)): [record.stress[k] for record in records]
@@ -86,6 +86,6 @@ def _stresses_by_plane(
 
 
 def _cycles_by_body(records: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
-    """Return the stored fatigue by body."""
+    """Return the stored `BodyFatigue` of all records, one list for each body."""
     bodies = (cycle.body for cycle in records[0].cycles) if records else ()
     return {body: [record.cycles[k] for record in records] for k, body in enumerate(bodies)}

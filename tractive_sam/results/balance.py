@@ -13,7 +13,7 @@ from tractive_sam.results.recorded import Recorded
 
 
 class SteadyBalance:
-    """Balances of records of steady rolling.
+    """Balances of work and of wear in the records of steady rolling.
 
     Parameters
     ----------
@@ -46,18 +46,18 @@ class SteadyBalance:
 
     @property
     def wear(self) -> np.ndarray:
-        """Ratio of the wear to the wear that the work of friction causes, in each record, (n,)."""
+        """Ratio of the wear in each record to the wear expected from the frictional work, (n,)."""
         history = self.history
         largest = history["wear_max"] * 2.0 * history.grid.half_length[1]
         return self._worn_by_work(history["worn_area"], history["dissipation"], largest)
 
     @property
     def wear_overall(self) -> np.ndarray:
-        """Wear balances by which the history is judged, shape (m,)."""
+        """Wear balances that decide whether the wear of a history is accurate, shape (m,)."""
         return self.wear
 
     def _worn_by_work(self, worn: np.ndarray, work: np.ndarray, total: np.ndarray) -> np.ndarray:
-        """Return wear over the wear that the work causes; `total` wear determines the rounding."""
+        """Return wear over the wear expected from `work`; nan if it is rounding beside `total`."""
         per_work = self._wear_per_work
         if per_work is None:
             return np.full(len(worn), np.nan)
@@ -67,7 +67,7 @@ class SteadyBalance:
 
     @property
     def _wear_per_work(self) -> tuple[float, float] | None:
-        """Wear per work along both axes, 1/MPa; None if it varies."""
+        """Smallest and largest wear area per frictional work, 1/MPa; None if the law changes."""
         scene = self.history.scene
         changing = ("wear.temperature", "duty", "transient.friction.mu")
         replaced = not {"wear", UNNAMED}.isdisjoint(self.history.law_records)
@@ -78,26 +78,26 @@ class SteadyBalance:
 
     @property
     def energy_cure(self) -> str:
-        """Possible reason of an error of the energy balance, as text."""
+        """End of a message: possible reason of an error of the energy balance; may be empty."""
         if self.history.scene.solver.slip == "upwind":
             return ': the upwind slip of the paper does that, solver.slip = "auto" does not'
         return ""
 
     @property
     def wear_cure(self) -> str:
-        """Remedy for an error of the wear balance, as text."""
+        """Beginning of a message: remedy for an error of the wear balance."""
         return "more elements across the contact bring"
 
 
 class StepBalance(SteadyBalance):
-    """Balances of the steps of a course, during which the bodies store elastic energy."""
+    """Balances of work and wear in the steps of a transient, which store elastic energy."""
 
     dissipated = "friction dissipates and the bodies store"
     worn = "volume"
 
     @property
     def energy(self) -> np.ndarray:
-        """Ratio of dissipated and stored to supplied work in each record, shape (n,).
+        """Ratio of dissipated plus stored to supplied work in each record, shape (n,).
 
         See `SteadyBalance.energy`.
         """
@@ -109,7 +109,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def wear(self) -> np.ndarray:
-        """Ratio of the wear to the wear that the work of friction causes, in each record, (n,)."""
+        """Ratio of the wear in each step to the wear expected from the frictional work, (n,)."""
         history = self.history
         if "step_worn" not in history.columns:
             return np.full(len(history), np.nan)
@@ -118,7 +118,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def wear_overall(self) -> np.ndarray:
-        """The balance of all steps together: one number, or none.
+        """Wear balance of all steps together, shape (1,); shape (0,) without wear.
 
         The wear of shifts is proportional to their work only in the limit of small steps.
         """
@@ -131,12 +131,12 @@ class StepBalance(SteadyBalance):
 
     @property
     def energy_cure(self) -> str:
-        """Possible reason of an error of the energy balance, as text."""
+        """End of a message: possible reason of an error of the energy balance."""
         return "; material leaves the mesh under load: use a longer grid.half_length"
 
     @property
     def wear_cure(self) -> str:
-        """Remedy for an error of the wear balance, as text (`SteadyBalance.wear_cure`)."""
+        """Beginning of a message: remedy for an error of the wear balance."""
         scene = self.history.scene
         if scene.schedule.shifts:
             return "a shorter transient.step brings"
@@ -146,10 +146,10 @@ class StepBalance(SteadyBalance):
 
 
 def balance_of(history: Recorded) -> SteadyBalance:
-    """Return the balances of a history, according to its columns."""
+    """Return the balances of a history: `StepBalance` for a transient, else `SteadyBalance`."""
     return (StepBalance if "step_work" in history.columns else SteadyBalance)(history)
 
 
 def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Return the quotients in the places of a mask, and nan elsewhere."""
+    """Return over / under where a mask is true, and nan elsewhere."""
     return np.divide(over, under, out=np.full(len(over), np.nan), where=where)

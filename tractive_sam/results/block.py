@@ -13,7 +13,7 @@ from tractive_sam.schema import required
 
 
 def attributes_of_block(history: Recorded, k: int) -> dict[str, Any]:
-    """Return the attributes of the history of block k (from 0) that replace those of all blocks."""
+    """Return the attributes in which the history of block k (from 0) differs from the full one."""
     scene = history.scene
     columns = {name: c for name, c in history.columns.items() if "block" not in c.dims}
     values = {}
@@ -33,7 +33,7 @@ def attributes_of_block(history: Recorded, k: int) -> dict[str, Any]:
 
 
 def _law_records_of(history: Recorded, block: Scene) -> dict[str, LawRecord]:
-    """Return the laws of a block: a law that the scene names has the coefficients of the block.
+    """Return the replaced laws of one block; a named friction law has the block's coefficients.
 
     A law that replaced the one of the scene is common to all blocks.
     """
@@ -46,7 +46,7 @@ def _law_records_of(history: Recorded, block: Scene) -> dict[str, LawRecord]:
 
 @dataclass(frozen=True, eq=False)
 class _BlockRows:
-    """The fields of one block, read from the fields of all blocks."""
+    """Sequence of the fields of one block, a view of the fields of all blocks."""
 
     rows: Rows[np.ndarray]
     block: int

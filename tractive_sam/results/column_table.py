@@ -25,12 +25,12 @@ def _over_load(force: str, contact: State) -> float:
 
 
 def _deepest(contact: State) -> float:
-    """Return the largest wear depth."""
+    """Return the largest wear depth of a contact, mm."""
     return float(contact.wear.max())
 
 
 def _has_single_load(scene: Scene) -> bool:
-    """Return whether there is a single load: only then error bars of a body are computed."""
+    """Return whether a scene has one load, for which error bars of a body are computed."""
     return not scene.duty
 
 
@@ -259,7 +259,7 @@ ROLLED = Quantity(
 
 
 def _in_place_of(package: Quantity, replacing: Mapping[str, Quantity]) -> Quantity:
-    """Return the user-defined column with the role of one of the package, under its conditions.
+    """Return the user-defined column that replaces a column of the package, or that column.
 
     If none has this role, it is the column of the package.
     """
@@ -280,7 +280,7 @@ def _in_place_of(package: Quantity, replacing: Mapping[str, Quantity]) -> Quanti
 
 
 def columns(scene: Scene, user_columns: Iterable[Quantity] = ()) -> dict[str, Quantity]:
-    """Return the columns of the history of a scene by name, including user-defined ones."""
+    """Return all columns of the history of a scene by name, user-defined ones included."""
     user_columns = list(user_columns)
     replacing = {
         column.role: column for column in user_columns if column.role not in ("", COORDINATE)

@@ -27,7 +27,7 @@ def cycle_record(
     scene: Scene,
     user_columns: Iterable[Quantity] = (),
 ) -> Record:
-    """Combine the records of the blocks into the record of a cycle.
+    """Combine the records of the blocks of a duty cycle into the record of the cycle.
 
     Parameters
     ----------
@@ -63,21 +63,21 @@ def cycle_record(
 
 
 def block_quantity(quantity: Quantity) -> Quantity:
-    """Return the column that has the values of a quantity for each block."""
+    """Return the column "block_..." with the values of a column in each block of a duty cycle."""
     dims = ("block", *quantity.dims)
     name, text = PREFIX + quantity.name, f"{quantity.long_name}, of each block"
     return replace(quantity, name=name, long_name=text, dims=dims, of=None, role="", symbol="")
 
 
 def _replacing_columns(record: Record) -> list[Quantity]:
-    """Return the columns that replace columns of the package, for example by another criterion."""
+    """Return the stress columns of a record, which replace those of the package."""
     return [column for column in record.columns.values() if column.role.startswith("stress")]
 
 
 def _block_quantities(
     names: Mapping[str, Quantity], process_values: Mapping[str, Any]
 ) -> Iterator[tuple[str, Quantity]]:
-    """Yield the columns with a value for each block."""
+    """Yield (name, column) of the columns of a cycle that have a value in each block."""
     for name, quantity in list(names.items()):
         joint = name in process_values or "block" in quantity.dims
         if not joint and not quantity.is_profile:
@@ -91,7 +91,7 @@ def _combine_blocks(
     records: Sequence[Record],
     weights: np.ndarray,
 ) -> Any:
-    """Return the value of a cycle from the values of its blocks."""
+    """Return the value of a column for the cycle (mean, sum, extreme, ...) from its blocks."""
     each = [_value_or_nan(record, quantity) for record in records]
     if quantity.place_of:
         of = names[quantity.place_of]
@@ -105,14 +105,14 @@ def _combine_blocks(
 
 
 def _value_or_nan(record: Record, quantity: Quantity) -> Any:
-    """Return the value of a block; nan if it has none, as for prescribed creepages."""
+    """Return the value of a column in a block; nan (or no body) if the block has none."""
     if quantity.name in record.values:
         return record.values[quantity.name]
     return {} if quantity.dims[:1] == ("body",) else np.full([2] * len(quantity.dims), np.nan)
 
 
 def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
-    """Combine the values of the blocks into the value of the cycle."""
+    """Combine values of the blocks by the rule of a column: mean, sum, largest or smallest."""
     match quantity.over_blocks:
         case "largest":
             value = each.max(axis=0)
@@ -126,7 +126,7 @@ def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
 
 
 def _place_of_extreme(of: Quantity, places: Sequence[Any], values: Sequence[Any]) -> Any:
-    """Return the place of the block that has the extreme value of the cycle."""
+    """Return the position in that block in which the column `of` has its extreme value."""
     extreme = min if of.over_blocks == "smallest" else max
     if of.dims[:1] == ("body",):
         return {
@@ -137,7 +137,7 @@ def _place_of_extreme(of: Quantity, places: Sequence[Any], values: Sequence[Any]
 
 
 def _stack_blocks(quantity: Quantity, records: Sequence[Record]) -> np.ndarray:
-    """Return the values of the blocks as an array; nan for bodies without a value."""
+    """Return the values of a column in all blocks as an array; nan for bodies without a value."""
     each = [_value_or_nan(record, quantity) for record in records]
     if quantity.dims[:1] != ("body",):
         return np.array(each, float)

@@ -14,7 +14,7 @@ from tractive_sam.scene import conformity_notes, describe_load, edge_notes, pres
 
 
 def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
-    """Yield the name, the number with its error bar as text, and the quantity of each column."""
+    """Yield (name, number with error bar as text, column) of a record, for each column and axis."""
     for name, quantity in history.of_dims().items():
         if not (quantity.error_of or np.isnan(history[name]).all()):
             text = format_number(history[name][row], error_bar(history, name, row))
@@ -41,7 +41,7 @@ def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:
 
 
 def describe_programs(history: Recorded) -> str:
-    """List the programs with another version after a history was resumed, and the first record."""
+    """List program versions that changed when a history was resumed, with the first record."""
     changes = []
     for (_, before), (record, after) in pairwise(history.provenance):
         changed = [name for name in after if after[name] != before.get(name)]
@@ -53,7 +53,7 @@ def describe_programs(history: Recorded) -> str:
 
 
 def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str, str]:
-    """Describe the balances "energy" and "wear" at their largest distance from unity.
+    """Describe the "energy" and "wear" balances where their error is largest, as text by name.
 
     For a duty cycle the distance is sought in the records of all blocks. The wear of a transient is
     balanced over all of its course, since the wear of shifts is proportional to their work only for
@@ -86,7 +86,7 @@ def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str
 
 
 def caveats(history: Recorded) -> dict[str, str]:
-    """Return notes on results that may mislead, by name.
+    """Return notes on results of a history that may mislead, as text by the row they belong to.
 
     "utilisation" so close to the surface that it depends on the mesh and has no error bar,
     "stress" that elements may miss, "width" of bodies that the contact fills, "p_max" that no
@@ -105,14 +105,14 @@ def caveats(history: Recorded) -> dict[str, str]:
 
 
 def _describe_conformity(history: Recorded) -> str:
-    """Describe the largest range of the contact angle over a patch of a wheel, if it is large."""
+    """Describe a large range of the contact angle over a wheel's patch; empty if it is small."""
     columns = [name for name in ("angle_range", "block_angle_range") if name in history.columns]
     largest = [np.nan_to_num(history[name]).max(initial=0.0) for name in columns]
     return "; ".join(conformity_notes(float(max(largest, default=0.0))))
 
 
 def _describe_implausible_pressure(history: Recorded) -> str:
-    """Describe the largest pressure of all solved records, if it is implausible."""
+    """Describe the largest pressure of a history if it is implausible; else an empty text."""
     pressure = np.where(history["converged"] > 0.0, history["p_max"], 0.0)
     if not pressure.any():
         return ""
@@ -123,7 +123,7 @@ def _describe_implausible_pressure(history: Recorded) -> str:
 
 
 def _describe_shallow_utilisation(history: Recorded, shallow: float = 3.0) -> str:
-    """Describe a largest utilisation of the last record within some elements of the surface.
+    """Warn of a largest utilisation so close to the surface that it depends on the mesh, or "".
 
     Within three elements, paths that are sampled at the elements lose up to 13 % of it.
     """
@@ -142,7 +142,7 @@ def _describe_shallow_utilisation(history: Recorded, shallow: float = 3.0) -> st
 
 
 def _describe_missed_stress(history: Recorded) -> str:
-    """Describe the loss if elements are too long to resolve the largest stress."""
+    """Warn of elements too long to resolve the largest subsurface stress; else an empty text."""
     # Depth of the largest stress over the smaller semi-axis: 0.48 for a circle, 0.79 for a line.
     depth_of_stress = 0.6
     grid, hertz = history.grid, history.scene.hertz
@@ -158,19 +158,19 @@ def _describe_missed_stress(history: Recorded) -> str:
 
 
 def _describe_energy(balance: SteadyBalance, value: float, closed: bool) -> str:
-    """Describe the energy balance, with advice if it is open."""
+    """Describe the value of an energy balance, with advice unless the balance is closed."""
     text = f"{balance.dissipated} {value:.5f} of the work supplied"
     return text if closed else f"{text}; wear is as much in error{balance.energy_cure}"
 
 
 def _describe_wear(balance: SteadyBalance, value: float, closed: bool) -> str:
-    """Describe the wear balance, with advice if it is open."""
+    """Describe the value of a wear balance, with advice unless the balance is closed."""
     text = f"the worn {balance.worn} is {value:.5f} of what the frictional work wears"
     return text if closed else f"{text}; {balance.wear_cure} them together"
 
 
 def describe_history(history: Recorded) -> dict[str, str]:
-    """Describe what was computed, its balances and its cost: text by label, for all reports."""
+    """Describe a history for reports: computation, balances, cost; text by label."""
     a0, b0, p0 = history.a0, history.b0, history.p0
     totals, saved = history.totals, len(history.saved)
     solves = totals["contact_solves"]
@@ -191,7 +191,7 @@ def describe_history(history: Recorded) -> dict[str, str]:
 
 
 def summarize_history(history: Recorded) -> dict[str, str]:
-    """Return a few rows about a history, label and text, with numbers of its last record."""
+    """Return a short summary of a history (status, values of its last record): text by label."""
     # Numbers of the last record: those always shown, and those shown unless they are zero.
     last_values = (
         ("Qx_over_P", "Qy_over_P", "p_max", "half_width_x", "half_width_y", "stick_fraction"),

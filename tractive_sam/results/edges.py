@@ -15,7 +15,7 @@ import numpy as np
 
 
 def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
-    """Return the distance of the edge of a contact from the centres of elements, along x.
+    """Return the distance, in elements along x, from each centre to the contact edge ahead.
 
     Parameters
     ----------
@@ -35,12 +35,12 @@ def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
 
 
 def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the results of `distance_to_edge` towards larger and towards smaller indices."""
+    """Return the distances from centres to the contact edges ahead (+x) and behind, in elements."""
     return distance_to_edge(pressure), distance_to_edge(pressure[::-1])[::-1]
 
 
 def contact_extent(pressure: np.ndarray) -> float:
-    """Return the elements from the first to the last edge along x; 0 without contact."""
+    """Return the length of a contact along x, from first to last edge, in elements."""
     from tractive_sam.kernels.contact_edges import find_extent  # noqa: PLC0415
 
     first, last = find_extent(np.ascontiguousarray(pressure))
@@ -48,7 +48,7 @@ def contact_extent(pressure: np.ndarray) -> float:
 
 
 def covered_elements(pressure: np.ndarray) -> float:
-    """Return the elements that a contact covers, within straight lines from edge to edge.
+    """Return the contact area in elements, bounded by straight lines between its edge points.
 
     The edges lie on the lines between the centres of elements; on a mesh one element wide along
     the first axis alone.

@@ -12,13 +12,13 @@ from tractive_sam.results.maximum import Maximum
 
 
 def _empty() -> np.ndarray:
-    """Return an empty array."""
+    """Return an empty array, the default of a field."""
     return np.zeros(0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BodyFatigue(ShortArrays):
-    """Effects of a pass through the contact on the material of one body.
+    """Fatigue of the material of one body in a pass: utilisation, shakedown and damage over (y, z).
 
     Fields have the shape (n_y, n); the first depth is the surface, the next one element deep. At
     the surface they follow from displacements between the elements, as the largest stress does.
@@ -70,7 +70,7 @@ class BodyFatigue(ShortArrays):
     worn: np.ndarray = field(default_factory=_empty)
 
     def with_damage(self, zeta: np.ndarray, damage: np.ndarray, worn: np.ndarray) -> Self:
-        """Return a copy with the damage of the material."""
+        """Return a copy with damage at depths zeta below the new surface, and the wear depth."""
         return replace(self, zeta=zeta, damage=damage, worn=worn)
 
     @property
@@ -148,7 +148,7 @@ class BodyFatigue(ShortArrays):
         return self.load_factor(self.largest("path_radius").value)
 
     def load_factor(self, shear: float) -> float:
-        """Return the load factor at which a shear stress reaches k; inf without shear stress."""
+        """Return k over a shear stress, the load factor at which it yields; inf without stress."""
         return math.inf if shear == 0.0 else self.shear_yield / shear
 
 

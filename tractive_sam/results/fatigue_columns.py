@@ -13,17 +13,17 @@ from tractive_sam.schema import required
 
 
 def _bars_of_damage(contact: State) -> Any:
-    """Return the error bars of the damage."""
+    """Return the error bars of the damage of a contact, by body; empty if there are none."""
     return contact.error_bars.get("damage", {})
 
 
 def _has_fatigue(body: str, scene: Scene) -> bool:
-    """Return whether the fatigue of a body is computed."""
+    """Return whether [fatigue] of a scene covers a body."""
     return body in required(scene.fatigue, "fatigue").bodies
 
 
 def _surface_fatigue_index(contact: State) -> float:
-    """Return the largest |p_t|/p_n - k/p_n in contact."""
+    """Return the surface fatigue index: the largest |p_t|/p_n - k/p_n in contact; nan without."""
     k = required(contact.scene.fatigue, "fatigue").shear_yield_stress
     touching = contact.touching
     if not touching.any():

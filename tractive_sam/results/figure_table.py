@@ -10,7 +10,7 @@ from tractive_sam.markup import Html
 def html_with_figure(
     rows: Mapping[str, str], name: str, source: Any, wide: int = 380, narrow: int = 230
 ) -> Html:
-    """Return rows of a label and a text as a table next to a figure.
+    """Return HTML with rows (label, text) as a table next to a named figure of `plot`.
 
     Parameters
     ----------

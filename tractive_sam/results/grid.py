@@ -8,7 +8,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Grid:
-    """A rectangle, divided into equal elements.
+    """Rectangle divided into equal elements, the mesh of a contact.
 
     The grid of a line contact is a row of elements (n_x, 1) that are 1 mm long in y, so that sums
     over it are per length.
@@ -37,13 +37,13 @@ class Grid:
         return cls((half_x, half_y), (nx, ny))
 
     def lengthened(self, elements: int) -> "Grid":
-        """Return the grid with this number of elements added before and behind in x."""
+        """Return the grid with a number of further elements at both ends in x."""
         (half_x, half_y), (nx, ny) = self.half_length, self.elements
         longer = half_x + elements * self.dx, half_y
         return replace(self, half_length=longer, elements=(nx + 2 * elements, ny))
 
     def shifted(self, shift: float) -> "Grid":
-        """Return the grid with y measured from another lateral position, mm."""
+        """Return the grid with another lateral offset, mm, from which y is measured."""
         return replace(self, shift=shift)
 
     @property
@@ -94,13 +94,13 @@ class Grid:
 
 
 def _centres(half_length: float, elements: int) -> np.ndarray:
-    """Return the centres of elements that cover -half_length to half_length."""
+    """Return the centres of `elements` equal elements between -half_length and half_length."""
     # Mirrored exactly about zero, so that symmetric scenes stay symmetric to the last bit.
     return (np.arange(elements) - 0.5 * (elements - 1)) * (2.0 * half_length / elements)
 
 
 def widen_field(values: np.ndarray, shape: tuple[int, ...], outside: float = 0.0) -> np.ndarray:
-    """Extend a function to a wider mesh, with the present mesh in its middle.
+    """Embed a field in the middle of a wider mesh; its other elements get the value `outside`.
 
     Parameters
     ----------

@@ -54,7 +54,7 @@ class FlashTemperature(ShortArrays):
 
     @cached_property
     def _inside(self) -> np.ndarray:
-        """Temperatures in contact, and -inf outside."""
+        """Temperatures of elements in contact, degrees C; -inf for the other elements."""
         return np.where(self.touching, self.temperature["A"], -np.inf)
 
     @property

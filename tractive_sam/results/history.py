@@ -42,7 +42,7 @@ DERIVED = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves",
 @renamed_attributes(own_fields="user_fields")
 @dataclass(frozen=True, eq=False)
 class History:
-    """All records of a computation, under the names of `results.column_table`.
+    """All records of a computation: columns by name, and fields of stored records.
 
     Attributes
     ----------
@@ -124,7 +124,7 @@ class History:
         law_records: Mapping[str, LawRecord] | None = None,
         started: str = "",
     ) -> Self:
-        """Collect records in memory; records on smaller meshes are widened to the last mesh."""
+        """Build a history from records in memory; fields are widened to the last mesh."""
         about: dict[str, Any] = {"law_records": law_records or {}, "started": started}
         return cls(scene, status, message, grid, **collect(list(records), scene, grid), **about)
 
@@ -166,11 +166,11 @@ class History:
         raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
 
     def of_dims(self, *dims: str) -> dict[str, Quantity]:
-        """Return the columns with these dimensions; without any, one number a record."""
+        """Return the columns with just these dimensions, such as "body"; without any, scalars."""
         return {name: column for name, column in self.columns.items() if column.dims == dims}
 
     def of_role(self, role: str) -> Quantity:
-        """Return the column with a role, whatever its name.
+        """Return the column that has a role, such as "coordinate"; its name may be user-defined.
 
         Raises
         ------
@@ -181,12 +181,12 @@ class History:
 
     @property
     def coordinate(self) -> Quantity:
-        """Column along which the records are ordered: "revolution", or another that grows."""
+        """Column along which the records are ordered: "revolution", time, or distance."""
         return self.of_role(COORDINATE)
 
     @property
     def field_revolutions(self) -> np.ndarray:
-        """Revolutions of the records with stored fields; see `saved`."""
+        """Revolutions of the records with stored fields, an alias of `saved`."""
         return self.saved
 
     @property
@@ -206,12 +206,12 @@ class History:
 
     @property
     def b0(self) -> float:
-        """Semi-axis in y, mm; see `a0`."""
+        """Semi-axis in y of the unworn contact by Hertz, mm; nan if Hertz does not apply."""
         return math.nan if self.scene.hertz is None else self.scene.hertz.b
 
     @property
     def p0(self) -> float:
-        """Peak pressure, MPa; see `a0`."""
+        """Peak pressure of the unworn contact by Hertz, MPa; nan if Hertz does not apply."""
         return math.nan if self.scene.hertz is None else self.scene.hertz.p0
 
     @property
@@ -221,22 +221,22 @@ class History:
 
     @property
     def finished(self) -> bool:
-        """Whether the computation is complete."""
+        """Whether the computation ran to its end."""
         return self.status == DONE
 
     @property
     def laws(self) -> str:
-        """Laws that replaced laws of the scene, in one line; empty if there are none."""
+        """User-defined laws that replaced laws of the scene, in one line of text; may be empty."""
         return describe_laws(self.law_records)
 
     @property
     def versions(self) -> Mapping[str, str]:
-        """Programs that computed the last records."""
+        """Versions of the programs that computed the last records, by program."""
         return self.provenance[-1][1] if self.provenance else {}
 
     @property
     def totals(self) -> dict[str, float]:
-        """Contacts solved and seconds spent on all records, "contact_solves" and "wall_seconds"."""
+        """Sums over all records: "contact_solves" and "wall_seconds"."""
         return {
             "contact_solves": int(np.nansum(self["solves"])),
             "wall_seconds": float(np.nansum(self["seconds"])),
@@ -244,7 +244,7 @@ class History:
 
     @property
     def energy_balance(self) -> np.ndarray:
-        """Work that friction dissipates over the supplied work, one number a record.
+        """Work that friction dissipates over the supplied work, in each record, shape (n,).
 
         The exact value is 1 for any friction law, profile and mesh. With the paper's upwind slip it
         is in error by some per cent, at small creepage by much more, and the wear is in error by as
@@ -256,7 +256,7 @@ class History:
 
     @property
     def wear_balance(self) -> np.ndarray:
-        """Worn cross section over the section that the frictional work wears, one number a record.
+        """Worn cross section over the section expected from the frictional work, shape (n,).
 
         For a transient, the volume worn in the step over the volume that its work wears. The exact
         value is 1 for steps that roll, and for shifts in the limit of short steps.
@@ -271,7 +271,7 @@ class History:
 
     @property
     def worn_track(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places and wear depths along the track of a transient with [wear], both bodies together.
+        """Positions and wear depths, mm, along the track of a transient with [wear].
 
         Places on the bodies, shape (n,), mm, ascending: the place x is in the middle of the contact
         after rolling the distance x. Depths there, shape (n, n_y), mm: each record has the depth of
@@ -386,7 +386,7 @@ class History:
         return self.cycles[body][self.row_of(at, **named)]
 
     def row_of(self, at: float | None = None, **named: float | None) -> int:
-        """Return the row in `saved` of a value of the coordinate; see `field`."""
+        """Return the index into `saved` of the stored record at a coordinate (default: last)."""
         coordinate = self.coordinate.name
         if named:
             if at is not None or named.keys() != {coordinate}:
@@ -405,7 +405,7 @@ class History:
         return int(rows[-1])
 
     def state(self, at: float | None = None, **named: float | None) -> State:
-        """Return the contact of one record, as `solve` returns it.
+        """Return the contact of one stored record, as `solve` returns it.
 
         Files of the first format have neither the gap, which then is nan, nor the sliding elements,
         which then follow from the traction.
@@ -480,7 +480,7 @@ class History:
         return k
 
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
-        """Return the contact of a record, from its fields by the names of `FIELDS`."""
+        """Return the contact of record `row`, given its fields by the names of `FIELDS`."""
         return contact_of(self, row, fields)
 
     @property

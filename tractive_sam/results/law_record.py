@@ -12,7 +12,7 @@ UNNAMED = "laws"
 
 @dataclass(frozen=True)
 class LawRecord:
-    """A law that replaced the one of the scene.
+    """Name, hash and frame of a user-defined law that replaced the law of the scene.
 
     Attributes
     ----------
@@ -30,14 +30,14 @@ class LawRecord:
 
 
 def describe_laws(records: Mapping[str, LawRecord]) -> str:
-    """Return the laws in one line, "friction=..., wear=..."; empty if none was replaced."""
+    """Return user-defined laws as text, "friction=..., wear=..."; empty if none was replaced."""
     return ", ".join(
         law.text if name == UNNAMED else f"{name}={law.text}" for name, law in records.items()
     )
 
 
 def dump_laws(records: Mapping[str, LawRecord]) -> str:
-    """Return the laws as JSON."""
+    """Return records of user-defined laws as JSON."""
     return json.dumps(
         {
             name: {
@@ -51,7 +51,7 @@ def dump_laws(records: Mapping[str, LawRecord]) -> str:
 
 
 def load_laws(text: str, line: str = "") -> dict[str, LawRecord]:
-    """Return the laws from JSON, or from their line alone if the JSON is empty.
+    """Return records of user-defined laws from JSON; without JSON, from their line of text.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def load_laws(text: str, line: str = "") -> dict[str, LawRecord]:
 
 
 def _frame(numbers: list[float] | None) -> Frame | None:
-    """Return a frame from its three numbers."""
+    """Return a frame from its two coefficients and its angle; None if there are none."""
     if numbers is None:
         return None
     first, second, angle = map(float, numbers)

@@ -10,7 +10,7 @@ Point = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Maximum:
-    """Largest stress in a body by a criterion, and its place (x, y, depth) in mm.
+    """Largest stress in a body by a criterion, inside and at the surface, with positions in mm.
 
     Attributes
     ----------

@@ -51,21 +51,21 @@ class PlaneStress(ShortArrays):
 
     @property
     def along(self) -> tuple[str, np.ndarray]:
-        """Name and coordinates of the first axis, mm."""
+        """Name ("x" or "y") and coordinates, mm, of the first axis of the plane."""
         return next(iter(self.axes.items()))
 
     @property
     def depth(self) -> np.ndarray:
-        """Depths of the second axis, or the one depth of a plane at constant depth, mm."""
+        """Depths of the plane's points, mm: its second axis, or one depth if it is horizontal."""
         return self.axes.get("depth", np.array([self.position]))
 
     @cached_property
     def _tensor(self) -> np.ndarray:
-        """Stress components in the order of `COMPONENTS`, first axis 6, MPa."""
+        """Stress components stacked in the order of `COMPONENTS`, shape (6, ...), MPa."""
         return np.stack([self.components[name] for name in COMPONENTS])
 
     def by(self, criterion: StressCriterion) -> np.ndarray:
-        """Return the stress evaluated by a criterion, in its unit."""
+        """Return the value of a stress criterion at each point of the plane, in its unit."""
         return criterion(self._tensor)
 
     @cached_property

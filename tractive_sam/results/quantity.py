@@ -27,7 +27,7 @@ def _always(_scene: Scene) -> bool:
 
 @dataclass(frozen=True)
 class Quantity:
-    """A recorded quantity.
+    """Description of a recorded quantity (column): name, unit, dimensions and how it is computed.
 
     Attributes
     ----------
@@ -120,15 +120,15 @@ class Quantity:
 
     @property
     def is_profile(self) -> bool:
-        """Whether it is a function of a place on the mesh or on a profile."""
+        """Whether the quantity is a function of position on the mesh or on a profile."""
         return not {"y", *PROFILES}.isdisjoint(self.dims)
 
     def applies(self, scene: Scene) -> bool:
-        """Return whether the history of a scene has this quantity."""
+        """Return whether histories of a scene have this column."""
         return all(map(scene.has, self.needs)) and self.when(scene)
 
     def read(self, contact: State) -> Any:
-        """Return its value in a contact.
+        """Return the value of the quantity in a contact.
 
         Raises
         ------
@@ -142,7 +142,7 @@ class Quantity:
         return self.of(contact)
 
     def bodies(self, scene: Scene) -> tuple[str, ...]:
-        """Return the bodies for which a scene has it, for dimensions ("body", ...)."""
+        """Return the bodies ("A", "B") for which a scene has this quantity; empty if none."""
         if not self.applies(scene):
             return ()
         return getattr(scene, self.bodies_of).bodies if self.bodies_of else BODIES
@@ -166,7 +166,7 @@ COORDINATE = "coordinate"
 
 
 def find_by_role(columns: Iterable[Quantity], role: str) -> Quantity:
-    """Return the column with a role, whatever its name.
+    """Return the column that has a role; a LookupError is raised if there is none.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from tractive_sam.results.stored_fields import BOUND, FIELDS, HEAT_FIELDS
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One contact as numbers and arrays under the names of `results.column_table`.
+    """One record of a history: values of its columns, and possibly fields and stresses.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Record:
         stress: Iterable[PlaneStress] = (),
         user_fields: Mapping[Quantity, np.ndarray] | None = None,
     ) -> "Record":
-        """Make the record of a contact.
+        """Return the record of a contact: values of all columns, and fields unless left out.
 
         Parameters
         ----------
@@ -97,12 +97,12 @@ class Record:
 
     @property
     def coordinate(self) -> Quantity:
-        """Column that orders the records of the history."""
+        """Column by which the records of the history are ordered."""
         return find_by_role(self.columns.values(), COORDINATE)
 
     @property
     def lengths(self) -> dict[str, int]:
-        """Lengths of the dimensions of its columns that differ between histories."""
+        """Lengths, by name, of the dimensions ("block", profiles) that differ between histories."""
         return {
             dim: np.shape(self.values[name])[column.dims.index(dim)]
             for name, column in self.columns.items()
@@ -112,7 +112,7 @@ class Record:
 
     @property
     def at(self) -> float:
-        """Value of the coordinate."""
+        """Value of the coordinate in this record."""
         return self.values[self.coordinate.name]
 
     @property
@@ -122,7 +122,7 @@ class Record:
 
 
 def _read(column: Quantity, contact: State) -> Any:
-    """Read the value of a column from a contact, and check its shape."""
+    """Return the value of a column in a contact; raise an error if its shape is wrong."""
     if column.of is not None:
         value = column.of(contact)
         if not column.dims and isinstance(value, float):
@@ -141,7 +141,7 @@ def _read(column: Quantity, contact: State) -> Any:
 
 
 def restart_fields(contact: State) -> dict[str, np.ndarray]:
-    """Return the fields of a contact that resuming needs: `FIELDS`, and its `BOUND`."""
+    """Return the fields of a contact that a resumed computation needs, by name."""
     values = {name: quantity.read(contact) for name, quantity in FIELDS.items()}
     if contact.traction_bound is not None:
         values[BOUND.name] = contact.traction_bound

@@ -16,7 +16,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class Rows(Protocol[T_co]):
-    """Fields of several records, read one at a time from memory or from a file."""
+    """Sequence of fields, one a stored record, read from memory or from a file when accessed."""
 
     def __len__(self) -> int:
         """Number of records with fields."""
@@ -26,7 +26,7 @@ class Rows(Protocol[T_co]):
 
 
 class Recorded(Protocol):
-    """Records of a computation; see `History` for the members."""
+    """Protocol of a history: the members of `History` on which its functions depend."""
 
     @property
     def scene(self) -> Scene:
@@ -34,7 +34,7 @@ class Recorded(Protocol):
 
     @property
     def status(self) -> str:
-        """How the computation ended."""
+        """How the computation ended, "complete" or a reason."""
 
     @property
     def message(self) -> str:
@@ -42,7 +42,7 @@ class Recorded(Protocol):
 
     @property
     def grid(self) -> Grid:
-        """The mesh."""
+        """The mesh of the last record."""
 
     @property
     def columns(self) -> Mapping[str, Quantity]:
@@ -50,11 +50,11 @@ class Recorded(Protocol):
 
     @property
     def values(self) -> Mapping[str, np.ndarray]:
-        """Values of the columns, one row a record."""
+        """Values of the columns by name, one row a record."""
 
     @property
     def fields(self) -> Mapping[str, Rows[np.ndarray]]:
-        """Fields of the records that have them."""
+        """Stored fields by name, one a record that has fields."""
 
     @property
     def user_fields(self) -> Mapping[str, Quantity]:
@@ -70,7 +70,7 @@ class Recorded(Protocol):
 
     @property
     def law_records(self) -> Mapping[str, LawRecord]:
-        """Laws that replaced laws of the scene."""
+        """User-defined laws that replaced laws of the scene, by table of the scene."""
 
     @property
     def frame(self) -> Frame | None:
@@ -78,15 +78,15 @@ class Recorded(Protocol):
 
     @property
     def provenance(self) -> tuple[tuple[int, Mapping[str, str]], ...]:
-        """Programs that computed the records."""
+        """Versions of the programs that computed the records, with the first record of each."""
 
     @property
     def started(self) -> str:
-        """Source of the worn bodies with which the history began."""
+        """Source of the worn bodies with which the history began; may be empty."""
 
     @property
     def coordinate(self) -> Quantity:
-        """Column that orders the records."""
+        """Column by which the records are ordered."""
 
     @property
     def title(self) -> str:
@@ -102,23 +102,23 @@ class Recorded(Protocol):
 
     @property
     def laws(self) -> str:
-        """Laws that replaced laws of the scene."""
+        """User-defined laws that replaced laws of the scene, in one line of text."""
 
     @property
     def totals(self) -> Mapping[str, float]:
-        """Contacts solved and seconds spent."""
+        """Sums over all records: contacts solved and seconds."""
 
     @property
     def a0(self) -> float:
-        """Semi-axis in x of the unworn contact, mm."""
+        """Semi-axis in x of the unworn contact by Hertz, mm."""
 
     @property
     def b0(self) -> float:
-        """Semi-axis in y, mm."""
+        """Semi-axis in y of the unworn contact by Hertz, mm."""
 
     @property
     def p0(self) -> float:
-        """Peak pressure of the unworn contact, MPa."""
+        """Peak pressure of the unworn contact by Hertz, MPa."""
 
     def __len__(self) -> int:
         """Number of records."""
@@ -127,7 +127,7 @@ class Recorded(Protocol):
         """Return a column, one row a record."""
 
     def of_dims(self, *dims: str) -> Mapping[str, Quantity]:
-        """Return the columns with these dimensions."""
+        """Return the columns with just these dimensions."""
 
     def block(self, which: int | str) -> Self:
-        """Return one block of a duty cycle as a history."""
+        """Return one block of a duty cycle, by index or name, as a history."""

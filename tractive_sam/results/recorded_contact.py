@@ -15,7 +15,7 @@ from tractive_sam.schema import required
 
 
 def contact_of(history: Recorded, row: int, fields: Mapping[str, np.ndarray]) -> State:
-    """Return the contact of a record, from its fields by the names of `FIELDS`."""
+    """Return the contact (`State`) of a record, given its fields by the names of `FIELDS`."""
     number = {name: float(history[name][row]) for name in history.of_dims()}
     creeping = sum(
         number[force] * number[creepage]
@@ -64,10 +64,10 @@ def _volumes(history: Recorded, row: int) -> dict[str, float] | None:
 
 
 def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:
-    """Return a stored bound of the traction; None if the file lacks it for a record."""
+    """Return a stored traction bound, or None if it is missing or has nan."""
     return None if bound is None or np.isnan(bound).any() else bound
 
 
 def _reason(ended: str) -> Status:
-    """Return why a contact was not solved, according to the status of its history."""
+    """Return the `Status` of an unsolved contact, taken from the status of its history."""
     return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS

@@ -43,7 +43,7 @@ class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """One steady state of rolling contact.
+    """One solved steady state of rolling contact: fields on the mesh, forces and other results.
 
     Fields have the shape (n_x, n_y) of the grid, vectors (2, n_x, n_y) with the x-component first.
     Tractions act on body A; slip is the velocity of A relative to B over the rolling speed.
@@ -212,7 +212,7 @@ class State:
 
     @property
     def at_edge(self) -> tuple[bool, bool]:
-        """Whether the contact reaches the edge of the mesh in x and in y; a line has none in y."""
+        """Whether the contact reaches the edge of the mesh in x and in y (a line: not in y)."""
         touching, is_line = self.touching, self.touching.shape[1] == 1
         return bool(touching[[0, -1]].any()), bool(touching[:, [0, -1]].any()) and not is_line
 
@@ -224,7 +224,7 @@ class State:
         return tuple(map(int, counts))
 
     def on(self, grid: Grid) -> "State":
-        """Return the contact on a wider mesh with its elements, as an initial guess.
+        """Return the contact on a wider mesh with equal elements, as an initial guess of a solve.
 
         Raises
         ------
@@ -257,22 +257,22 @@ class State:
 
     @cached_property
     def utilisation(self) -> np.ndarray:
-        """Traction in the norm of the friction law, ||p_t||_mu, MPa; zero without friction."""
+        """Tangential traction in the norm of the friction law, ||p_t||_mu, MPa, in each element."""
         if self.frame is None:
             return np.zeros_like(self.pressure)
         return np.sqrt((self.frame.to_scaled(self.traction) ** 2).sum(axis=0))
 
     @property
     def bound(self) -> np.ndarray:
-        """Largest `utilisation` that friction allows in each element under its slip, MPa."""
+        """Largest `utilisation` that friction allows in each element, MPa: the traction bound."""
         return self.pressure if self.traction_bound is None else self.traction_bound
 
     def with_cost(self, cost: Cost) -> "State":
-        """Return the contact with another cost."""
+        """Return a copy of the contact with another computational cost."""
         return replace(self, cost=cost)
 
     def with_convolutions(self, number: float) -> "State":
-        """Return the contact with the number of convolutions that its solve took."""
+        """Return a copy of the contact with the number of convolutions of its solve."""
         return replace(self, cost=replace(self.cost, convolutions=number))
 
     @property
@@ -285,12 +285,12 @@ class State:
         return self.traction_bound is not None or (friction is not None and friction.varies)
 
     def with_sliding_by_traction(self) -> "State":
-        """Return the contact with `sliding` set by tractions that reach their bound."""
+        """Return a copy whose `sliding` elements are those with tractions at their bound."""
         margin = self._bound_tolerance * self.pressure.max()
         return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 
     def _integral(self, field: np.ndarray) -> float:
-        """Return the integral of a field over the mesh."""
+        """Return the integral of a field over the mesh (per length for a line contact)."""
         return float(field.sum() * self.grid.element_area)
 
     @cached_property
@@ -431,7 +431,7 @@ class State:
         return self.volumes_of({body: turns.worn(body, entering, leaving) for body in "AB"})
 
     def volumes_of(self, around: Mapping[str, np.ndarray]) -> dict[str, float]:
-        """Return the volume of mean depths around the bodies "A" and "B", shape (n_y,), mm³."""
+        """Return the volumes, mm³, worn off bodies, from the mean depth around each, (n_y,)."""
         volumes = {}
         for body, depth in around.items():
             length = 2.0 * math.pi * abs(getattr(self.scene.body, body).radius_x)

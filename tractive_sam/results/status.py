@@ -5,7 +5,7 @@ from enum import StrEnum
 
 
 class Status(StrEnum):
-    """How a solve ended."""
+    """How a solve ended: converged, or the reason for its failure."""
 
     CONVERGED = "converged"
     OUT_OF_ITERATIONS = "out of iterations"
@@ -44,7 +44,7 @@ class Cost:
         )
 
     def scaled(self, share: float) -> "Cost":
-        """Return the cost in units of a mesh that has 1/``share`` times the elements."""
+        """Return the cost multiplied by a share, such as that of a coarser mesh's elements."""
         return Cost(
             share * self.applications, share * self.preconditioner, share * self.convolutions
         )

@@ -20,12 +20,12 @@ def read_component(field: str, k: int, contact: State) -> np.ndarray:
 
 
 def read_number(name: str, contact: State) -> Any:
-    """Return a value of a contact as a number; 1 and 0 for true and false."""
+    """Return an attribute of a contact as numbers; 1 and 0 for true and false."""
     return 1.0 * getattr(contact, name)
 
 
 def read_heat(name: str, contact: State, none: Any = math.nan) -> Any:
-    """Return an attribute of the `heat` of a contact; `none` without heat."""
+    """Return an attribute of `contact.heat`, or the value `none` without heat."""
     return none if contact.heat is None else getattr(contact.heat, name)
 
 
@@ -99,7 +99,7 @@ HEAT_FIELDS = index_by_name(
 
 
 def storable_fields(scene: Scene) -> dict[str, Quantity]:
-    """Return the functions of x and y that the history of a scene may store, by name."""
+    """Return the fields over x and y that a history of a scene may store, by name."""
     # Slip of a shift, in mm: a shift has no rolling distance to divide by.
     shifted_fields = (
         ("slip_x", "longitudinal slip of A relative to B in the step"),

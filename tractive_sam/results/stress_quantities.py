@@ -10,18 +10,18 @@ from tractive_sam.results.state import State
 
 
 def read_error_bar(name: str, contact: State) -> float:
-    """Return an error bar of a contact by the name of its quantity; nan if there is none."""
+    """Return the error bar of a named quantity of a contact; nan if there is none."""
     return contact.error_bars.get(name, math.nan)
 
 
 def _read_error_bars(name: str, contact: State) -> dict[str, float]:
-    """Return the error bars of both bodies; nan if there are none."""
+    """Return the error bars of a named quantity of both bodies; nan if there are none."""
     bars = contact.error_bars.get(name, {})
     return {body: bars.get(body, math.nan) for body in BODIES}
 
 
 def error_bar_column(of: Quantity) -> Quantity:
-    """Return the column of the error bar of a quantity; nan if there is none."""
+    """Return the column "..._error" that holds the error bar of a quantity."""
     return replace(
         of,
         name=f"{of.name}_error",

@@ -18,7 +18,7 @@ from tractive_sam.schema import required
 
 @dataclass(frozen=True, eq=False)
 class WornProfiles:
-    """Profiles of a wheel and a rail that wear.
+    """Wheel and rail profiles after each wear step, from a history with [wheel] and [wear].
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class WornProfiles:
 
     @classmethod
     def from_history(cls, history: History) -> WornProfiles:
-        """Read worn profiles from the history of a scene with [wheel] and [wear].
+        """Read worn wheel and rail profiles from the history of a scene with [wheel] and [wear].
 
         Raises
         ------
@@ -76,11 +76,11 @@ class WornProfiles:
         return cls(history.scene, history["revolution"], wheel, rail, contact_y)
 
     def wheel(self, step: int = -1) -> Profile:
-        """Return the wheel profile after a step."""
+        """Return the wheel profile after a wear step (default: the last)."""
         return self.new["wheel"].worn(self.wheel_depth[step], 1.0)
 
     def rail(self, step: int = -1) -> Profile:
-        """Return the rail profile after a step, in its own frame."""
+        """Return the rail profile after a wear step (default: the last), in its own frame."""
         return self.new["rail"].worn(self.rail_depth[step], -1.0)
 
     @property
@@ -91,7 +91,7 @@ class WornProfiles:
 
     @property
     def new(self) -> dict[str, Profile]:
-        """New profiles of "wheel" and "rail", in their own frames."""
+        """Unworn profiles of "wheel" and "rail", in their own frames."""
         wheel, rail = required(self.scene.wheel, "wheel"), required(self.scene.rail, "rail")
         return {"wheel": wheel.curve, "rail": rail.unplaced_curve}
 
