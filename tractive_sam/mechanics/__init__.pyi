@@ -2,6 +2,7 @@
 
 from .criteria import CRITERIA as CRITERIA
 from .criteria import VON_MISES as VON_MISES
+from .criteria import Criterion as Criterion
 from .criteria import CycleCriterion as CycleCriterion
 from .criteria import StressCriterion as StressCriterion
 from .elasticity import Elasticity as Elasticity

@@ -9,7 +9,15 @@ from tractive_sam.mechanics.invariants import max_shear
 from tractive_sam.mechanics.law import Law
 
 
-class StressCriterion(Law, ABC):
+class Criterion(Law, ABC):
+    """Criterion for a state of stress or for a stress cycle; see the two classes below."""
+
+    name: str
+    symbol: str
+    long_name: str
+
+
+class StressCriterion(Criterion):
     r"""Equivalent stress: a number from six stress components (xx, yy, zz, xy, xz, yz).
 
     Attributes
@@ -37,9 +45,6 @@ class StressCriterion(Law, ABC):
     True
     """
 
-    name: str
-    symbol: str
-    long_name: str
     unit: str = "MPa"
 
     @abstractmethod
@@ -58,7 +63,7 @@ class StressCriterion(Law, ABC):
         """
 
 
-class CycleCriterion(Law, ABC):
+class CycleCriterion(Criterion):
     """Criterion of a stress cycle: an equivalent amplitude, compared with a limit of the material.
 
     Attributes
@@ -87,9 +92,7 @@ class CycleCriterion(Law, ABC):
     True
     """
 
-    name: str
-    symbol: str = r"\tau_\mathrm{eq}"
-    long_name: str
+    symbol = r"\tau_\mathrm{eq}"
     path_error = 1e-3
 
     @abstractmethod

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from tractive_sam.mechanics import CycleCriterion, StressCriterion
+from tractive_sam.mechanics import Criterion
 
 Point = tuple[float, float, float]
 """(x, y, depth), mm."""
@@ -33,7 +33,7 @@ class Maximum:
     True
     """
 
-    criterion: StressCriterion | CycleCriterion | None
+    criterion: Criterion | None
     value: float
     at: Point
     interior: float

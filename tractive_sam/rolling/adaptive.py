@@ -40,6 +40,7 @@ from tractive_sam.rolling.passage import Passage, ProfilePoint, attribute_wear, 
 from tractive_sam.rolling.process import Process
 from tractive_sam.rolling.response import block_responses, mean_wear_response
 from tractive_sam.scene import Schedule
+from tractive_sam.schema import required
 
 ALLOWED, POWER = 42.0, 1.3
 """Correction of a profile that a tolerance allows, over its depth: ALLOWED tolerance^POWER.
@@ -92,14 +93,15 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
     # While the rows in contact wear down, the bodies approach each other at the next rows.
     closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
     responses = block_responses(model, last, closing)
-    response = sum(w * block for w, block in zip(last.weights, responses, strict=True))
+    each = zip(last.weights, responses, strict=True)
+    response = np.sum([weight * block for weight, block in each], axis=0)
     fastest = np.abs(np.diag(response)).max()
     settled = int(SETTLED / max(fastest, 1e-12))
     step = control.first(last.revolution, last.jump, settled)
     solves = 0
     while True:
         jump = _roll if step.length == 1 else jump_on
-        end, error = jump(model, last, step.length, response)
+        end, error = jump(model, last, int(step.length), response)
         solves += end.solves
         end = attribute_wear(last, end)
         if control.accepts(error) or step.length == 1:
@@ -109,7 +111,7 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
         if control.accepts(error) or step.length == 1 or is_outgrown:
             if not end.observed:  # the contact has left the mesh
                 end = process.observe(end, last)
-            return replace(end, solves=solves, jump=control.next(step, error))
+            return replace(end, solves=solves, jump=int(control.next(step, error)))
         step = control.shorter(step, error)
 
 
@@ -208,7 +210,7 @@ class _TwoStepFormula:
 
 def _lag(model: Model) -> float:
     """Return the residual that the wear within a pass may leave."""
-    return max(model.scene.wear.tolerance, model.scene.solver.tolerance)
+    return max(required(model.scene.wear, "wear").tolerance, model.scene.solver.tolerance)
 
 
 def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
@@ -216,7 +218,7 @@ def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarr
     # Correction of the profile, over its depth, that no tolerance allows: from further away one
     # Newton step does not reach the profile, and longer jumps cost more contacts than they save.
     largest = 0.02
-    allowed = min(ALLOWED * model.scene.wear.tolerance**POWER, largest)
+    allowed = min(ALLOWED * required(model.scene.wear, "wear").tolerance ** POWER, largest)
     return float(np.abs(correction).max() / max(profile.max(), 1e-300) / allowed)
 
 

@@ -143,11 +143,12 @@ def _per_pass(
 ) -> np.ndarray:
     """Return the damage (n_y, m) of a pass at depths, from several blocks by their shares."""
     each = zip(shares, used, strict=True)
-    return sum(
+    parts = [
         share * life.damage(interpolate_over_depth(depth, block, at))
         for share, block in each
         if share
-    )
+    ]
+    return np.sum(parts, axis=0)
 
 
 def widen_rows(values: np.ndarray, elements: int) -> np.ndarray:
@@ -169,14 +170,22 @@ def material_depths(depth: np.ndarray, fine: float) -> np.ndarray:
 
 def widen_body(damage: BodyDamage, y: np.ndarray) -> BodyDamage:
     """Return the damage on a mesh with more rows; the new rows are undamaged."""
-    names = ("damage", "utilisation")
-    wider = {name: widen_rows(getattr(damage.fatigue, name), y.size) for name in names}
-    fatigue = replace(damage.fatigue, y=y, worn=widen_field(damage.fatigue.worn, y.shape), **wider)
-    wider = {
-        name: widen_rows(getattr(damage, name), y.size)
-        for name in ("utilisation", "utilisation_before", "error")
-    }
-    return replace(damage, fatigue=fatigue, rate=widen_field(damage.rate, y.shape), **wider)
+    fatigue = damage.fatigue
+    fatigue = replace(
+        fatigue,
+        y=y,
+        worn=widen_field(fatigue.worn, y.shape),
+        damage=widen_rows(fatigue.damage, y.size),
+        utilisation=widen_rows(fatigue.utilisation, y.size),
+    )
+    return replace(
+        damage,
+        fatigue=fatigue,
+        rate=widen_field(damage.rate, y.shape),
+        utilisation=widen_rows(damage.utilisation, y.size),
+        utilisation_before=widen_rows(damage.utilisation_before, y.size),
+        error=widen_rows(damage.error, y.size),
+    )
 
 
 def after_jump(

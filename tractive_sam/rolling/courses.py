@@ -6,6 +6,7 @@ from math import ceil
 from typing import Any
 
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 PARTS = 10
 """Default number of steps of a stretch of shifts."""
@@ -24,7 +25,7 @@ class Courses:
     """
 
     def __init__(self, scene: Scene):
-        self.scene, self.table = scene, scene.transient
+        self.scene, self.table = scene, required(scene.transient, "transient")
         self.knots = self.table.distance
         self.rolls = self.table.rolls
         load, creepage = scene.load, scene.creepage
@@ -36,7 +37,7 @@ class Courses:
             "creepage.longitudinal": creepage.longitudinal,
             "creepage.lateral": creepage.lateral,
             "creepage.spin": creepage.spin,
-            "friction.mu": scene.friction.mu[0],
+            "friction.mu": required(scene.friction, "friction").mu[0],
         }
         self._courses = self.table.courses
         self._constant = {k: v for k, v in constant.items() if k not in self._courses}
@@ -76,19 +77,21 @@ class Courses:
             if not (self.rolls and key.startswith("creepage."))
         )
 
-    def jump(self, stretch: int) -> tuple[float, ...]:
+    def jump(self, stretch: int) -> tuple[float, float, float]:
         """Return the change of the three shifts over a stretch."""
         none = (0.0,) * len(self.knots)
         courses = (self._courses.get(key, none) for key in CREEPAGES)
-        return tuple(values[stretch + 1] - values[stretch] for values in courses)
+        x, y, turn = (values[stretch + 1] - values[stretch] for values in courses)
+        return x, y, turn
 
     def friction_factor(self, inputs: Mapping[str, float | None]) -> float:
         """Return the factor on the coefficients of friction in prescribed quantities."""
-        return inputs["friction.mu"] / self.scene.friction.mu[0]
+        mu = required(inputs["friction.mu"], "friction.mu")
+        return mu / required(self.scene.friction, "friction").mu[0]
 
     def scene_at(self, inputs: Mapping[str, float | None]) -> Scene:
         """Return the steady scene with the quantities prescribed at a moment."""
-        scene, friction = self.scene, self.scene.friction
+        scene, friction = self.scene, required(self.scene.friction, "friction")
         factor = self.friction_factor(inputs)
         changes: dict[str, Any] = {"transient": None, "wear": None}
         for key in friction.entries().keys() & {"mu", "static", "kinetic"}:
@@ -114,8 +117,8 @@ def expected_steps(scene: Scene, dx: float) -> int:
         if first == end:
             count += courses.shifted(stretch)
             continue
-        step = scene.transient.step or (dx if courses.rolls else (end - first) / PARTS)
+        step = courses.table.step or (dx if courses.rolls else (end - first) / PARTS)
         count += ceil((end - first) / step - CLOSE)
-        saved = ((s - first) / step for s in scene.transient.save if first < s < end)
+        saved = ((s - first) / step for s in courses.table.save if first < s < end)
         count += sum(abs(place - round(place)) > CLOSE for place in saved)  # between two steps
     return count

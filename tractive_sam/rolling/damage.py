@@ -33,6 +33,7 @@ from tractive_sam.rolling.observer import Observer
 from tractive_sam.rolling.passage import Passage
 from tractive_sam.rolling.process import StoredStep
 from tractive_sam.scene import FatigueVolume
+from tractive_sam.schema import required
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
 
 
@@ -59,12 +60,12 @@ class Damage(Observer):
 
     def describe(self, model: Model) -> Iterator[Row]:
         """Return the rows that `explain` prints for it (`Observer.describe`)."""
-        laws, table = model.laws, model.scene.fatigue
+        laws, table = model.laws, required(model.scene.fatigue, "fatigue")
         yield Row("records", "all; fields over (y, depth) with the stored fields")
         if table.limit is None:
             return
-        yield Row("criterion", laws.fatigue.long_name)
-        if laws.volume is not None:
+        yield Row("criterion", required(laws.fatigue, "fatigue.criterion").long_name)
+        if table.volume is not None and laws.volume is not None:
             yield Row("volume", _describe_volume(table.volume, laws.volume))
         if len(model.blocks) > 1:
             rule = "by Miner's rule, in any order (damage_error estimates its effect)"
@@ -112,7 +113,8 @@ class Damage(Observer):
         This is the error of the largest damage by the last jump.
         """
         largest = max(damage.missed for damage in self.bodies.values())
-        return largest / (self.share_of_jump * model.scene.fatigue.tolerance)
+        tolerance = required(model.scene.fatigue, "fatigue").tolerance
+        return largest / (self.share_of_jump * tolerance)
 
     def remark(self, model: Model) -> str:
         """Return an addition to the message of a history; it begins with a semicolon.
@@ -166,10 +168,11 @@ class Damage(Observer):
             }
         if "fatigue_life" in columns and bars["utilisation"] is not None:
             columns["fatigue_life_error"] = life_error_bars(
-                columns, bars["utilisation"], model.laws.life
+                columns, bars["utilisation"], required(model.laws.life, "fatigue.limit")
             )
         if "stressed_volume" in columns and bars["stressed_volume"] is not None:
-            volume = volume_error_bars(columns, bars["stressed_volume"], model.laws.volume)
+            law = required(model.laws.volume, "fatigue.volume")
+            volume = volume_error_bars(columns, bars["stressed_volume"], law)
             columns |= {f"{name}_error": values for name, values in volume.items()}
         return columns
 
@@ -188,8 +191,9 @@ class Damage(Observer):
         initiation = dict(zip(BODIES, by_body, strict=True))
         earlier = int(history["revolution"][max(row - 1, 0)])
         scene, grid = passage.contact.scene, passage.grid
-        bodies, k = {}, scene.fatigue.shear_yield_stress
-        for body in scene.fatigue.bodies:
+        table = required(scene.fatigue, "fatigue")
+        bodies, k = dict[str, BodyDamage](), table.shear_yield_stress
+        for body in table.bodies:
             depth, zeta = (state[f"{name}_{body}"] for name in ("depth", "zeta"))
             damage, error, used, before = (
                 widen_rows(state[f"{name}_{body}"], grid.elements[1])

@@ -11,7 +11,8 @@ from tractive_sam.contact import Model
 from tractive_sam.mechanics import VolumeLife, Woehler
 from tractive_sam.results import BodyFatigue
 from tractive_sam.rolling.body_damage import BodyDamage
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Fatigue, Scene
+from tractive_sam.schema import required
 
 AT_TOP = 0.9
 """`VolumeLife.surface_density_ratio` above which the life of a volume depends on the mesh."""
@@ -64,7 +65,7 @@ def _volume_columns(
     bodies: Mapping[str, BodyDamage], model: Model, law: VolumeLife
 ) -> dict[str, Any]:
     """Return the columns of the life of a volume; lives of several blocks add by Miner's rule."""
-    survival = model.scene.fatigue.volume.survival
+    survival = required(_table(model.scene).volume, "fatigue.volume").survival
     columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}}
     for body, part in bodies.items():
         volumes = [
@@ -83,7 +84,8 @@ def stressed_volume(cycle: BodyFatigue, scene: Scene, law: VolumeLife) -> float:
     """Return the integral of stress over the volume of a body; if flat, over 1 mm of track."""
     radius = getattr(scene.body, cycle.body).radius_x
     around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
-    return law.volume(cycle.y, cycle.depth, cycle.utilisation * scene.fatigue.limit, around)
+    limit = required(_table(scene).limit, "fatigue.limit")
+    return law.volume(cycle.y, cycle.depth, cycle.utilisation * limit, around)
 
 
 def volume_error_bars(
@@ -133,7 +135,7 @@ def surface_density_ratios(
     bodies: Mapping[str, BodyDamage], model: Model, law: VolumeLife
 ) -> dict[str, float]:
     """Return `VolumeLife.surface_density_ratio` of each body, the largest of all blocks."""
-    limit = model.scene.fatigue.limit
+    limit = required(_table(model.scene).limit, "fatigue.limit")
     return {
         body: max(
             law.surface_density_ratio(damage.fatigue.depth, used * limit)
@@ -141,3 +143,8 @@ def surface_density_ratios(
         )
         for body, damage in bodies.items()
     }
+
+
+def _table(scene: Scene) -> Fatigue:
+    """Return the table [fatigue] of a scene."""
+    return required(scene.fatigue, "fatigue")

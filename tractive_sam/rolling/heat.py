@@ -18,6 +18,7 @@ from tractive_sam.contact import Model, StepResult, divide_heat
 from tractive_sam.operators import HeatMemory
 from tractive_sam.results import BODIES, FlashTemperature, Grid, State, widen_field
 from tractive_sam.rolling.observer import Observer
+from tractive_sam.schema import required
 
 
 @lru_cache(maxsize=4)
@@ -81,7 +82,7 @@ class TransientHeat(Observer):
         # Equal steps differ by rounding; their operators are made once.
         time = float(f"{step.result.distance / speed:.10g}")
         carried = _per_body(memories, lambda memory, past: memory.step(past, time), adopted.past)
-        bulks = model.scene.heat.bulks
+        bulks = required(model.scene.heat, "heat").bulks
         before = {body: bulks[body] + memory.temperature for body, memory in carried.items()}
         heat = divide_heat(model, contact, _friction_heat(step.result) / time, before, time)
         past = _per_body(carried, lambda memory, flux: memory.after(flux), heat.flux)
@@ -90,10 +91,10 @@ class TransientHeat(Observer):
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
         """Return the heat after a shift: its heat appears at once."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
-        total = _friction_heat(result)
+        total, before = _friction_heat(result), required(self.heat, "heat").temperature
         warmth = {
-            body: widen_field(self.heat.temperature[body], none.shape, bulk)
-            for body, bulk in model.scene.heat.bulks.items()
+            body: widen_field(before[body], none.shape, bulk)
+            for body, bulk in required(model.scene.heat, "heat").bulks.items()
         }
         heat = FlashTemperature(contact.grid, contact.touching, warmth, dict.fromkeys(BODIES, none))
         past = {
@@ -135,7 +136,7 @@ class TransientHeat(Observer):
 
 def _first_temperatures(contact: State, model: Model) -> FlashTemperature:
     """Return the temperatures of bodies that were just pressed together."""
-    none, bulk = np.zeros(contact.grid.elements), model.scene.heat.bulks
+    none, bulk = np.zeros(contact.grid.elements), required(model.scene.heat, "heat").bulks
     share = _shares_of_instant_heat(model)
     difference = contact.touching * (bulk["B"] - bulk["A"])
     warmth = {"A": bulk["A"] + share["B"] * difference, "B": bulk["B"] - share["A"] * difference}

@@ -83,7 +83,7 @@ class Moment(Step):
             )
             before = StepResult(earlier)
         none, depths = np.zeros((2, *contact.grid.elements)), {}
-        worn = {"friction": float(np.nansum(history["step_friction"][: row + 1]))}
+        worn: dict[str, Any] = {"friction": float(np.nansum(history["step_friction"][: row + 1]))}
         if "step_worn" in history.columns:
             depths = {name: state[name] for name in ("worn", "gained")}
             worn |= {"volumes": history["worn_volume"][row], "deepest": history["wear_max"][row]}

@@ -7,6 +7,7 @@ enters.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -98,7 +99,7 @@ class Passage(Step):
     @property
     def rolled(self) -> int | None:
         """Block of this revolution; None if it is the mean of a cycle."""
-        (blocks,) = np.nonzero(self.weights)
+        (blocks,) = np.nonzero(np.array(self.weights))
         return int(blocks[0]) if blocks.size == 1 else None
 
     @property
@@ -216,7 +217,7 @@ class Passage(Step):
 
     def _entering_of(self, body: str) -> np.ndarray:
         """Return the depth of one body before the contact, shape (n_y,), mm; needs parts."""
-        return self._initial_depth(body) + self.parts[:, "AB".index(body)].sum(axis=0)
+        return self._initial_depth(body) + self.worn_parts[:, "AB".index(body)].sum(axis=0)
 
     def worn_depths(self, body: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the depths (n_y,) worn off one body before and in this revolution, mm."""
@@ -254,7 +255,7 @@ def _weighted_mean(weights: Sequence[float], values) -> np.ndarray:
     return sum(w * value for w, value in zip(weights, values, strict=True) if w)
 
 
-def _pad_rows(values, more: int, mode: str):
+def _pad_rows(values: Any, more: int, mode: Literal["constant", "edge"]) -> Any:
     """Return values over y with more elements on both sides; numbers stay numbers."""
     if not isinstance(values, np.ndarray):
         return values
@@ -291,7 +292,7 @@ def _from_model(model: Model, contacts: tuple[State, ...], rolled: int | None = 
     `rolled` is the only block of the revolution, if there is one.
     """
     turns = tuple(_lasting_part(*pair) for pair in zip(model.blocks, contacts, strict=True))
-    values = {"turns": turns, "began": model.began, "weights": model.weights}
+    values: dict[str, Any] = {"turns": turns, "began": model.began, "weights": model.weights}
     if rolled is not None:
         values["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
     shares = [share for turn in turns for share in turn.share.values()]

@@ -35,6 +35,7 @@ from tractive_sam.results import (
 )
 from tractive_sam.rolling.observer import Observer
 from tractive_sam.scene import Scene, block_label
+from tractive_sam.schema import required
 
 GROWTHS = 16
 """Largest number of enlargements of a mesh: to 35 times its width."""
@@ -456,7 +457,7 @@ class Process(ABC, Generic[AnyStep]):
             Additions to every record.
         """
         record = self._record_contact(step, step.record(), recorder)
-        observed = {}
+        observed: dict[str, Any] = {}
         for observer in self._recording(step):
             values = observer.record(self.model, record.values)
             observed |= {name: values[name] for name in values if name in record.columns}
@@ -533,5 +534,5 @@ class Process(ABC, Generic[AnyStep]):
         place = scene.schedule.message_start.format(step.place)
         if step.converged or len(step.contacts) == 1:
             return place
-        block = scene.spectrum.places.index(step.contacts.index(step.contact))
+        block = required(scene.spectrum, "duty").places.index(step.contacts.index(step.contact))
         return f"{place}{block_label(scene, block)}: "

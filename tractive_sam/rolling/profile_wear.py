@@ -23,7 +23,7 @@ from tractive_sam.rolling.profile_step import Depths, PatchWear, PositionWear, i
 from tractive_sam.rolling.response import wear_response
 from tractive_sam.rolling.wheel_rail import WHEEL_COLUMNS, describe_patch
 from tractive_sam.scene import Scene, WheelRail
-from tractive_sam.schema import Fault, SceneError
+from tractive_sam.schema import Fault, SceneError, required
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,10 +69,9 @@ class WornStep(Step):
         if not lengths or not all(position.contact.converged for position in positions):
             return cls(revolution, depths, positions, mesh, depths, 0)
         longest = lengths[0] if schedule.adaptive or schedule.fixed else 1
-        deepest = scene.wear.largest_step if schedule.adaptive else np.inf
+        deepest = required(scene.wear, "wear").largest_step if schedule.adaptive else np.inf
         worn = [(position.share, patch) for position in positions for patch in position.worn]
-        nodes = scene.wheel.curve.s, scene.rail.unplaced_curve.s
-        change, jump = implicit_step(worn, nodes, int(longest), deepest)
+        change, jump = implicit_step(worn, _nodes(scene), int(longest), deepest)
         return cls(revolution, depths, positions, mesh, change, jump)
 
     def __post_init__(self) -> None:
@@ -175,7 +174,8 @@ class ProfileWear(Process[WornStep]):
         """Return the columns of both bodies and of the step."""
         scene = self.model.scene
         sections = [np.trapezoid(d, s) for d, s in zip(step.depths, self._nodes, strict=True)]
-        around = 2.0 * np.pi * (scene.wheel.radius + scene.wheel.curve.points[:, 1])
+        wheel = required(scene.wheel, "wheel")
+        around = 2.0 * np.pi * (wheel.radius + wheel.curve.points[:, 1])
         volume = float(np.trapezoid(around * step.depths[0], self._nodes[0]))
         return {
             "revolution": step.revolution,
@@ -219,22 +219,24 @@ class ProfileWear(Process[WornStep]):
         schedule = scene.schedule
         if not schedule.adaptive:
             return 1 + int(len(schedule.stops) if schedule.fixed else schedule.end)
-        per_work = scene.friction and scene.wear.per_work(scene.friction.mu)
+        wear = required(scene.wear, "wear")
+        per_work = scene.friction and wear.per_work(scene.friction.mu)
         if not per_work:
             return 50
         depth = 0.0
         for share, local in _positions(scene):
-            patch, motion = local.wheel_rail.patches[0], local.creepage
+            patch, motion = required(local.wheel_rail, "wheel").patches[0], local.creepage
+            load = required(local.load.normal, "load.normal")
+            mu = required(local.friction, "friction").mu[0]
             width = 2.0 * patch.half_length[1]
             slip = abs(motion.spin) * width / 4.0 + np.hypot(motion.longitudinal, motion.lateral)
-            depth += share * max(per_work) * local.friction.mu[0] * local.load.normal * slip / width
-        return 1 + int(np.ceil(0.5 * depth * schedule.end / scene.wear.largest_step))
+            depth += share * max(per_work) * mu * load * slip / width
+        return 1 + int(np.ceil(0.5 * depth * schedule.end / wear.largest_step))
 
     @property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
         """Arc lengths of the nodes of both new profiles, mm."""
-        scene = self.model.scene
-        return scene.wheel.curve.s, scene.rail.unplaced_curve.s
+        return _nodes(self.model.scene)
 
     def _step(self, revolution: int, depths: Depths, starts: Mapping[int, State]) -> WornStep:
         """Return the step with worn profiles.
@@ -245,7 +247,8 @@ class ProfileWear(Process[WornStep]):
             If the worn profiles have no contact.
         """
         scene = self.model.scene
-        wheel, rail = scene.wheel.curve.worn(depths[0], 1.0), scene.rail.curve.worn(depths[1], -1.0)
+        wheel = required(scene.wheel, "wheel").curve.worn(depths[0], 1.0)
+        rail = required(scene.rail, "rail").curve.worn(depths[1], -1.0)
         try:
             positions = tuple(
                 self._position(share, local, (wheel, rail), starts.get(k))
@@ -263,7 +266,8 @@ class ProfileWear(Process[WornStep]):
         if start is not None and _still_fits(start.grid, model.grid):
             model = model.on(start.grid)
         model, contacts = solve_patches_on_fitted_mesh(model, start, self.load_tolerance)
-        pairs = [*zip(contacts, model.wheel_rail.patches, strict=True)]
+        patches = required(model.wheel_rail, "wheel").patches
+        pairs = [*zip(contacts, patches, strict=True)]
         touching = [(state, patch) for state, patch in pairs if state.touching.any()] or pairs[:1]
         contact, patch = max(touching, key=lambda pair: (not pair[0].converged, pair[0].P))
         if not contact.converged:
@@ -282,18 +286,19 @@ class ProfileWear(Process[WornStep]):
     @property
     def _passes(self) -> np.ndarray:
         """Passes of wheel and rail through the contact per revolution, shape (2, 1)."""
-        return np.array([[1.0], [self.model.scene.rail.passes_per_revolution]])
+        return np.array([[1.0], [required(self.model.scene.rail, "rail").passes_per_revolution]])
 
     def _wear_of_patch(self, model: Model, contact: State, wheel: Profile) -> PatchWear:
         """Return the wear of a patch."""
-        law, patch, y = wear_law_at(model, contact), model.patch, contact.grid.y
+        law, y = required(wear_law_at(model, contact), "wear"), contact.grid.y
+        patch = required(model.patch, "wheel")
         rates = law.rates(
             model.scene.wear_share, contact.pressure, contact.traction, contact.slip
         ).sum(axis=1)
-        new = self.model.scene.wheel.curve.s, self.model.scene.rail.curve.s
+        new_wheel, new_rail = self._nodes
         places = (
-            np.interp(patch.wheel_profile(y)[1], wheel.s, new[0]),
-            np.interp(patch.rail_profile(y)[1], patch.rail.s, new[1]),
+            np.interp(patch.wheel_profile(y)[1], wheel.s, new_wheel),
+            np.interp(patch.rail_profile(y)[1], patch.rail.s, new_rail),
         )
         rates = rates * self._passes * contact.grid.dx
         return PatchWear(rates, wear_response(model, contact), np.stack(places))
@@ -308,6 +313,12 @@ def _still_fits(before: Grid, chosen: Grid, least: float = 0.7, most: float = 1.
     pairs = zip(chosen.half_length, before.half_length, strict=True)
     alike = before.elements == chosen.elements
     return alike and all(least <= new / old <= most for new, old in pairs)
+
+
+def _nodes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Return the arc lengths of the nodes of both new profiles, mm."""
+    wheel, rail = required(scene.wheel, "wheel"), required(scene.rail, "rail")
+    return wheel.curve.s, rail.unplaced_curve.s
 
 
 def _positions(scene: Scene) -> list[tuple[float, Scene]]:

@@ -6,6 +6,7 @@ from tractive_sam.contact import Model, wear_law_at
 from tractive_sam.operators import row_compliance
 from tractive_sam.results import State
 from tractive_sam.rolling.passage import Passage
+from tractive_sam.schema import required
 
 
 def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
@@ -23,7 +24,7 @@ def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> 
         See `wear_response`.
     """
     each = zip(passage.weights, block_responses(model, passage, closing), strict=True)
-    return sum(weight * response for weight, response in each)
+    return np.sum([weight * response for weight, response in each], axis=0)
 
 
 def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
@@ -84,7 +85,8 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
     """Return the depth worn by each row per MPa summed over it, mm; constant beyond the rim."""
     count = contact.touching.sum(axis=0)
-    rate = wear_law_at(model, contact).per_load(contact.pressure, contact.traction, contact.slip)
+    law = required(wear_law_at(model, contact), "wear")
+    rate = law.per_load(contact.pressure, contact.traction, contact.slip)
     per_pressure = rate.sum(axis=0)
     inside = np.flatnonzero(count)
     values = model.grid.dx * per_pressure[inside] / count[inside]

@@ -28,6 +28,7 @@ from tractive_sam.rolling.passage import (
 )
 from tractive_sam.rolling.process import Process, Recorder, StoredStep
 from tractive_sam.scene import Scene, Spectrum
+from tractive_sam.schema import required
 
 
 class Revolutions(Process[Passage]):
@@ -71,7 +72,8 @@ class Revolutions(Process[Passage]):
         # Jumps first double, then grow in proportion to the revolutions rolled, more slowly the
         # longer they are; slightly with the tolerance. From 10 to 50,000 revolutions of discs of
         # several crowns, runs have .5 to 1.8 times as many records.
-        jumps = 1 + 0.62 * np.log1p(end) ** 2 * max(1.0, (1e-3 / scene.wear.tolerance) ** 0.3)
+        tolerance = required(scene.wear, "wear").tolerance
+        jumps = 1 + 0.62 * np.log1p(end) ** 2 * max(1.0, (1e-3 / tolerance) ** 0.3)
         return 1 + min(end, round(jumps))
 
     @classmethod
@@ -119,7 +121,7 @@ class DutyCycle(Revolutions):
     @property
     def spectrum(self) -> Spectrum:
         """Load spectrum: the blocks of the duty cycle, with equal blocks merged."""
-        return self.model.scene.spectrum
+        return required(self.model.scene.spectrum, "duty")
 
     def state(self, step: Passage) -> dict[str, np.ndarray]:
         """Return all arrays to continue from after a step, by name.
@@ -163,7 +165,7 @@ class DutyCycle(Revolutions):
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
         """Return the stored contacts, one for each different block: equal blocks share one."""
-        spectrum = scene.spectrum
+        spectrum = required(scene.spectrum, "duty")
         return tuple(
             stored.contact(scene, spectrum.places.index(k))
             for k, scene in enumerate(spectrum.scenes)
@@ -175,7 +177,8 @@ class DutyCycle(Revolutions):
 
         Equal blocks are combined.
         """
-        parts, spectrum = stored.history[PARTS.name][stored.row], scene.spectrum
+        parts = stored.history[PARTS.name][stored.row]
+        spectrum = required(scene.spectrum, "duty")
         combined = np.zeros((blocks, *parts.shape[1:]))
         np.add.at(combined, list(spectrum.places), parts)
         restored = {"parts": combined, "weights": (1.0,) * blocks}

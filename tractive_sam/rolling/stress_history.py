@@ -20,6 +20,7 @@ from tractive_sam.results import BodyFatigue, State, widen_field
 from tractive_sam.rolling.courses import expected_steps
 from tractive_sam.rolling.fatigue_columns import cycle_columns, shakedown_remark
 from tractive_sam.rolling.observer import Observer
+from tractive_sam.schema import required
 from tractive_sam.subsurface import Course, course_fatigue, cycle_depths
 
 Fields = tuple[np.ndarray, ...]
@@ -68,7 +69,8 @@ class StressHistory(Observer):
         """
         scene, elements = model.scene, math.prod(model.grid.elements)
         steps = expected_steps(scene, model.grid.dx)
-        layers = 2 * 6 * 2 * len(scene.fatigue.bodies)  # twice as long as the mesh
+        bodies = required(scene.fatigue, "fatigue").bodies
+        layers = 2 * 6 * 2 * len(bodies)  # twice as long as the mesh
         return 8.0 * steps * elements * (2 * 4 + layers)
 
     def begin(self, step: Any, model: Model) -> "StressHistory":
@@ -155,12 +157,13 @@ class StressHistory(Observer):
         contact, model = self._contact, self.model
         if model is None:
             return {}
-        table, rolls = model.scene.transient, model.scene.schedule.rolls
+        table = required(model.scene.transient, "transient")
+        rolls = model.scene.schedule.rolls
         contacts = []
         for load in self.loads:
             pressure, x, y, sliding = (widen_field(field, contact.grid.elements) for field in load)
-            fields = {"pressure": pressure, "traction": np.stack((x, y)), "sliding": sliding > 0.0}
-            contacts.append(replace(contact, **fields))
+            loaded = replace(contact, pressure=pressure, traction=np.stack((x, y)))
+            contacts.append(replace(loaded, sliding=sliding > 0.0))
         places = np.array(self.places) if rolls else np.zeros(len(self.places))
         steady = table.start == "steady" and self.places[0] == table.distance[0]
         course = Course(contacts, places, model.laws, rolls, steady)
@@ -179,7 +182,7 @@ def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
 
 def _cycle_start(model: Model) -> float:
     """Return the distance at which the cycle begins."""
-    table = model.scene.transient
+    table = required(model.scene.transient, "transient")
     return table.distance[0] if table.cycle_start is None else table.cycle_start
 
 

@@ -31,6 +31,7 @@ from tractive_sam.rolling.moment import Moment
 from tractive_sam.rolling.process import Process, StoredStep
 from tractive_sam.rolling.stress_history import StressHistory
 from tractive_sam.scene import FewestElements, Scene
+from tractive_sam.schema import required
 
 
 class TransientProcess(Process[Moment]):
@@ -246,11 +247,11 @@ class TransientProcess(Process[Moment]):
         begin, end = courses.at(last.distance, stretch), courses.at(at, stretch)
         length = at - last.distance
         share = 0.5 if courses.rolls else 1.0
-        creepages = tuple(
-            share * (begin[key] + end[key]) if courses.rolls else end[key] - begin[key]
-            for key in CREEPAGES
+        xi_x, xi_y, spin = (
+            share * (final + first) if courses.rolls else final - first
+            for first, final in zip(_creepages(begin), _creepages(end), strict=True)
         )
-        inputs = self._input(length if courses.rolls else 0.0, end, creepages, at, begin)
+        inputs = self._input(length if courses.rolls else 0.0, end, (xi_x, xi_y, spin), at, begin)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
         earlier = last.before
         if beyond is not None:
@@ -259,8 +260,8 @@ class TransientProcess(Process[Moment]):
         moment = self._moment(last, result, at, stretch, length)
         error = 0.0
         # An extrapolation from before a knot gives no error beyond it.
-        judged = control is not None and last.wish > 0.0
-        if judged and ratio > 0.0 and moment.contact.converged:
+        judged = control is not None and last.wish > 0.0 and ratio > 0.0
+        if judged and last.before is not None and moment.contact.converged:
             traction, before = moment.contact.traction, last.before.contact.traction
             expected = contact.traction + ratio * (contact.traction - before)
             missed, size = np.linalg.norm(traction - expected), np.linalg.norm(traction)
@@ -298,3 +299,9 @@ class TransientProcess(Process[Moment]):
             volumes=last.volumes + gained * contact.grid.element_area,
             deepest=max(last.deepest, float(contact.wear.max())),
         )
+
+
+def _creepages(inputs: Mapping[str, float | None]) -> tuple[float, float, float]:
+    """Return the creepages, or shifts, in prescribed quantities."""
+    longitudinal, lateral, spin = (required(inputs[key], key) for key in CREEPAGES)
+    return longitudinal, lateral, spin

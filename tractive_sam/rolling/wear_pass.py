@@ -6,6 +6,7 @@ import numpy as np
 
 from tractive_sam.contact import Model, equilibrium, wear_conditions, wear_law_at
 from tractive_sam.results import Cost, State, Status
+from tractive_sam.schema import required
 
 
 def solve_pass(
@@ -24,7 +25,7 @@ def solve_pass(
     conditions hold with it; since a pass wears a thousandth of the approach, each correction gains
     three digits.
     """
-    law, dx = model.wear_law, model.grid.dx
+    law, dx = required(model.wear_law, "wear"), model.grid.dx
 
     def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         return law.depth(entering, pressure, traction, slip, dx)
@@ -42,7 +43,7 @@ def solve_pass(
         contact = replace(equilibrium(model, wear, contact, sharp), revolution=revolution)
         solves += 1
         cost = cost + contact.cost
-        law = wear_law_at(model, contact)
+        law = required(wear_law_at(model, contact), "wear")
         corrected = depth(contact.pressure, contact.traction, contact.slip)
         missed = _residual(model, contact, corrected - wear)
         contact = _with_lag(replace(contact, wear=corrected), missed)
@@ -62,7 +63,7 @@ def solve_pass(
 
 def _key_of_wear(model: Model) -> str:
     """Return the key by which the scene sets the amount of wear."""
-    wear = model.scene.wear
+    wear = required(model.scene.wear, "wear")
     if not wear.together or wear.named_law:
         return "law"
     return "intensity" if wear.coefficient is None else "coefficient"

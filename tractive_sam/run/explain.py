@@ -218,7 +218,7 @@ def seconds_per_application(model: Model, max_elements: int = 2**18, enough: flo
     shape = timed_shape(model.grid.elements, max_elements)
     operators = operators.on(operators.lattice.with_shape(shape))
     operator = {1: operators.normal, 2: operators.slip}.get(fields) or operators.coupled
-    values, times = np.ones(operator.shape), []
+    values, times = np.ones(operator.shape), list[float]()
     operator(values)
     while len(times) < 3 or (sum(times) < enough and len(times) < 100):
         began = process_time()

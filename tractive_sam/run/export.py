@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.mechanics import CRITERIA
 from tractive_sam.results import Grid, History, State
-from tractive_sam.scene import Subsurface
+from tractive_sam.scene import Plane, Subsurface
 from tractive_sam.store import Image, check_volume, write_surface, write_volume
 from tractive_sam.subsurface import stress_volume
 
@@ -125,7 +125,7 @@ def export_surface(
     check_volume(path, overwrite)
     if isinstance(source, History):
         steps = source.saved
-        states = map(source.state, steps.tolist())
+        states: Iterator[State] = map(source.state, steps.tolist())
     else:
         steps, states = np.zeros(1), iter([source])
     if not steps.size:
@@ -156,7 +156,7 @@ def _surface_fields(state: State) -> dict[str, np.ndarray]:
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
     """Return equally spaced depths from 0, mm."""
     # Depth and points for a scene without [subsurface].
-    default = Subsurface(planes=("y=0",))
+    default = Subsurface(planes=(Plane("y", 0.0),))
     settings = source.scene.subsurface or default
     depth = settings.depth if depth is None else depth
     elements = settings.elements if elements is None else elements

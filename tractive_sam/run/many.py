@@ -30,11 +30,14 @@ from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, shorten
 
+Values = Mapping[str | tuple[str, ...], Sequence[Any]] | Mapping[str, Sequence[Any]]
+"""Lists of values of keys of a scene, or rows of values of several keys together."""
+
 
 @single_blas_thread()
 def solve_many(
     scene: Scene,
-    over: Mapping[str | tuple[str, ...], Sequence[Any]] | Mapping[str, Sequence[Any]],
+    over: Values,
     *,
     jacobian: bool = False,
 ) -> "xarray.Dataset":
@@ -183,7 +186,7 @@ class _Axis:
         return dict(zip(self.keys, self.rows[k], strict=True))
 
 
-def _check_values(scene: Scene, over: Mapping[str | tuple[str, ...], Sequence[Any]]) -> list[_Axis]:
+def _check_values(scene: Scene, over: Values) -> list[_Axis]:
     """Check each row of values with the first ones of the other axes, and return the axes."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
@@ -233,7 +236,7 @@ def _scenes_of_cases(
     scenes, faults = [], list[Fault]()
     for case in cases:
         try:
-            scenes.append(scene.replace(**first | case))
+            scenes.append(scene.replace(**{**first, **case}))
         except SceneError as error:
             faults += [_add_values(case, first, fault) for fault in error.faults]
     if faults:
@@ -245,7 +248,7 @@ def _add_values(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault)
     """Add the other values that led to a fault; not if the case sets only the faulty key."""
     if len(case) == 1 and any(key in fault.key for key in case):
         return fault
-    further = {key: value for key, value in (first | case).items() if key not in fault.key}
+    further = {key: value for key, value in {**first, **case}.items() if key not in fault.key}
     note = ", ".join(f"{key} = {shorten(value)}" for key, value in further.items())
     return replace(fault, given=f"{fault.given} with {note}") if note else fault
 

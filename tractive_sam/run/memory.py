@@ -7,7 +7,7 @@ from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import available_memory
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of
-from tractive_sam.schema import Fault, SceneError
+from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.solvers import NEARBY
 
 FIELD_COPIES = 3.5
@@ -97,7 +97,7 @@ def check_roll(model: Model, in_memory: bool) -> None:
         contact += records_bytes(model)
         _check_mesh(model, contact)
     if contact + stress > free:
-        elements = model.scene.subsurface.elements
+        elements = required(model.scene.subsurface, "subsurface").elements
         fits = int(FITS * (free - contact) / stress * elements)
         shortage = f"{elements}, for which {_describe_shortage(contact + stress, free)}"
         raise SceneError([Fault("subsurface.elements", shortage, f"here at most about {fits}")])
@@ -105,7 +105,8 @@ def check_roll(model: Model, in_memory: bool) -> None:
 
 def _check_accuracy(model: Model) -> None:
     """Raise an error if the largest mesh of [accuracy] does not fit into the memory."""
-    free, elements = available_memory(), model.scene.accuracy.elements
+    free = available_memory()
+    elements = required(model.scene.accuracy, "accuracy").elements
     needed = contact_bytes(model) * elements / math.prod(model.grid.elements)
     if needed > free:
         shortage = f"{elements}, for which {_describe_shortage(needed, free)}"

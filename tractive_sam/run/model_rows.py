@@ -13,6 +13,7 @@ from tractive_sam.results import columns
 from tractive_sam.rolling import process_of
 from tractive_sam.run.accuracy.steady import RefinedContact
 from tractive_sam.scene import Heat, Solver
+from tractive_sam.schema import required
 
 
 def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
@@ -64,7 +65,7 @@ def _describe_heat(_table: Heat, model: Model) -> Iterator[Row]:
     scene, dx = model.scene, model.grid.dx
     half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
     for name, thermal in scene.thermal.items():
-        per_length = scene.creepage.speed / (2.0 * thermal.diffusivity)
+        per_length = required(scene.creepage.speed, "creepage.speed") / (2.0 * thermal.diffusivity)
         fronts = "steps" if per_length * dx > STEPS_FROM else "resolved"
         numbers = f"{per_length * half:.3g} of the contact, {per_length * dx:.3g} of an element"
         yield Row(f"Peclet number {name}", f"{numbers}: heat fronts {fronts}")

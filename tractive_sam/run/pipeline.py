@@ -35,7 +35,7 @@ from tractive_sam.run.resume import (
 )
 from tractive_sam.run.start import check_start_of_file, describe_origin, worn_bodies
 from tractive_sam.scene import Scene, pressure_notes
-from tractive_sam.schema import PlausibilityWarning, warn
+from tractive_sam.schema import PlausibilityWarning, required, warn
 from tractive_sam.solvers import ProblemSolver
 from tractive_sam.store import open_history, results_writer
 
@@ -227,28 +227,30 @@ def roll(
     """
     began = perf_counter()
     argument_checks.check_scene(scene)
-    if resume and path is None:
+    file = None if path is None else Path(path)
+    if resume and file is None:
         raise ValueError("resume: there is no file to resume from; set path to a results file")
     user_columns = argument_checks.check_columns(columns, laws)
     worn, started = (
         (None, "") if start is None else (worn_bodies(start, scene), describe_origin(start))
     )
     replaced = overwrite or resume
-    output = nullcontext() if path is None else results_writer(Path(path), replaced)
+    output = nullcontext() if file is None else results_writer(file, replaced)
     with output, show_roll_progress(scene, progress) as called:
-        before = open_history(path) if resume and Path(path).exists() else None
-        if before is not None and len(before):
-            worn, started = check_start_of_file(before, path, started), before.started
-        gap = read_measured_gap(scene)
-        stored = None if before is None else last_step(before, path, scene, laws, user_columns, gap)
+        gap, stored = read_measured_gap(scene), None
+        if resume and file is not None and file.exists():
+            before = open_history(file)
+            if len(before):
+                worn, started = check_start_of_file(before, file, started), before.started
+            stored = last_step(before, file, scene, laws, user_columns, gap)
         model_of = partial(
             argument_checks.model_of(laws, solver, worn),
             profiles=argument_checks.read_profiles(scene),
             datum="vertex" if stored is None else stored[1].history.datum,
         )
         about = (user_columns, began, started, tuple(observers))
-        run = Recording(scene, gap, model_of, path, replaced, called, *about)
-        return _begin(run) if stored is None else _continue(run, path, *stored)
+        run = Recording(scene, gap, model_of, file, replaced, called, *about)
+        return _begin(run) if stored is None else _continue(run, *stored)
 
 
 def _begin(run: Recording) -> History:
@@ -261,9 +263,9 @@ def _begin(run: Recording) -> History:
     return run.begin(*process.begin_fitted())[0]
 
 
-def _continue(run: Recording, path: str | PathLike, last: Step, stored: StoredStep) -> History:
+def _continue(run: Recording, last: Step, stored: StoredStep) -> History:
     """Roll from the last step of a results file."""
-    before = stored.history
+    before, path = stored.history, required(run.path, "path")
     model = run.model_of(run.scene, run.measured, last.grid)
     memory.check_roll(model, in_memory=False)
     process = run.process_of(model)

@@ -86,10 +86,12 @@ class _RollProgress:
     def show_record(self, record: Record) -> None:
         """Show how far the roll is, and the time left."""
         forecast = self.forecast
-        numbers = (float(record.values.get(name, 1.0)) for name in ("jump", "solves", "seconds"))
+        jump, solves, seconds = (
+            float(record.values.get(name, 1.0)) for name in ("jump", "solves", "seconds")
+        )
         wear, approach = (float(np.max(record.values[name])) for name in ("wear_max", "approach"))
         worn = wear / approach if approach > 0.0 else 0.0
-        forecast.add(float(record.at), *numbers, worn=worn)
+        forecast.add(float(record.at), jump, solves, seconds, worn=worn)
         if self.at_once or perf_counter() - self.began > DELAY:
             along, total = record.coordinate, None
             place, end = (format(value, along.format) for value in (record.at, forecast.end))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
-from os import PathLike
+from pathlib import Path
 from time import perf_counter
 from types import TracebackType
 from typing import Any, Self
@@ -24,7 +24,7 @@ from tractive_sam.rolling import Observer, Process, Recorder, Step, process_of
 from tractive_sam.run.argument_checks import check_observer_columns, hash_measurements
 from tractive_sam.run.gap_notes import warn_of_gap
 from tractive_sam.scene import Scene
-from tractive_sam.schema import PlausibilityWarning, warn
+from tractive_sam.schema import PlausibilityWarning, required, warn
 from tractive_sam.store import HistoryWriter, open_history
 
 
@@ -61,7 +61,7 @@ class Recording:
     scene: Scene
     measured: Gap | None
     model_of: Callable[..., Model]
-    path: str | PathLike | None
+    path: Path | None
     overwrite: bool
     progress: Callable[[Record], None] | None
     columns: tuple[Quantity, ...]
@@ -89,16 +89,23 @@ class Recording:
         _warn_beyond_tests(model, start)
         sink: HistoryWriter | _InMemory = _InMemory(self.scene, laws, self.started)
         if self.path is not None:
-            about = {"laws": laws, "started": self.started, "measured": hash_measurements(model)}
-            about["coordinate"] = process.coordinate
-            sink = HistoryWriter(self.path, self.scene, model.grid, self.overwrite, **about)
+            sink = HistoryWriter(
+                self.path,
+                self.scene,
+                model.grid,
+                self.overwrite,
+                laws=laws,
+                started=self.started,
+                measured=hash_measurements(model),
+                coordinate=process.coordinate,
+            )
         start = process.observe(start)
         return self._record_steps(sink, process, start, (start,))
 
     def resume(self, process: Process, last: Step, before: History) -> tuple[History, Step]:
         """Continue from the last record of a file that holds `before`; see `begin`."""
         warn_of_gap(process.model)
-        sink = HistoryWriter.reopen(self.path, self.scene, len(before))
+        sink = HistoryWriter.reopen(required(self.path, "path"), self.scene, len(before))
         widest = np.nanmax([before[name] for name in self.half_widths], axis=1, initial=0.0)
         return self._record_steps(sink, process, last, (), widest)
 
@@ -126,7 +133,7 @@ class Recording:
                     self.progress(record)
                 interrupt.raise_if_interrupted()
             sink.finish(*process.end(step, np.asarray(widest)))
-        history = sink.history if self.path is None else open_history(self.path)
+        history = sink.history if isinstance(sink, _InMemory) else open_history(sink.path)
         if note := caveats(history).get("p_max"):
             warn(f"p_max: {note}", PlausibilityWarning)
         return history, step
@@ -146,7 +153,7 @@ class _InMemory:
     """Collects records in memory, with the interface of `HistoryWriter`."""
 
     def __init__(self, scene: Scene, laws: Mapping[str, LawRecord], started: str) -> None:
-        self._scene, self._about = scene, {"law_records": laws, "started": started}
+        self._scene, self._laws, self._started = scene, laws, started
         self._grid, self._records = Grid.of((1.0,), (1,)), list[Record]()
 
     def __enter__(self) -> Self:
@@ -155,12 +162,19 @@ class _InMemory:
     def __exit__(self, *error: type[BaseException] | BaseException | TracebackType | None) -> None:
         """Do nothing: records in memory need no file to be closed."""
 
-    def append(self, record: Record, grid: Grid, state: Mapping[str, np.ndarray]) -> None:
+    def append(self, record: Record, grid: Grid, state: Mapping[str, np.ndarray] | None) -> None:
         """Append a record and its mesh."""
         self._grid = grid
         self._records.append(record)
 
     def finish(self, status: str, message: str) -> None:
         """Make the history of all records."""
-        end = {"status": status, "message": message, **self._about}
-        self.history = History.of_records(self._records, self._scene, self._grid, **end)
+        self.history = History.of_records(
+            self._records,
+            self._scene,
+            self._grid,
+            status=status,
+            message=message,
+            law_records=self._laws,
+            started=self._started,
+        )

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import History, State, Status
-from tractive_sam.rolling import Passage, start_passage
+from tractive_sam.rolling import Step, start_passage
 from tractive_sam.run.accuracy.assessment import describe_missed_accuracy
 from tractive_sam.run.accuracy.coarse_run import ErrorBars, choose_level, from_level
 from tractive_sam.run.accuracy.levels import Levels, set_tolerances
@@ -53,7 +53,7 @@ def _rolled_from(run: Recording, scene: Scene, bars: ErrorBars, level: int) -> H
         bars = judged.next_finer()
 
 
-def resume_to_accuracy(run: Recording, last: Passage, before: History) -> History:
+def resume_to_accuracy(run: Recording, last: Step, before: History) -> History:
     """Continue on the mesh of a file; if that is too coarse, roll again on finer ones."""
     scene, measured = set_tolerances(run.scene), run.measured
     levels, missed = Levels(scene, measured), describe_missed_accuracy(before, scene)

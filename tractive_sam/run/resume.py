@@ -12,6 +12,7 @@ from tractive_sam.contact import Gap, Laws, choose_grid, describe_grid_entries, 
 from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe_laws
 from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, process_type
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 from tractive_sam.store import DamagedError, ResultsError, read_state
 
 FREE = (
@@ -245,7 +246,8 @@ def _move_to_grid(scene: Scene, measured: Gap | None, last: Step, path: str | Pa
     if scene.grid is None:
         return last
     if scene.grid.elements is None:
-        wider = extend_to(before, (*scene.grid.half_length, 0.5)[:2])
+        half_x, half_y = (*required(scene.grid.half_length, "grid.half_length"), 0.5)[:2]
+        wider = extend_to(before, (half_x, half_y))
         grid = replace(wider, centre=scene.grid.place)
     else:
         grid = choose_grid(scene, measured)

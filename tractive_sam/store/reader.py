@@ -4,6 +4,7 @@ import json
 import math
 import warnings
 from collections.abc import Iterable
+from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +39,7 @@ from tractive_sam.store.opening import ResultsFile, open_results
 from tractive_sam.store.stored_records import StoredCycles, StoredField, StoredStress
 
 
-def open_history(path: str | Path) -> History:
+def open_history(path: str | PathLike[str]) -> History:
     """Read a results file; its fields are read on access.
 
     A column that the file does not contain reads as nan.
@@ -64,7 +65,7 @@ def open_history(path: str | Path) -> History:
         return _read_history(file)
 
 
-def read_state(path: str | Path, row: int) -> dict[str, np.ndarray]:
+def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
     """Read the state after the last record with a solved contact.
 
     Its names are listed in `FIELDS`, for a transient also in `BEFORE`, and by observers.

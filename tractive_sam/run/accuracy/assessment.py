@@ -15,6 +15,7 @@ from tractive_sam.run.accuracy.error_bars import (
 )
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Asse
     bars = (
         error_bars(relative, solved[-1]) | deviations_from_prescribed(contact) | {"relative": worst}
     )
-    if worst <= contact.scene.accuracy.tolerance:
+    if worst <= required(contact.scene.accuracy, "accuracy").tolerance:
         return Assessment(bars, "")
     if math.isinf(worst):
         note = f"{name} grows with every finer mesh and may have no limit: round sharp edges"
@@ -87,9 +88,10 @@ def describe_missed_accuracy(history: History, scene: Scene) -> str:
     if "relative_error" not in history.columns:
         return ""
     missed, saved = "", scene.schedule
+    tolerance = required(scene.accuracy, "accuracy").tolerance
     for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):
         # Not "greater": the error bar is nan if coarser meshes could not be solved.
-        if int(revolution) in saved and not worst <= scene.accuracy.tolerance:
+        if int(revolution) in saved and not worst <= tolerance:
             bar = "no error bars" if math.isnan(worst) else f"a relative error bar of {worst:.1e}"
             missed = f"revolution {revolution:.0f} has {bar}"
     return missed and _add_advice(scene, missed)
@@ -97,7 +99,7 @@ def describe_missed_accuracy(history: History, scene: Scene) -> str:
 
 def _add_advice(scene: Scene, note: str) -> str:
     """Add to a note how to reach the accuracy."""
-    accuracy = scene.accuracy
+    accuracy = required(scene.accuracy, "accuracy")
     return (
         f"{note}; accuracy.tolerance is {accuracy.tolerance:.1e}, and accuracy.elements "
         f"allows no more than {accuracy.elements} elements: raise one of them"

@@ -15,6 +15,7 @@ from tractive_sam.run.accuracy.assessment import Assessment, assess, worst_error
 from tractive_sam.run.accuracy.error_bars import Sample, relative_error_bars
 from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,16 +215,21 @@ def choose_level(
         Level of the mesh: the first with error bars that may be narrow enough, judged by the
         difference between the two meshes before it.
     """
-    levels, last = Levels(scene, measured), scene.wear.revolutions
+    levels, last = Levels(scene, measured), required(scene.wear, "wear").revolutions
+    tolerance = required(scene.accuracy, "accuracy").tolerance
     coarse, middle = _roll_coarser(scene, measured, level, model_of)
     while levels.allowed(level + 1):
-        pairs = [(a.at(last), b.at(last)) for a, b in zip(coarse, middle, strict=True)]
-        if all(before is not None and after is not None for before, after in pairs):
+        pairs = [
+            (before, after)
+            for a, b in zip(coarse, middle, strict=True)
+            if (before := a.at(last)) is not None and (after := b.at(last)) is not None
+        ]
+        if len(pairs) == len(coarse):
             expected = max(
                 worst_error_bar(relative_error_bars(before, after, after), peak=False)[0]
                 for before, after in pairs
             )
-            if expected <= scene.accuracy.tolerance:
+            if expected <= tolerance:
                 break
         coarse, middle = middle, _roll_mesh(model_of(scene, measured, levels.grid(level)))
         level += 1

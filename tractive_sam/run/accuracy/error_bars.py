@@ -25,6 +25,7 @@ import numpy as np
 from tractive_sam.contact import Laws
 from tractive_sam.results import BodyFatigue, Maximum, State
 from tractive_sam.rolling import stressed_volume
+from tractive_sam.schema import required
 
 FORCES = ("Qx", "Qy", "Mz")
 
@@ -107,7 +108,7 @@ class Sample:
         numbers = _contact_numbers(contact)
         for body, stress in maxima.items():
             interior = float(np.nan_to_num(stress.interior))
-            column = f"{stress.criterion.name}_max"
+            column = f"{required(stress.criterion, 'criterion').name}_max"
             numbers |= _largest_stresses(column, body, interior, stress.surface, stress.value)
         for body, cycle in fatigue.items():
             numbers |= _fatigue_numbers(contact, body, cycle)
@@ -142,7 +143,8 @@ def _contact_numbers(contact: State) -> Numbers:
     scales |= dict.fromkeys(deviations_from_prescribed(contact), 0.0)
     if contact.heat is not None:
         hottest = contact.heat.temperature_max
-        rise = max(abs(hottest - bulk) for bulk in contact.scene.heat.bulks.values())
+        bulks = required(contact.scene.heat, "heat").bulks
+        rise = max(abs(hottest - bulk) for bulk in bulks.values())
         for name in ("temperature_max", "temperature_mean"):
             values[name], scales[name] = getattr(contact.heat, name), rise
     return {name: (value, scales[name]) for name, value in values.items()}
@@ -173,8 +175,8 @@ def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers
             )
     damage = fatigue.damage_max[0] if fatigue.damage.size else 0.0
     numbers[BodyColumn("damage", body)] = damage, damage
-    if contact.scene.fatigue.volume is not None:
-        volume = stressed_volume(fatigue, contact.scene, Laws.of(contact.scene).volume)
+    if (law := Laws.of(contact.scene).volume) is not None:
+        volume = stressed_volume(fatigue, contact.scene, law)
         numbers[BodyColumn("stressed_volume", body)] = volume, volume
     return numbers
 
@@ -190,9 +192,10 @@ def _path_errors(
         error = cycle.criterion.path_error
         floors |= {BodyStress("utilisation", body, at): error for at in (False, True)}
         volume = values.get(BodyColumn("stressed_volume", body), 0.0)
-        if volume > 0.0:
+        law = Laws.of(contact.scene).volume
+        if law is not None and volume > 0.0:
             stressed = replace(cycle, utilisation=cycle.utilisation * (1.0 + error))
-            more = stressed_volume(stressed, contact.scene, Laws.of(contact.scene).volume)
+            more = stressed_volume(stressed, contact.scene, law)
             floors[BodyColumn("stressed_volume", body)] = more / volume - 1.0
     return floors
 

@@ -6,6 +6,7 @@ from typing import ClassVar
 from tractive_sam.contact import Gap, choose_grid
 from tractive_sam.results import Grid
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 
 class Levels:
@@ -35,7 +36,8 @@ class Levels:
     def allowed(self, level: int) -> bool:
         """Return whether the scene allows the elements of a level; the first levels always."""
         few = level < self.first + self.needed
-        return few or math.prod(self.grid(level).elements) <= self._scene.accuracy.elements
+        most = required(self._scene.accuracy, "accuracy").elements
+        return few or math.prod(self.grid(level).elements) <= most
 
     def of(self, grid: Grid) -> int:
         """Return the level of a mesh, which may have grown.
@@ -56,7 +58,7 @@ class Levels:
 
 def set_tolerances(scene: Scene) -> Scene:
     """Return the scene with the tolerances that its accuracy needs, unless it sets them itself."""
-    tolerance = scene.accuracy.tolerance
+    tolerance = required(scene.accuracy, "accuracy").tolerance
     entries = scene.entries()
     changes = {}
     if "tolerance" not in entries.get("solver", {}):
