@@ -96,25 +96,6 @@ def protect_cleanup() -> Iterator[None]:
 
 
 @contextmanager
-def defer_signals() -> Iterator[None]:
-    """Note signals in the block, for `raise_if_interrupted`; a second signal ends the process.
-
-    Signals that the process ignores (SIGHUP under nohup) stay ignored. Use it in the main thread.
-    """
-    handlers = {number: signal.getsignal(number) for number in SIGNALS}
-    for number, handler in handlers.items():
-        if handler is not signal.SIG_IGN:
-            signal.signal(number, _note_signal)
-    try:
-        yield
-    finally:
-        for number, handler in handlers.items():
-            if handler is not None:  # None: a handler that is not Python's cannot be restored
-                signal.signal(number, handler)
-        _received.clear()
-
-
-@contextmanager
 def delay_interrupt() -> Iterator[None]:
     """Delay Ctrl-C until the block ends, in programs that use Python's default handler.
 

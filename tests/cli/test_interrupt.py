@@ -29,6 +29,7 @@ def _as_a_terminal_starts_it():
         usual = signal.default_int_handler if one is signal.SIGINT else signal.SIG_DFL
         signal.signal(one, usual)
     yield
+    interrupt.ignore_signals()  # forgets noted signals
     for one, handler in before.items():
         signal.signal(one, handler)
 
@@ -39,13 +40,10 @@ def send(one):
 
 @pytest.mark.parametrize("one", interrupt.SIGNALS)
 def test_what_is_requested_is_heeded_where_it_is_looked_for(one):
-    before = signal.getsignal(one)
-    with interrupt.defer_signals():
-        send(one)
-        with pytest.raises(KeyboardInterrupt, match=one.name):
-            interrupt.raise_if_interrupted()
-    assert signal.getsignal(one) is before
-    interrupt.raise_if_interrupted()  # the note went with the handler
+    interrupt.note_signals(0.0)
+    send(one)
+    with pytest.raises(KeyboardInterrupt, match=one.name):
+        interrupt.raise_if_interrupted()
 
 
 def test_nothing_is_requested_of_scripts():
@@ -61,14 +59,11 @@ def test_nothing_is_requested_of_scripts():
 
 def test_what_the_process_ignores_stays_ignored():
     """As SIGHUP under nohup."""
-    before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    try:
-        with interrupt.defer_signals():
-            send(signal.SIGTERM)
-            interrupt.raise_if_interrupted()
-        assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    interrupt.note_signals(0.0)
+    send(signal.SIGTERM)
+    interrupt.raise_if_interrupted()
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_IGN
 
 
 @pytest.mark.slow
@@ -76,14 +71,14 @@ def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
     class Thing:
         pass
 
-    with interrupt.defer_signals():
-        thing = Thing()
-        kept = weakref.ref(thing, lambda _: send(signal.SIGINT))
-        del thing
-        gc.collect()
-        assert kept() is None
-        with pytest.raises(KeyboardInterrupt):
-            interrupt.raise_if_interrupted()
+    interrupt.note_signals(0.0)
+    thing = Thing()
+    kept = weakref.ref(thing, lambda _: send(signal.SIGINT))
+    del thing
+    gc.collect()
+    assert kept() is None
+    with pytest.raises(KeyboardInterrupt):
+        interrupt.raise_if_interrupted()
 
 
 @pytest.mark.slow
@@ -91,8 +86,10 @@ def test_no_signal_is_lost_in_a_callback_of_the_garbage_collector():
 def test_roll_ends_after_the_record_at_hand_and_continues_from_it(tmp_path, one):
     wanted = roll(DISCS, tmp_path / "whole.h5")
     path = tmp_path / "cut.h5"
-    with interrupt.defer_signals(), pytest.raises(KeyboardInterrupt):
+    interrupt.note_signals(0.0)
+    with pytest.raises(KeyboardInterrupt):
         roll(DISCS, path, progress=lambda record: record.revolution == 2 and send(one))
+    interrupt.ignore_signals()
     cut = open_history(path)
     assert cut.status == "stopped early"
     assert cut["revolution"].tolist() == [0, 1, 2]

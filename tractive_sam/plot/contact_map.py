@@ -13,12 +13,7 @@ from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.map_frame import MapFrame
 from tractive_sam.plot.options import current_options
 from tractive_sam.plot.style import LOOK, describe_friction, format_title, set_title, wrap_title
-from tractive_sam.plot.zones import (
-    draw_contact_edge,
-    draw_stick_edge,
-    extend_outwards,
-    fill_zones,
-)
+from tractive_sam.plot.zones import draw_contact_edge, draw_stick_edge, extend_outwards, fill_zones
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,7 @@ import numpy as np
 
 from tractive_sam.contact import Model, solve_patches_on_fitted_mesh, wear_law_at
 from tractive_sam.rail import Profile
-from tractive_sam.results import (
-    Grid,
-    Record,
-    State,
-    WornProfiles,
-    columns,
-    cycle_record,
-)
+from tractive_sam.results import Grid, Record, State, WornProfiles, columns, cycle_record
 from tractive_sam.rolling.process import Process, Recorder, Step, StepRecord, StoredStep
 from tractive_sam.rolling.profile_step import Depths, PatchWear, PositionWear, implicit_step
 from tractive_sam.rolling.response import wear_response

@@ -7,15 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from tractive_sam.contact import solve_blocks_on_fitted_mesh, with_heat
-from tractive_sam.results import (
-    PARTS,
-    ROLLED,
-    SHARE,
-    Record,
-    State,
-    cycle_record,
-    restart_fields,
-)
+from tractive_sam.results import PARTS, ROLLED, SHARE, Record, State, cycle_record, restart_fields
 from tractive_sam.rolling.adaptive import adaptive_passages
 from tractive_sam.rolling.damage import Damage
 from tractive_sam.rolling.passage import (

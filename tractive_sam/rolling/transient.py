@@ -15,14 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.contact import (
-    Model,
-    StepInput,
-    Stepper,
-    StepResult,
-    equilibrium,
-    not_resolved,
-)
+from tractive_sam.contact import Model, StepInput, Stepper, StepResult, equilibrium, not_resolved
 from tractive_sam.results import BODIES, State, Status
 from tractive_sam.rolling.control import ErrorControl, Stops, Trial
 from tractive_sam.rolling.courses import CLOSE, CREEPAGES, PARTS, Courses, expected_steps

@@ -12,14 +12,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model
-from tractive_sam.results import (
-    Grid,
-    History,
-    LawRecord,
-    Quantity,
-    Record,
-    caveats,
-)
+from tractive_sam.results import Grid, History, LawRecord, Quantity, Record, caveats
 from tractive_sam.rolling import Observer, Process, Recorder, Step, process_of
 from tractive_sam.run.argument_checks import check_observer_columns, hash_measurements
 from tractive_sam.run.gap_notes import warn_of_gap

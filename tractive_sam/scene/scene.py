@@ -38,15 +38,7 @@ from .plausibility import scene_notes
 from .process import ProcessTable
 from .resolution import warn_if_coarse
 from .schedule import Schedule
-from .tables import (
-    Accuracy,
-    Creepage,
-    ElasticBodies,
-    Load,
-    Mesh,
-    Solver,
-    Subsurface,
-)
+from .tables import Accuracy, Creepage, ElasticBodies, Load, Mesh, Solver, Subsurface
 from .transient import Transient
 from .wear import Wear
 from .wheel_rail import WheelRail, add_wheel_contact, resolve_profiles, without_wheel_contact

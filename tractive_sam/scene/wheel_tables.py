@@ -11,14 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from tractive_sam.rail import (
-    BUILTIN,
-    SUFFIXES,
-    Profile,
-    builtin_profile,
-    place_rail,
-    read_profile,
-)
+from tractive_sam.rail import BUILTIN, SUFFIXES, Profile, builtin_profile, place_rail, read_profile
 from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one
 
 from .gap import absolute_path, check_exists
