@@ -65,7 +65,7 @@ falls with each. Long jumps give the right profile, but not the right moment of 
 def adaptive_passages(
     process: Process[Passage], start: Passage, schedule: Schedule
 ) -> Iterator[Passage]:
-    """Yield the passages from one to the end, in jumps that end at every revolution to save.
+    """Yield the solved revolutions up to the last one, in jumps of adaptive length.
 
     Each jump costs one contact; more if rows come into contact, or if it is refused and repeated.
 
@@ -88,7 +88,7 @@ def adaptive_passages(
 
 
 def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedSteps) -> Passage:
-    """Return the passage after the longest jump with an error within the tolerance."""
+    """Return the passage after the longest jump of revolutions whose error is tolerated."""
     model = process.model
     # While the rows in contact wear down, the bodies approach each other at the next rows.
     closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
@@ -117,7 +117,7 @@ def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedS
 
 @dataclass(frozen=True, eq=False)
 class _TwoStepFormula:
-    """The two-step formula of a jump; Euler's formula for a jump of one revolution.
+    """Two-step implicit formula that extrapolates the worn profile over a jump.
 
     A row of elements that comes into contact during the jump has a separate formula.
     """
@@ -140,7 +140,7 @@ class _TwoStepFormula:
 
     @classmethod
     def from_course(cls, course: tuple[ProfilePoint, ...], jump: int) -> "_TwoStepFormula":
-        """Return the formula for a jump, in revolutions, from the last two points of a course."""
+        """Return the formula of a jump, in revolutions, from the last one or two solved ones."""
         last, worn_before = course[-1], course[0].rate > 0.0
         if len(course) == 1:
             leading = np.full(last.profile.size, 1.0 / jump)
@@ -157,7 +157,7 @@ class _TwoStepFormula:
     def with_new_rows(
         self, response: np.ndarray, open_: np.ndarray, profile: np.ndarray, rate: np.ndarray
     ) -> "_TwoStepFormula":
-        """Return the formula that includes rows that come into contact, by a profile and its rate.
+        """Return the formula with separate coefficients for rows that come into contact.
 
         Their gaps close at a constant rate. Once they touch, the closing gap would wear them at a
         rate that grows from zero if they did not wear; on average they wear at half the last rate.
@@ -175,11 +175,11 @@ class _TwoStepFormula:
 
     @property
     def _share(self) -> np.ndarray:
-        """Share of the rate on its side of the formula; the other part is in F."""
+        """Coefficient of the wear rate in the formula, for each row of elements (one y)."""
         return 1.0 - 0.5 * self.leading
 
     def _solve(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return (c_0 - J)^-1 times a rate; rows out of contact are not coupled."""
+        """Return (c_0 - J)^-1 times a wear rate, mm; rows out of contact are not coupled."""
         rows = np.flatnonzero(response.any(axis=0) | response.any(axis=1))
         system = -self._share[rows, None] * response[np.ix_(rows, rows)]
         system.flat[:: rows.size + 1] += self.leading[rows]
@@ -188,11 +188,11 @@ class _TwoStepFormula:
         return solution
 
     def predict(self, response: np.ndarray, offset: np.ndarray) -> np.ndarray:
-        """Return the profile E with the rate R = offset + J E."""
+        """Return the profile E at the end of the jump, whose wear rate is R = offset + J E."""
         return self._solve(response, self._share * offset - self.past)
 
     def correction(self, response: np.ndarray, profile: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the Newton correction of a predicted profile, mm, from its computed wear rate.
+        """Return the Newton correction, mm, of a predicted profile from its computed wear rate.
 
         `response` is the Jacobian of the rate with respect to the profile, 1/revolution.
         """
@@ -200,7 +200,7 @@ class _TwoStepFormula:
         return self._solve(response, np.where(rate > 0.0, missed, 0.0))
 
     def third_order_correction(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the correction of the error of the formula, for a profile with this rate."""
+        """Return the correction, mm, that removes the formula's leading error from a profile."""
         # (c_0 - J)^-1 turns a missing rate into a correction of the profile; c_0 (c_0 - J)^-1
         # then restricts it to long waves, which have rates with a smooth course.
         smooth = self.worn_before & (rate > 0.0)
@@ -209,12 +209,12 @@ class _TwoStepFormula:
 
 
 def _lag(model: Model) -> float:
-    """Return the residual that the wear within a pass may leave."""
+    """Return the tolerance of the contact conditions for wear within one pass."""
     return max(required(model.scene.wear, "wear").tolerance, model.scene.solver.tolerance)
 
 
 def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarray) -> float:
-    """Return a correction over the largest one that the tolerance allows."""
+    """Return the largest correction of a profile over the tolerated one: the error of a jump."""
     # Correction of the profile, over its depth, that no tolerance allows: from further away one
     # Newton step does not reach the profile, and longer jumps cost more contacts than they save.
     largest = 0.02
@@ -223,7 +223,7 @@ def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarr
 
 
 def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
-    """Return the next revolution, and the error over the tolerance that the formula would have."""
+    """Return the passage one revolution later, and the error of a jump over the tolerance."""
     here, formula = last.course[-1], _TwoStepFormula.from_course(last.course, jump)
     predicted, expected, response = _predict(last, formula, response)
     profile = here.profile + here.rate if last.revolution else here.profile
@@ -242,7 +242,7 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
 
 
 def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
-    """Return the passage after one step of the formula, and its error over the tolerance."""
+    """Return the passage after a jump of revolutions, and its error over the tolerance."""
     revolution, here = last.revolution + jump, last.course[-1]
     formula, open_ = (
         _TwoStepFormula.from_course(last.course, jump),
@@ -276,13 +276,13 @@ def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tup
 
 
 def _growth(expected: np.ndarray, last: Passage) -> np.ndarray:
-    """Return the expected rate over the rate of a passage for each row; 0 for rows without wear."""
+    """Return the expected wear rate of each row over its last rate; 0 for rows without wear."""
     wears = last.gained > 0.0
     return np.divide(expected, last.gained, out=np.zeros_like(expected), where=wears)
 
 
 def _rate_lost_to_gap(last: Passage, response: np.ndarray) -> np.ndarray:
-    """Return the rate of wear that each row lacks because its gap is open, mm per revolution."""
+    """Return the wear rate that the open gap of each row costs, mm per revolution."""
     stiffness = -np.diag(response)
     near = stiffness > 0.0
     gap = np.min([contact.gap.min(axis=0) for contact in last.contacts], axis=0)
@@ -292,7 +292,7 @@ def _rate_lost_to_gap(last: Passage, response: np.ndarray) -> np.ndarray:
 def _predict(
     last: Passage, formula: _TwoStepFormula, response: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the profile by the formula, the expected rate, and the response of rows in contact.
+    """Return predicted profile and wear rate after a jump, and the response of rows in contact.
 
     Rows that were not worn two solved revolutions ago cannot be extrapolated. They start from the
     last revolution, and carry no pressure before their gap has closed; if it does not close they

@@ -28,7 +28,7 @@ from tractive_sam.scene import Spectrum
 
 @dataclass(frozen=True, eq=False)
 class BlockOrder:
-    """Times of the blocks in a cycle, and the wear of one body at these times.
+    """Effect of the order of blocks within a duty cycle on the wear of one body.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class BlockOrder:
     def from_spectrum(
         cls, spectrum: Spectrum, rates: np.ndarray, revolution: int = 1
     ) -> "BlockOrder":
-        """Return the order of one cycle.
+        """Return the effect of the block order on wear, from the wear rate of each block.
 
         Parameters
         ----------
@@ -84,7 +84,7 @@ class BlockOrder:
         return cls(shares, delay, wear, offset)
 
     def drift(self, responses: Sequence[np.ndarray], revolution: int) -> np.ndarray:
-        """Return the profile that the order wears, minus the profile of the mean, shape (n_y,), mm.
+        """Return the worn profile minus the profile that the mean of the blocks would wear, mm.
 
         Parameters
         ----------
@@ -102,7 +102,7 @@ class BlockOrder:
     def load_factors(
         self, y: np.ndarray, depth: np.ndarray, negligible: float = 1e-9
     ) -> np.ndarray:
-        """Return the factor on the stress by the changed loads of rows, shape (blocks, n_y, n).
+        """Return factors on the stress, as the wear of the order shifts load, (blocks, n_y, n).
 
         At a depth z the loads of the rows around count by the pressure below a line load on an
         elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface only the row itself counts. The
@@ -133,7 +133,7 @@ class BlockOrder:
         length: int,
         factors: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Return the error of the damage of one pass a revolution over a jump, shape (n_y, m).
+        """Return the error of damage over a jump that rolls the mean of the blocks, (n_y, m).
 
         It is the absolute value of the sum of all blocks plus the absolute values of each block:
         they may not cancel, and elements that come into contact or begin to slip change more than
@@ -168,7 +168,7 @@ class BlockOrder:
 def block_orders(
     spectrum: Spectrum, rates: np.ndarray, responses: Sequence[np.ndarray], revolution: int
 ) -> tuple[BlockOrder, ...]:
-    """Return the order for A and for B, with its effects on the wear and on the loads of rows.
+    """Return the `BlockOrder` of body A and of body B, with its effect on wear and row loads.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ def block_orders(
 
 
 def _spread(y: np.ndarray, z: float) -> np.ndarray:
-    """Return the share (n_y, n_y) of the load of each row in the pressure below each row."""
+    """Return the influence (n_y, n_y) of the load of each row on the pressure below each row."""
     if z == 0.0 or y.size == 1:
         return np.eye(y.size)
 

@@ -45,7 +45,7 @@ NODES, WEIGHTS = (
 
 @dataclass(frozen=True, eq=False)
 class BodyDamage:
-    """Damage of the material of one body.
+    """Accumulated fatigue damage of the material of one body, and its error.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class BodyDamage:
         return max(abs(bound.damage_max[0] - top) for bound in bounds)
 
     def path_error(self, life: Woehler) -> float:
-        """Return the error of the largest damage by the finite number of points of stress paths.
+        """Return the error of the largest damage that the sampling of stress paths causes.
 
         It is systematic and does not depend on the length of jumps.
         """
@@ -110,7 +110,7 @@ class BodyDamage:
         return self.fatigue.damage_max[0] * life.relative_error(error)
 
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
-        """Return the values of columns of a record, by their names without the body."""
+        """Return the body's values of damage columns of a record (damage, fatigue_life, ...)."""
         if life is None:
             return {}
         top, at = self.fatigue.damage_max
@@ -141,7 +141,7 @@ def _per_pass(
     used: np.ndarray,
     at: np.ndarray,
 ) -> np.ndarray:
-    """Return the damage (n_y, m) of a pass at depths, from several blocks by their shares."""
+    """Return the damage (n_y, m) per pass at the depths `at`, the weighted sum over blocks."""
     each = zip(shares, used, strict=True)
     parts = [
         share * life.damage(interpolate_over_depth(depth, block, at))
@@ -152,12 +152,12 @@ def _per_pass(
 
 
 def widen_rows(values: np.ndarray, elements: int) -> np.ndarray:
-    """Return rows (..., n_y, n) on a mesh with more rows; the new rows are undamaged."""
+    """Return rows (..., n_y, n) extended to a wider mesh; the new rows have zero damage."""
     return widen_field(values, (elements, values.shape[-1]))
 
 
 def material_depths(depth: np.ndarray, fine: float) -> np.ndarray:
-    """Return material depths, mm: all depths, and others between them; squares down to `fine`."""
+    """Return depths at which damage is stored, mm: `depth` and finer ones near the surface."""
     places = list(fine * np.linspace(0.0, 1.0, FINE) ** 2)
     step = places[-1] - places[-2]
     while places[-1] < depth[-1]:
@@ -169,7 +169,7 @@ def material_depths(depth: np.ndarray, fine: float) -> np.ndarray:
 
 
 def widen_body(damage: BodyDamage, y: np.ndarray) -> BodyDamage:
-    """Return the damage on a mesh with more rows; the new rows are undamaged."""
+    """Return the damage of a body extended to a wider mesh; the new rows are undamaged."""
     fatigue = damage.fatigue
     fatigue = replace(
         fatigue,
@@ -200,7 +200,7 @@ def after_jump(
     revolution: int,
     order: BlockOrder | None = None,
 ) -> BodyDamage:
-    """Return the damage after a jump; `jump` is its length and the length of the one before."""
+    """Return the damage of a body after a jump of revolutions; `jump` is (this length, last)."""
     zeta, before = last.fatigue.zeta, last.fatigue
     fatigue = fatigue.with_damage(zeta, before.damage, worn)
     offset = None if order is None else order.offset
@@ -233,7 +233,7 @@ def after_jump(
 
 
 def _remaining(fatigue: BodyFatigue) -> np.ndarray:
-    """Return a mask of the material that is not worn off, (n_y, m)."""
+    """Return a mask (n_y, m) of the material points that are not worn off."""
     return fatigue.zeta >= fatigue.worn[:, None]
 
 
@@ -244,7 +244,7 @@ def _damage_of_jump(
     jump: tuple[int, int],
     life: Woehler,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return damage (n_y, m) of one pass a revolution over a jump, and its estimated error."""
+    """Return the damage (n_y, m) of one pass per revolution over a jump, and its error."""
     before, after, (length, last) = previous.fatigue, later.fatigue, jump
     zeta, depth = before.zeta, before.depth
 
@@ -288,7 +288,7 @@ def _damage_of_jump(
 def _block_order_error(
     previous: BodyDamage, later: BodyDamage, order: BlockOrder, revolutions: int, life: Woehler
 ) -> np.ndarray:
-    """Return the damage error (n_y, m) of a jump that replaces the block order by the mean."""
+    """Return the damage error (n_y, m) of a jump that rolls the mean of the blocks."""
     zeta, depth = previous.fatigue.zeta, previous.fatigue.depth
 
     def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
@@ -308,7 +308,7 @@ def _block_order_error(
 def _interpolate_profile(
     first: np.ndarray, rate: np.ndarray, last: np.ndarray, end: np.ndarray, t: float, length: int
 ) -> np.ndarray:
-    """Interpolate between two profiles by the cubic through both and their rates, within both."""
+    """Return the profile at the time t of a jump, by a cubic through both ends and their rates."""
     s = 1.0 - t
     cubic = first * s * s * (1.0 + 2.0 * t) + last * t * t * (1.0 + 2.0 * s)
     cubic += length * s * t * (rate * s - end * t)
@@ -318,7 +318,7 @@ def _interpolate_profile(
 def _integrate_damage(
     depth: np.ndarray, used: np.ndarray, life: Woehler, shares: tuple[float, ...]
 ) -> np.ndarray:
-    """Return the integral of the damage of a pass over the depth, shape (n_y,), mm."""
+    """Return the integral of the damage per pass over the depth, shape (n_y,), mm."""
     number, cells = np.arange(depth.size), 8  # between two depths
     between = np.linspace(0, depth.size - 1, cells * (depth.size - 1) + 1)
     edges = np.interp(between, number, np.sqrt(depth))  # dz = 2 root d(root)

@@ -17,7 +17,7 @@ SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
 
 @dataclass(frozen=True)
 class Trial:
-    """A step to try.
+    """Length of a step to try, and the length that its error control would allow.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class Trial:
 
 @dataclass(frozen=True)
 class ErrorControl:
-    """Steps as long as their error allows (Hairer, Norsett & Wanner 1993, section II.4).
+    """Choice of step lengths by an error estimate (Hairer, Norsett & Wanner 1993, II.4).
 
     Parameters
     ----------
@@ -50,28 +50,28 @@ class ErrorControl:
     unit: float = 1
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return the trial after one that was refused for its error (given over the tolerance)."""
+        """Return a shorter step to try after a refused one; `error` is over the tolerance."""
         length = self._round(min(step.length * self._change(error), step.length - self.unit))
         return Trial(length, length, refused=True)
 
     def next(self, step: Trial, error: float) -> float:
-        """Return the length of the next step, after one was accepted; no longer after a refusal."""
+        """Return the length of the step after an accepted one; `error` is over the tolerance."""
         change = self._change(error)
         return self._round(step.length * (min(change, 1.0) if step.refused else change))
 
     def _change(self, error: float) -> float:
-        """Return the factor on the step length for an error."""
+        """Return the factor by which an error changes the step length, within limits."""
         change = SAFETY * max(error, 1e-9) ** (-1.0 / self.order)
         return min(max(change, SHORTEST_CUT), LONGEST_GROWTH)
 
     def _round(self, length: float) -> float:
-        """Return the length rounded down to a multiple of the unit."""
+        """Return a length rounded down to a multiple of the unit, at least one unit."""
         return max(1, int(length / self.unit)) * self.unit
 
 
 @dataclass(frozen=True)
 class Stops:
-    """Error control that ends steps at stops, with shorter steps ahead of them.
+    """Error control of steps that must end at given places (stops), such as records to save.
 
     Parameters
     ----------
@@ -88,22 +88,22 @@ class Stops:
     approach: float = 1.0
 
     def first(self, here: float, wish: float, settled: float) -> Trial:
-        """Return the first trial from a place; steps up to `settled` may reach a stop directly."""
+        """Return the first step to try from a place; it ends at the next stop at the latest."""
         distance = self.stops[bisect_right(self.stops, here)] - here
         unit = self.control.unit
         nearer = max(unit, settled, ceil(self.approach * distance / unit) * unit)
         return Trial(min(wish, distance, nearer), wish)
 
     def accepts(self, error: float) -> bool:
-        """Return whether a step with this error, over the tolerated one, is accepted."""
+        """Return whether a step with this error, over the tolerance, is accepted."""
         return error <= 1.0
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return the trial after one that was refused for its error (given over the tolerance)."""
+        """Return a shorter step to try after a refused one; `error` is over the tolerance."""
         return self.control.shorter(step, error)
 
     def next(self, step: Trial, error: float) -> float:
-        """Return the length of the next step, after one was accepted; no longer after a refusal.
+        """Return the length of the step after an accepted one; `error` is over the tolerance.
 
         After a step cut short by a stop, its wish counts again.
         """
@@ -113,7 +113,7 @@ class Stops:
 
 @dataclass(frozen=True)
 class FixedSteps:
-    """One step to each stop, whatever its error.
+    """Step control that takes one step to each stop, whatever the error.
 
     The steps do not depend on the solution, so results are smooth functions of the entries of a
     scene, and finite differences give their derivatives.
@@ -132,14 +132,14 @@ class FixedSteps:
         return Trial(distance, distance)
 
     def accepts(self, error: float) -> bool:
-        """Return whether the step was solved."""
+        """Return whether the step was solved: its error is finite."""
         return isfinite(error)
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return half of a step that could not be solved."""
+        """Return a step of half the length, after one that could not be solved."""
         length = max(1, int(0.5 * step.length))
         return Trial(length, length, refused=True)
 
     def next(self, step: Trial, error: float) -> float:
-        """Return the length of the accepted step, which the next one does not depend on."""
+        """Return the length of the accepted step; it has no effect on the next one."""
         return step.length

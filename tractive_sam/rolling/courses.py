@@ -16,7 +16,7 @@ CLOSE = 1e-6
 
 
 class Courses:
-    """The quantities that a scene prescribes over the distance.
+    """Loads, creepages, shifts and friction that a [transient] prescribes over the distance.
 
     Parameters
     ----------
@@ -48,16 +48,16 @@ class Courses:
 
     @property
     def stretches(self) -> int:
-        """Number of stretches between knots."""
+        """Number of stretches, each between two successive knots (distances of the table)."""
         return len(self.knots) - 1
 
     def shift_comes_next(self, stretch: int, distance: float) -> bool:
-        """Return whether a shift follows immediately after a distance."""
+        """Return whether a shift (a step without rolling) begins at this distance."""
         at_end = distance == self.knots[stretch + 1]
         return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
 
     def at(self, distance: float, stretch: int) -> dict[str, float | None]:
-        """Return the prescribed quantities at a distance of a stretch, by dotted key."""
+        """Return the prescribed quantities, by scene key, at a distance within a stretch."""
         first, last = self.knots[stretch], self.knots[stretch + 1]
         share = (distance - first) / (last - first) if last > first else 1.0
         values_at = dict(self._constant)
@@ -66,11 +66,11 @@ class Courses:
         return values_at
 
     def first(self) -> dict[str, float | None]:
-        """Return the prescribed quantities at the first knot, before any jump there."""
+        """Return the prescribed quantities, by scene key, at the start, before any jump there."""
         return self._constant | {key: values[0] for key, values in self._courses.items()}
 
     def shifted(self, stretch: int) -> bool:
-        """Return whether a stretch is a jump that takes a shift."""
+        """Return whether a stretch of length zero is a jump of values that needs a shift step."""
         return self.knots[stretch] == self.knots[stretch + 1] and any(
             values[stretch] != values[stretch + 1]
             for key, values in self._courses.items()
@@ -78,19 +78,19 @@ class Courses:
         )
 
     def jump(self, stretch: int) -> tuple[float, float, float]:
-        """Return the change of the three shifts over a stretch."""
+        """Return the changes of the three shifts (x, y, turn) over a stretch."""
         none = (0.0,) * len(self.knots)
         courses = (self._courses.get(key, none) for key in CREEPAGES)
         x, y, turn = (values[stretch + 1] - values[stretch] for values in courses)
         return x, y, turn
 
     def friction_factor(self, inputs: Mapping[str, float | None]) -> float:
-        """Return the factor on the coefficients of friction in prescribed quantities."""
+        """Return the prescribed coefficient of friction over the one of the scene."""
         mu = required(inputs["friction.mu"], "friction.mu")
         return mu / required(self.scene.friction, "friction").mu[0]
 
     def scene_at(self, inputs: Mapping[str, float | None]) -> Scene:
-        """Return the steady scene with the quantities prescribed at a moment."""
+        """Return the scene of steady rolling with the quantities prescribed at a moment."""
         scene, friction = self.scene, required(self.scene.friction, "friction")
         factor = self.friction_factor(inputs)
         changes: dict[str, Any] = {"transient": None, "wear": None}
@@ -111,7 +111,7 @@ CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
 
 def expected_steps(scene: Scene, dx: float) -> int:
-    """Return the number of records for an element size dx, mm; approximate for adaptive steps."""
+    """Return the (approximate) number of records for elements of the length dx, mm."""
     courses, count = Courses(scene), 1
     for stretch, (first, end) in enumerate(pairwise(courses.knots)):
         if first == end:

@@ -39,7 +39,7 @@ from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes
 
 @dataclass(frozen=True, eq=False)
 class Damage(Observer):
-    """Damage of the bodies of a scene with [fatigue], after a number of revolutions.
+    """Observer of the fatigue damage of the bodies over the revolutions ([fatigue]).
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Damage(Observer):
     bodies: Mapping[str, BodyDamage] = field(default_factory=dict)
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """Return the rows that `explain` prints for it (`Observer.describe`)."""
+        """Return the rows (label, text) that `explain` prints for the observer."""
         laws, table = model.laws, required(model.scene.fatigue, "fatigue")
         yield Row("records", "all; fields over (y, depth) with the stored fields")
         if table.limit is None:
@@ -77,7 +77,7 @@ class Damage(Observer):
             yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
 
     def begin(self, passage: Passage, model: Model) -> "Damage":
-        """Return the observer after the first step; `step.observed` has the observers before it.
+        """Return the observer as it is after the first step of a process.
 
         The bodies are undamaged and make their first pass.
         """
@@ -92,7 +92,7 @@ class Damage(Observer):
         return Damage(passage.revolution, passage.revolution, bodies)
 
     def after(self, passage: Passage, model: Model) -> "Damage":
-        """Return the observer after a later step, which may be on a wider mesh.
+        """Return the observer updated by a later step, which may be on a wider mesh.
 
         It adds the passes up to that step.
         """
@@ -108,7 +108,7 @@ class Damage(Observer):
         return Damage(passage.revolution, self.revolution, bodies)
 
     def missed(self, model: Model) -> float:
-        """Return the error of the last step over the error that the scene tolerates.
+        """Return the observer's error in the last step over the error that the scene tolerates.
 
         This is the error of the largest damage by the last jump.
         """
@@ -117,7 +117,7 @@ class Damage(Observer):
         return largest / (self.share_of_jump * tolerance)
 
     def remark(self, model: Model) -> str:
-        """Return an addition to the message of a history; it begins with a semicolon.
+        """Return text to append to the message of a history, "; ..."; empty if there is none.
 
         It warns of stress above shakedown, and of lives that depend on the mesh.
         """
@@ -134,12 +134,12 @@ class Damage(Observer):
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """Fatigue of the bodies, to be stored with the fields (`Observer.cycles`)."""
+        """Fatigue of the bodies in the last step, stored with the fields."""
         return tuple(damage.fatigue for damage in self.bodies.values())
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Arrays to resume from, by name; each has at least one dimension (`Observer.state`)."""
+        """Arrays, by name, from which `restore` makes the observer again (1-d or more)."""
         return {
             f"{name}_{body}": values
             for body, damage in self.bodies.items()
@@ -154,7 +154,7 @@ class Damage(Observer):
         }
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values of its columns, given the values recorded from the contact.
+        """Return the values of the observer's columns, by name, for the record of a step.
 
         Error bars of jumps and of the mesh are added.
         """
@@ -177,14 +177,14 @@ class Damage(Observer):
         return columns
 
     def record_block(self, block: int) -> dict[str, Any]:
-        """Return the values of the columns that exist for each block of a duty cycle."""
+        """Return the values, by name, of the columns that each block of a duty cycle has."""
         each = self.bodies.items()
         return utilisation_columns(
             {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
         )
 
     def restore(self, passage: Passage, stored: StoredStep) -> "Damage":
-        """Return the observer after a stored step (`Observer.restore`)."""
+        """Return the observer as it was after a stored step, to resume from."""
         history, row, state = stored.history, stored.row, stored.state_of(self)
         unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
         by_body = history.values.get("initiation", unknown)[row]
@@ -217,7 +217,7 @@ class Damage(Observer):
 
 
 def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:
-    """Describe the law for the life of a stressed volume."""
+    """Describe the law for the fatigue life of a stressed volume."""
     text = f"stress^{law.stress_exponent:.4g} / depth^{law.depth_exponent:.4g}"
     text += f" above {law.limit:g} MPa" if law.limit else ""
     text += f", Weibull slope {law.slope:.4g}; starts one element deep"
@@ -229,13 +229,13 @@ def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:
 def _cycle_fatigue(
     passage: Passage, model: Model, depths: np.ndarray
 ) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """Return the fatigue of each body in a cycle, and its utilisation in each block."""
+    """Return the fatigue of each body in one load cycle, and its utilisation in each block."""
     laws = [block.laws for block in model.blocks]
     return cycle_fatigue(passage.contacts, depths, laws)
 
 
 def _block_orders(passage: Passage, model: Model) -> dict[str, BlockOrder]:
-    """Return the order of the blocks of a cycle that is rolled as its mean, by body."""
+    """Return the `BlockOrder` of each body, if a duty cycle is rolled as the mean of its blocks."""
     spectrum = model.scene.spectrum
     if spectrum is None or passage.rolled is not None:
         return {}

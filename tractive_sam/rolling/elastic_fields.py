@@ -14,7 +14,7 @@ from tractive_sam.subsurface import displacement, elastic_energy
 
 @dataclass(frozen=True, eq=False)
 class ElasticFields(Observer):
-    """Elastic energy of both bodies, and their displacement at a depth.
+    """Observer of the bodies' elastic energy and of their displacement at a depth.
 
     Parameters
     ----------
@@ -44,24 +44,24 @@ class ElasticFields(Observer):
     )
 
     def begin(self, step: Any, model: Model) -> Self:
-        """Return the observer after the first step; `step.observed` has the observers before it."""
+        """Return the observer as it is after the first step of a process."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> Self:
-        """Return the observer after a later step, which may be on a wider mesh."""
+        """Return the observer updated by a later step, which may be on a wider mesh."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def restore(self, step: Any, stored: Any) -> Self:
-        """Return the observer after a stored step (`Observer.restore`)."""
+        """Return the observer as it was after a stored step, to resume from."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the values of its columns, given the values recorded from the contact."""
+        """Return the values of the observer's columns, by name, for the record of a step."""
         each = zip(self.weights, self.contacts, strict=True)
         return {"stored_energy": sum(w * elastic_energy(contact) for w, contact in each if w)}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
-        """Return the values of `fields` in the contact of a block, each of shape (n_x, n_y)."""
+        """Return the observer's `fields` in the contact of a block, by name, (n_x, n_y)."""
         return {
             f"displacement_{axis}_{body}": values
             for body in BODIES

@@ -19,7 +19,7 @@ AT_TOP = 0.9
 
 
 def fatigue_columns(bodies: Mapping[str, BodyDamage], model: Model) -> dict[str, Any]:
-    """Return the columns of the fatigue of each body, by name."""
+    """Return all fatigue columns of a record, values by name and body."""
     life, shares = model.laws.life, model.weights
     columns = cycle_columns({body: part.fatigue for body, part in bodies.items()})
     if model.laws.volume is not None:
@@ -34,7 +34,7 @@ def fatigue_columns(bodies: Mapping[str, BodyDamage], model: Model) -> dict[str,
 
 
 def cycle_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
-    """Return the columns of utilisation and shakedown, by name and body."""
+    """Return the columns of utilisation and shakedown, values by name and body."""
     residual = {body: cycle.largest("residual_shear") for body, cycle in cycles.items()}
 
     def factors(name: str) -> dict[str, float]:
@@ -50,7 +50,7 @@ def cycle_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
 
 
 def shakedown_remark(cycles: Mapping[str, BodyFatigue]) -> str:
-    """Return the remark on bodies with stress above the shakedown limit; "" if there are none."""
+    """Return a remark on bodies loaded above the shakedown limit; empty if there are none."""
     factors = {body: cycle.shakedown_lower for body, cycle in cycles.items()}
     above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
     if not above:
@@ -64,7 +64,7 @@ def shakedown_remark(cycles: Mapping[str, BodyFatigue]) -> str:
 def _volume_columns(
     bodies: Mapping[str, BodyDamage], model: Model, law: VolumeLife
 ) -> dict[str, Any]:
-    """Return the columns of the life of a volume; lives of several blocks add by Miner's rule."""
+    """Return the columns of stressed volume and its life; blocks add up by Miner's rule."""
     survival = required(_table(model.scene).volume, "fatigue.volume").survival
     columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}}
     for body, part in bodies.items():
@@ -81,7 +81,7 @@ def _volume_columns(
 
 
 def stressed_volume(cycle: BodyFatigue, scene: Scene, law: VolumeLife) -> float:
-    """Return the integral of stress over the volume of a body; if flat, over 1 mm of track."""
+    """Return the integral of stress over a body's volume; of a flat one, over 1 mm of track."""
     radius = getattr(scene.body, cycle.body).radius_x
     around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
     limit = required(_table(scene).limit, "fatigue.limit")
@@ -121,7 +121,7 @@ def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life:
 
 
 def utilisation_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
-    """Return the columns of the utilisation, by name and body."""
+    """Return the columns of the utilisation and its places, values by name and body."""
     maxima = {body: cycle.largest() for body, cycle in cycles.items()}
     return {
         "utilisation": {body: maximum.value for body, maximum in maxima.items()},
@@ -134,7 +134,7 @@ def utilisation_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
 def surface_density_ratios(
     bodies: Mapping[str, BodyDamage], model: Model, law: VolumeLife
 ) -> dict[str, float]:
-    """Return `VolumeLife.surface_density_ratio` of each body, the largest of all blocks."""
+    """Return each body's largest density of the stressed volume at the top over its maximum."""
     limit = required(_table(model.scene).limit, "fatigue.limit")
     return {
         body: max(

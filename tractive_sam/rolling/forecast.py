@@ -12,7 +12,7 @@ from tractive_sam.scene import Scene
 
 
 class Forecast:
-    """The completed and the remaining part of a roll, updated record by record.
+    """Forecast of the remaining steps and time of a roll, updated record by record.
 
     Jumps grow with the revolutions rolled, and shorten before every stop: they are predicted one by
     one, by the rule of `rolling.control`.
@@ -61,7 +61,7 @@ class Forecast:
     def add(
         self, place: float, jump: float, solves: float, seconds: float, worn: float = 0.0
     ) -> None:
-        """Add a record: its place, for example revolutions, and its columns with these names.
+        """Update the forecast by a record: its coordinate, next jump, contact solves and seconds.
 
         `worn` is its wear depth over the approach of the bodies.
         """
@@ -79,7 +79,7 @@ class Forecast:
 
     @property
     def remaining_seconds(self) -> float:
-        """Estimated remaining time, from the time of the last records; the first one compiles."""
+        """Return the estimated remaining time, from the time per contact of the last records."""
         if not self._spent:
             return 0.0
         first = 1 if 1 < len(self._spent) < self.recent else 0
@@ -87,7 +87,7 @@ class Forecast:
         return self.left * seconds / solves if solves else 0.0
 
     def _learn(self, step: float, distance: float, wish: float) -> None:
-        """Learn from a step how short steps must be to reach a stop directly."""
+        """Adjust, by a step taken, the longest step that may end directly at a stop."""
         nearer, longest = ceil(SETTLING * distance), min(wish, distance)
         if nearer < step < longest:
             self._settled = step
@@ -97,11 +97,11 @@ class Forecast:
             self._settled = max(self._settled, step)
 
     def _distance_to_stop(self, here: float) -> float:
-        """Return the distance to the next stop."""
+        """Return the distance from a place to the next stop of the schedule."""
         return self._stops[bisect_right(self._stops, here)] - here
 
     def _count_steps(self, jump: float, before: float, worn: float) -> float:
-        """Return the number of remaining steps, by the mean of the last two wishes."""
+        """Return the predicted number of remaining steps, given the last two wanted jumps."""
         here, shaped, count = self._here, self._here, 0
         wish = sqrt(jump * before)
         if worn < self.shaped and jump >= self.unhindered * here:

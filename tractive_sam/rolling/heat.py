@@ -23,12 +23,12 @@ from tractive_sam.schema import required
 
 @lru_cache(maxsize=4)
 def _memory(grid: Grid, speed: float, diffusivity: float, conductivity: float) -> HeatMemory:
-    """Return the operator of a body, stored for later steps."""
+    """Return the heat memory of a body; calls with equal arguments share one object."""
     return HeatMemory(grid, speed, diffusivity, conductivity)
 
 
 def heat_memories(model: Model) -> dict[str, HeatMemory]:
-    """Return the operators of both bodies; bodies of equal material share one object."""
+    """Return the heat memories of both bodies; bodies of equal material share one object."""
     speed, grid = model.scene.creepage.speed, model.grid
     return {
         body: _memory(grid, speed, thermal.diffusivity, thermal.conductivity)
@@ -38,7 +38,7 @@ def heat_memories(model: Model) -> dict[str, HeatMemory]:
 
 @dataclass(frozen=True, eq=False)
 class TransientHeat(Observer):
-    """Temperature due to the heat of all steps, which stays in the material.
+    """Observer of surface temperatures due to the heat of all steps so far (heat memory).
 
     Attributes
     ----------
@@ -56,14 +56,14 @@ class TransientHeat(Observer):
     past: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory that it takes in addition to its stored records, bytes.
+        """Return the memory, in bytes, that the observer needs besides its stored records.
 
         It counts fields of both bodies before, after and during a step.
         """
         return 8.0 * 3 * sum(math.prod(memory.shape) for memory in heat_memories(model).values())
 
     def begin(self, step: Any, model: Model) -> "TransientHeat":
-        """Return the observer after the first step; `step.observed` has the observers before it.
+        """Return the observer as it is after the first step of a process.
 
         A contact that rolled steadily has its steady temperature. Other bodies have their bulk
         temperature, and in contact the temperature of two half-spaces put together.
@@ -73,7 +73,7 @@ class TransientHeat(Observer):
         return first._after_shift(step.result, model) if step.result.shifted else first
 
     def after(self, step: Any, model: Model) -> "TransientHeat":
-        """Return the observer after a later step, which may be on a wider mesh."""
+        """Return the observer updated by a later step, which may be on a wider mesh."""
         memories = heat_memories(model)
         adopted = replace(self, past=_per_body(memories, HeatMemory.adopt, self.past))
         if step.result.shifted:
@@ -89,7 +89,7 @@ class TransientHeat(Observer):
         return replace(adopted, heat=heat, past=past)
 
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
-        """Return the heat after a shift: its heat appears at once."""
+        """Return the observer after a shift, whose frictional heat is released in no time."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
         total, before = _friction_heat(result), required(self.heat, "heat").temperature
         warmth = {
@@ -104,7 +104,7 @@ class TransientHeat(Observer):
         return replace(self, heat=heat, past=past)
 
     def restore(self, step: Any, stored: Any) -> "TransientHeat":
-        """Return the observer after a stored step (`Observer.restore`)."""
+        """Return the observer as it was after a stored step, to resume from."""
         state, contact = stored.state_of(self), step.result.contact
         past = {body: state[body] for body in BODIES}
         temperature = state["temperature"]
@@ -116,7 +116,7 @@ class TransientHeat(Observer):
         return TransientHeat(FlashTemperature(contact.grid, contact.touching, warmth, none), past)
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block to record, completed by results of the observer.
+        """Return the contact of a block with results of the observer added, to be recorded.
 
         Its columns and fields of temperature read this heat.
         """
@@ -124,7 +124,7 @@ class TransientHeat(Observer):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to resume from, by name; each has at least one dimension.
+        """Arrays, by name, from which `restore` makes the observer again (1-d or more).
 
         Fields of the past have a margin around the mesh.
         """
@@ -135,7 +135,7 @@ class TransientHeat(Observer):
 
 
 def _first_temperatures(contact: State, model: Model) -> FlashTemperature:
-    """Return the temperatures of bodies that were just pressed together."""
+    """Return the temperatures at first contact of two bodies at their bulk temperatures."""
     none, bulk = np.zeros(contact.grid.elements), required(model.scene.heat, "heat").bulks
     share = _shares_of_instant_heat(model)
     difference = contact.touching * (bulk["B"] - bulk["A"])
@@ -157,7 +157,7 @@ def _friction_heat(result: StepResult) -> np.ndarray:
 
 
 def _shares_of_instant_heat(model: Model) -> dict[str, float]:
-    """Return the shares of both bodies in heat that appears at once, by their effusivities."""
+    """Return the shares of the bodies in heat released in no time, by their effusivities."""
     effusivity = {
         body: thermal.conductivity / thermal.diffusivity**0.5
         for body, thermal in model.scene.thermal.items()
@@ -171,7 +171,7 @@ def _per_body(
     function: Callable[[Any, np.ndarray], Any],
     arrays: Mapping[str, np.ndarray],
 ) -> dict[str, Any]:
-    """Return a function of an object and an array of each body; once if they are equal."""
+    """Return function(object, array) for "A" and "B"; one call if both have equal arguments."""
     value = function(objects["A"], arrays["A"])
     equal = objects["B"] is objects["A"] and np.array_equal(arrays["B"], arrays["A"])
     return {"A": value, "B": value if equal else function(objects["B"], arrays["B"])}

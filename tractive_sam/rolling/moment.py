@@ -65,7 +65,7 @@ class Moment(Step):
 
     @classmethod
     def from_stored(cls, scene: Scene, stored: StoredStep) -> "Moment":
-        """Return the moment of a stored record; the model and the observers complete it."""
+        """Return the moment of a stored record, without what the model adds (see `adopt`)."""
         history, row, state = stored.history, stored.row, stored.state
         names = ("distance", "stretch", "next_step", "approach", "xi_x", "xi_y")
         columns = {name: history[name] for name in names}
@@ -106,11 +106,11 @@ class Moment(Step):
 
     @property
     def place(self) -> float:
-        """Value of the coordinate of its record."""
+        """Value of the coordinate (revolution, distance, ...) of the step's record."""
         return self.distance
 
     def on(self, grid: Grid) -> "Moment":
-        """Return the state at this moment on a wider mesh with elements of the same size.
+        """Return the moment on a wider mesh with elements of the same size.
 
         `Transient` computes the gap outside of the former mesh.
         """
@@ -119,7 +119,7 @@ class Moment(Step):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to continue from in addition to the fields of the contacts, by name."""
+        """Arrays, by name, needed to resume besides the fields of the contacts."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
         state = {
@@ -132,7 +132,7 @@ class Moment(Step):
         return state
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the part of the record that the step, or one of its blocks, provides."""
+        """Return the contact and the values that the step (or one block) adds to its record."""
         course, contact = Courses(self.contact.scene), self.contact
         step = self.result.since(self.earlier)
         distance = step.distance
@@ -166,7 +166,7 @@ class Moment(Step):
         return StepRecord(contact, values, may_store)
 
     def _worn(self, rolls: bool, step: StepResult) -> dict[str, Any]:
-        """Return the columns of the wear of the step and of those before."""
+        """Return the wear columns of the record, from the last step and all before."""
         wear, grid, each = self.contact.wear, self.contact.grid, self.result.worn
         # Shifts leave no track behind the contact: it is the deepest place of each row of elements.
         at, rows = 0 if rolls else wear.argmax(axis=0), np.arange(grid.elements[1])

@@ -15,7 +15,7 @@ from tractive_sam.scene import Scene
 
 @renamed_attributes(asked_by="applies_to")
 class Observer(ABC):
-    """The values of an observer after a step of a process, and its parameters.
+    """Base class of observers, which compute further columns and fields along a process.
 
     It defines its columns, stored fields and description, and the state that it needs to resume.
     An object never changes: `begin`, `after` and `restore` return another one. The steps of a
@@ -55,21 +55,21 @@ class Observer(ABC):
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """Columns that it records in addition to the package's."""
+        """Columns that the observer adds to each record."""
         return ()
 
     @property
     def fields(self) -> tuple[Quantity, ...]:
-        """Functions of x and y that it stores with the fields of a record."""
+        """Fields over x and y that the observer stores with the fields of a record."""
         return ()
 
     @classmethod
     def applies_to(cls, scene: Scene) -> bool:
-        """Return whether the scene has its table."""
+        """Return whether a scene has the table (`key`) that adds this observer."""
         return bool(cls.key) and scene.has(cls.key)
 
     def describe(self, model: Model) -> Iterable[Row]:
-        """Return the rows that `explain` prints for it; by default the first line of its docstring.
+        """Return the rows that `explain` prints; by default the docstring's first line.
 
         They are printed below its table of the scene, or below "Observers".
         """
@@ -77,12 +77,12 @@ class Observer(ABC):
         return [Row(self.name, summary)]
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory that it takes in addition to its stored records, bytes."""
+        """Return the memory, in bytes, that the observer needs besides its stored records."""
         return 0.0
 
     @abstractmethod
     def begin(self, step: Any, model: Model) -> Self:
-        """Return the observer after the first step; `step.observed` has the observers before it.
+        """Return the observer as it is after the first step of a process.
 
         Parameters
         ----------
@@ -94,7 +94,7 @@ class Observer(ABC):
 
     @abstractmethod
     def after(self, step: Any, model: Model) -> Self:
-        """Return the observer after a later step, which may be on a wider mesh.
+        """Return the observer updated by a later step, which may be on a wider mesh.
 
         Parameters
         ----------
@@ -106,7 +106,7 @@ class Observer(ABC):
 
     @abstractmethod
     def restore(self, step: Any, stored: Any) -> Self:
-        """Return the observer after a stored step.
+        """Return the observer as it was after a stored step, to resume from.
 
         Parameters
         ----------
@@ -123,11 +123,11 @@ class Observer(ABC):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to resume from, by name; each has at least one dimension."""
+        """Arrays, by name, from which `restore` makes the observer again (1-d or more)."""
         return {}
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block to record, completed by results of the observer.
+        """Return the contact of a block with results of the observer added, to be recorded.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Observer(ABC):
         return contact
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the values of its columns, given the values recorded from the contact.
+        """Return the values of the observer's columns, by name, for the record of a step.
 
         Parameters
         ----------
@@ -151,34 +151,34 @@ class Observer(ABC):
         return {}
 
     def record_block(self, block: int) -> Mapping[str, Any]:
-        """Return the values of the columns that exist for each block of a duty cycle, by name."""
+        """Return the values, by name, of the columns that each block of a duty cycle has."""
         return {}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
-        """Return the values of `fields` in the contact of a block, each of shape (n_x, n_y)."""
+        """Return the observer's `fields` in the contact of a block, by name, (n_x, n_y)."""
         return {}
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """Return stress on planes in the contact of a block, to be stored with the fields."""
+        """Return the stress on planes below the contact of a block, stored with the fields."""
         return ()
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """Fatigue of the bodies, to be stored with the fields."""
+        """Fatigue of the bodies in the last step, stored with the fields."""
         return ()
 
     def missed(self, model: Model) -> float:
-        """Return the error of the last step over the error that the scene tolerates."""
+        """Return the observer's error in the last step over the error that the scene tolerates."""
         return 0.0
 
     @property
     def shortfall(self) -> str:
-        """Message that the steps are less accurate than the scene requires; empty if they are not.
+        """Message if the steps are less accurate than the scene requires; else empty.
 
         A history that ends with one has the status "inaccurate" and this message.
         """
         return ""
 
     def remark(self, model: Model) -> str:
-        """Return an addition to the message of a history; it begins with a semicolon."""
+        """Return text to append to the message of a history, "; ..."; empty if there is none."""
         return ""

@@ -20,7 +20,7 @@ from tractive_sam.rolling.wear_pass import solve_pass
 
 @dataclass(frozen=True, eq=False)
 class ProfilePoint:
-    """A revolution from which later ones are extrapolated.
+    """Profile and wear rate at a revolution, from which later revolutions are extrapolated.
 
     Attributes
     ----------
@@ -38,18 +38,18 @@ class ProfilePoint:
 
     @property
     def halfway(self) -> np.ndarray:
-        """Profile in the middle of the revolution, shape (n_y,), mm."""
+        """Profile halfway through the revolution, shape (n_y,), mm."""
         return self.profile + 0.5 * self.rate
 
     def on(self, elements: int) -> "ProfilePoint":
-        """Return the point on a wider mesh of equal elements, with zeros at both ends."""
+        """Return the profile and rate on a wider mesh, with zeros at both ends."""
         more = (elements - self.profile.size) // 2
         return ProfilePoint(self.revolution, np.pad(self.profile, more), np.pad(self.rate, more))
 
 
 @dataclass(frozen=True, eq=False)
 class Passage(Step):
-    """State after a revolution, with all that the next revolution needs.
+    """State of the rolling bodies after a revolution, with all that the next one needs.
 
     Attributes
     ----------
@@ -98,23 +98,23 @@ class Passage(Step):
 
     @property
     def rolled(self) -> int | None:
-        """Block of this revolution; None if it is the mean of a cycle."""
+        """Index of the only block in this revolution; None if it stands for the mean of a cycle."""
         (blocks,) = np.nonzero(np.array(self.weights))
         return int(blocks[0]) if blocks.size == 1 else None
 
     @property
     def contact(self) -> State:
-        """The contact of this revolution; of several, one that was not solved, or the first."""
+        """Contact of this revolution: the first unsolved one, else the rolled or first block's."""
         failed = [contact for contact in self.contacts if not contact.converged]
         return failed[0] if failed else self.contacts[self.rolled or 0]
 
     @property
     def place(self) -> int:
-        """Value of the coordinate of its record."""
+        """Value of the coordinate (revolution, distance, ...) of the step's record."""
         return self.revolution
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the part of the record that the step, or one of its blocks, provides."""
+        """Return the contact and the values that the step (or one block) adds to its record."""
         contact = self.contact if block is None else self.contacts[block]
         contact = replace(contact, revolution=self.revolution)
         # The adaptive stepping has corrected the profile with which the material enters.
@@ -158,7 +158,7 @@ class Passage(Step):
 
     @property
     def entering(self) -> np.ndarray:
-        """Depth with which material enters the contact, shape (n_y,), mm.
+        """Wear depth of both bodies with which material enters the contact, shape (n_y,), mm.
 
         After a jump it is corrected by the rate of its contact; `contact` is not.
         """
@@ -166,7 +166,7 @@ class Passage(Step):
 
     @property
     def leaving(self) -> np.ndarray:
-        """Depth behind the contact, for a cycle the mean, shape (n_y,), mm."""
+        """Wear depth of both bodies behind the contact (mean of a cycle), shape (n_y,), mm."""
         if self.rolled is None:
             return self.entering + self.worn
         contact = self.contacts[self.rolled]
@@ -174,12 +174,12 @@ class Passage(Step):
 
     @property
     def worn(self) -> np.ndarray:
-        """Depth that the pass wears off both bodies, for a cycle the mean, shape (n_y,), mm."""
+        """Depth that one pass wears off both bodies (mean of a cycle), shape (n_y,), mm."""
         return _weighted_mean(self.weights, map(_depth_of_pass, self.contacts))
 
     @property
     def gained(self) -> np.ndarray:
-        """Depth by which this revolution deepens the entering profile, shape (n_y,), mm.
+        """Depth that this revolution adds to the entering profile, shape (n_y,), mm.
 
         It is the part of the wear of each pass that returns to the contact (see `Turns`).
         """
@@ -199,7 +199,7 @@ class Passage(Step):
         )
 
     def _initial_depth(self, body: str | None = None) -> np.ndarray | float:
-        """Return the depth with which the roll began, of one body or of both, mm."""
+        """Return the wear depth with which the roll began, of one body or of both, mm."""
         if self.began is None:
             return 0.0
         both = self.began.on(self.grid)
@@ -207,7 +207,7 @@ class Passage(Step):
 
     @property
     def worn_parts(self) -> np.ndarray:
-        """The `parts`; if there are none, they are computed from the turns."""
+        """Depth worn off each body by each block so far, shape (blocks, 2, n_y), mm."""
         if self.parts is not None:
             return self.parts
         turns, since = self.turns[0], self.entering - self._initial_depth()
@@ -216,11 +216,11 @@ class Passage(Step):
         )
 
     def _entering_of(self, body: str) -> np.ndarray:
-        """Return the depth of one body before the contact, shape (n_y,), mm; needs parts."""
+        """Return the entering wear depth of one body, shape (n_y,), mm; `parts` must be set."""
         return self._initial_depth(body) + self.worn_parts[:, "AB".index(body)].sum(axis=0)
 
     def worn_depths(self, body: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return the depths (n_y,) worn off one body before and in this revolution, mm."""
+        """Return the depths (n_y,), mm, worn off a body before this revolution and in it."""
         if self.parts is not None:
             return self._entering_of(body), self.gained_by_block[:, "AB".index(body)].sum(axis=0)
         lasting = self.turns[0].share_of_entering(body)
@@ -228,7 +228,7 @@ class Passage(Step):
         return self._initial_depth(body) + here, lasting * self.course[-1].rate
 
     def depth_behind(self, body: str) -> np.ndarray:
-        """Return the depth of a body behind the contact, mm; for a flat one of one pass."""
+        """Return the wear depth of one body behind the contact, shape (n_y,), mm."""
         if self.parts is None:
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
             return self._initial_depth(body) + self.turns[0].of_body(body, *depths)
@@ -238,7 +238,7 @@ class Passage(Step):
         )
 
     def mean_depth(self, body: str) -> np.ndarray:
-        """Return the mean depth worn off one body around its circumference, mm (`Turns.worn`)."""
+        """Return the wear depth of a body averaged around its circumference, shape (n_y,), mm."""
         if self.parts is None:
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
             return self._initial_depth(body) + self.turns[0].worn(body, *depths)
@@ -246,48 +246,48 @@ class Passage(Step):
 
 
 def _depth_of_pass(contact: State) -> np.ndarray:
-    """Return the depth that a pass of a contact wears off both bodies, shape (n_y,), mm."""
+    """Return the depth that one pass wears off both bodies, shape (n_y,), mm."""
     return contact.wear[0] - contact.wear[-1]
 
 
 def _weighted_mean(weights: Sequence[float], values) -> np.ndarray:
-    """Return the weighted mean; a single value with weight 1 is returned unchanged."""
+    """Return the sum of weight times value; values with weight zero are not evaluated."""
     return sum(w * value for w, value in zip(weights, values, strict=True) if w)
 
 
 def _pad_rows(values: Any, more: int, mode: Literal["constant", "edge"]) -> Any:
-    """Return values over y with more elements on both sides; numbers stay numbers."""
+    """Return values over y padded by `more` elements at both ends; plain numbers unchanged."""
     if not isinstance(values, np.ndarray):
         return values
     return np.pad(values, [(0, 0)] * (values.ndim - 1) + [(more, more)], mode=mode)
 
 
 def _middle_rows(narrow: Grid, wide: Grid) -> np.ndarray:
-    """Return the rows of a mesh that a narrower one has."""
+    """Return the row indices of a wide mesh that a narrower mesh covers."""
     more = (wide.elements[1] - narrow.elements[1]) // 2
     return np.arange(more, more + narrow.elements[1])
 
 
 def first_passage(model: Model) -> Passage:
-    """Return revolution zero: the bodies before rolling."""
+    """Return the passage of revolution zero: the bodies pressed together, before rolling."""
     return start_passage(
         model, tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
     )
 
 
 def start_passage(model: Model, contacts: tuple[State, ...]) -> Passage:
-    """Return revolution zero, from solved contacts."""
+    """Return the passage of revolution zero from already solved contacts."""
     return Passage(contacts, 0, len(contacts), **_from_model(model, contacts))
 
 
 def complete_passage(model: Model, last: Passage) -> Passage:
-    """Return a passage that was stored, completed by values of its model."""
+    """Return a stored passage with the attributes that follow from its model."""
     values = _from_model(model, last.contacts, last.rolled)
     return replace(last, **values | {"parts": last.parts if "parts" in values else None})
 
 
 def _from_model(model: Model, contacts: tuple[State, ...], rolled: int | None = None) -> dict:
-    """Return the attributes of a passage that follow from its model.
+    """Return the attributes of a passage that follow from its model, by name.
 
     `rolled` is the only block of the revolution, if there is one.
     """
@@ -302,7 +302,7 @@ def _from_model(model: Model, contacts: tuple[State, ...], rolled: int | None = 
 
 
 def _lasting_part(model: Model, contact: State) -> Turns:
-    """Return the lasting part of a pass, as the law of wear shares its depth between the bodies."""
+    """Return how the wear of a pass is shared between the bodies and returns to the contact."""
     law, turns = model.wear_law, contact.scene.turns
     if law is None:
         return turns
@@ -312,7 +312,7 @@ def _lasting_part(model: Model, contact: State) -> Turns:
 
 
 def attribute_wear(last: Passage, passage: Passage) -> Passage:
-    """Return the next passage with the wear of each body by each block since the last one.
+    """Return a passage with the wear since the last one attributed to blocks and bodies.
 
     The profile determines the total. It is shared in proportion to the rates; over a jump to the
     mean of the rates at its ends.
@@ -329,7 +329,7 @@ def attribute_wear(last: Passage, passage: Passage) -> Passage:
 
 
 def next_passage(model: Model, last: Passage) -> Passage:
-    """Roll one more revolution (paper, section 7); with [[duty]] in the next block."""
+    """Roll one more revolution (paper, section 7), of a duty cycle the next block's."""
     k = last.rolled or 0
     entering = last.turns[k].next(last.entering, last.leaving)
     tolerance, revolution = model.scene.solver.tolerance, last.revolution + 1
@@ -347,7 +347,7 @@ def passage_at(
     grown: np.ndarray | float = 1.0,
     rolled: int | None = None,
 ) -> Passage:
-    """Roll through the contacts of a cycle with a prescribed profile.
+    """Solve the contacts of a revolution for a prescribed entering profile.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ GROWTHS = 16
 
 
 class StepRecord(NamedTuple):
-    """The part of a record that its step provides.
+    """Contact and values of one step, from which its record in the history is made.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class StepRecord(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Step(ABC):
-    """One record of a process, with all that the next one needs.
+    """Base class of a step of a process: its contacts, and all that the next step needs.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Step(ABC):
     @property
     @abstractmethod
     def place(self) -> float:
-        """Value of the coordinate."""
+        """Value of the coordinate (revolution, distance, ...) of the step's record."""
 
     @abstractmethod
     def on(self, grid: Grid) -> Self:
@@ -105,26 +105,26 @@ class Step(ABC):
 
     @abstractmethod
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the part of the record that the step, or one of its blocks, provides."""
+        """Return the contact and the values that the step (or one block) adds to its record."""
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each contact in the step."""
+        """Share of each contact in the values of the step."""
         return (1.0,) * len(self.contacts)
 
     @property
     def contact(self) -> State:
-        """The first contact that was not solved, or the first one if all were."""
+        """First unsolved contact of the step; if all were solved, the first one."""
         return next((c for c in self.contacts if not c.converged), self.contacts[0])
 
     @property
     def converged(self) -> bool:
-        """Whether all contacts were solved."""
+        """Whether all contacts of the step were solved."""
         return all(contact.converged for contact in self.contacts)
 
     @property
     def is_outgrown(self) -> bool:
-        """Whether the contact has reached the edge of the mesh."""
+        """Whether a contact has reached the edge of the mesh, so that the mesh must grow."""
         return self.contact.status is Status.OFF_GRID
 
     @property
@@ -134,13 +134,13 @@ class Step(ABC):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to continue from in addition to the fields of the contacts, by name."""
+        """Arrays, by name, needed to resume besides the fields of the contacts."""
         return {}
 
 
 @dataclass(frozen=True, eq=False)
 class StoredStep:
-    """The record of a history from which a process continues.
+    """Record of a history with its arrays, from which a process resumes.
 
     Attributes
     ----------
@@ -158,11 +158,11 @@ class StoredStep:
 
     @property
     def earlier_row(self) -> int:
-        """Row of the last record before from which the process could continue; else its own row."""
+        """Row of the last earlier record from which a process can resume; else this row."""
         return max((k for k in continuing_rows(self.history) if k < self.row), default=self.row)
 
     def contact(self, scene: Scene, place: int | None = None) -> State:
-        """Return the contact, in a scene that may store more records than the history has.
+        """Return the stored contact (of one block), with `scene` as its scene.
 
         Parameters
         ----------
@@ -181,7 +181,7 @@ class StoredStep:
         return contact
 
     def state_of(self, observer: Observer) -> Mapping[str, np.ndarray]:
-        """Return the stored `state` of an observer, by the names that the observer uses.
+        """Return the stored arrays of an observer, by the names that the observer uses.
 
         Raises
         ------
@@ -192,12 +192,12 @@ class StoredStep:
         return _ObserverState(arrays, f"{observer.name}_", self.state)
 
     def state_under(self, name: str) -> dict[str, np.ndarray]:
-        """Return the stored arrays of a part of the step, by their names within it."""
+        """Return the stored arrays whose names begin with "name_", without this prefix."""
         start = f"{name}_"
         return {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
 
     def require(self, names: Iterable[str], before: int = 0) -> None:
-        """Raise a LookupError if a column is not finite in this record or some before it."""
+        """Raise a LookupError if columns are not finite in this record (or some before it)."""
         rows = slice(max(self.row - before, 0), self.row + 1)
         missing = [name for name in names if not np.isfinite(self.history[name][rows]).all()]
         if missing:
@@ -205,7 +205,7 @@ class StoredStep:
 
 
 class _ObserverState(dict[str, np.ndarray]):
-    """Stored arrays of an observer by the names that it uses; older files have no prefix."""
+    """Mapping of an observer's stored arrays by name; finds unprefixed names of old files."""
 
     def __init__(
         self, arrays: Mapping[str, np.ndarray], start: str, state: Mapping[str, np.ndarray]
@@ -220,7 +220,7 @@ class _ObserverState(dict[str, np.ndarray]):
 
 
 def continuing_rows(history: History) -> np.ndarray:
-    """Return the rows of the records from which a process can continue, shape (n,)."""
+    """Return the indices of the records from which a process can resume, shape (n,)."""
     continues = history["converged"] > 0.0
     if "next_step" in history.columns:  # a record between two steps has none
         continues = continues & np.isfinite(history["next_step"])
@@ -229,7 +229,7 @@ def continuing_rows(history: History) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Recorder:
-    """Additions to every record besides the values of its step.
+    """Columns that are added to every record, with a cache of the complete list of columns.
 
     Attributes
     ----------
@@ -246,7 +246,7 @@ class Recorder:
     )
 
     def choose_columns(self, scene: Scene, own: list[Quantity]) -> dict[str, Quantity]:
-        """Return the columns of a record by name; those of the last record are remembered.
+        """Return all columns of a record by name; cached for the scene of the last record.
 
         Parameters
         ----------
@@ -267,7 +267,7 @@ AnyStep = TypeVar("AnyStep", bound=Step)
 
 @renamed_attributes(followed_by="with_observers")
 class Process(ABC, Generic[AnyStep]):
-    """The contacts of a scene on a mesh, one after the other.
+    """Base class of processes: sequences of contacts of a scene, such as rolling with wear.
 
     Parameters
     ----------
@@ -300,42 +300,42 @@ class Process(ABC, Generic[AnyStep]):
 
     @cached_property
     def following(self) -> tuple[Observer, ...]:
-        """All observers of the process, before the first step."""
+        """Observers of the process in their initial state, before the first step."""
         kinds = (kind for kind in self.observers if kind.applies_to(self.model.scene))
         return (*(kind() for kind in kinds), *self.further_observers)
 
     def with_observers(self, further: Iterable[Observer]) -> Self:
-        """Return the process with further observers."""
+        """Return a copy of the process with these further observers."""
         return self._with(self.model, tuple(further))
 
     def _with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
-        """Return the process with another model or other further observers."""
+        """Return a copy of the process with another model, or with other further observers."""
         process = type(self)(model, **self.parameters)
         process.further_observers = self.further_observers if further is None else further
         return process
 
     @property
     def coordinate(self) -> Quantity | None:
-        """Coordinate of the process; None if the scene determines it."""
+        """Column by which the records are ordered; None if it follows from the scene."""
         return next((column for column in self.columns if column.role == COORDINATE), None)
 
     def describe(self) -> Iterable[Row]:
-        """Return the rows that `explain` prints for it, in addition to the rows of its table."""
+        """Return the rows that `explain` prints for the process, besides those of its table."""
         summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
         return [Row("process", summary)]
 
     @abstractmethod
     def begin(self) -> AnyStep:
-        """Return the first step."""
+        """Return the first step of the process."""
 
     @abstractmethod
     def advance(self, last: AnyStep) -> Iterator[AnyStep]:
-        """Yield the steps after one, to the end or to a contact that is not solved."""
+        """Yield the steps that follow a step, to the end or to an unsolved contact."""
 
     @classmethod
     @abstractmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> AnyStep:
-        """Return the step of a stored record; `adopt` completes it with its model.
+        """Return the step of a stored record, without what the model adds (see `adopt`).
 
         Raises
         ------
@@ -346,7 +346,7 @@ class Process(ABC, Generic[AnyStep]):
     @classmethod
     @abstractmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; about, for adaptive steps.
+        """Return the (approximate) number of records for elements of the length dx, mm.
 
         Parameters
         ----------
@@ -357,20 +357,20 @@ class Process(ABC, Generic[AnyStep]):
         """
 
     def on(self, grid: Grid) -> Self:
-        """Return the process on another mesh."""
+        """Return a copy of the process on another mesh."""
         return self._with(self.model.on(grid))
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Arguments of the class in addition to the model."""
+        """Constructor arguments of the process, by name, besides the model."""
         return {}
 
     def begin_fitted(self) -> tuple[Self, AnyStep]:
-        """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
+        """Return the process on a mesh that fits the contacts, and its first step."""
         return self, self.begin()
 
     def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
-        """Return a restored step completed by the model and the observers.
+        """Return a restored step with the values that the model and the observers add.
 
         Parameters
         ----------
@@ -383,7 +383,7 @@ class Process(ABC, Generic[AnyStep]):
         return replace(step, observed=observers)
 
     def observe(self, step: AnyStep, before: AnyStep | None = None) -> AnyStep:
-        """Return a step with its observers; most do not change if it was not solved.
+        """Return a step with its observers updated; if it is unsolved, most stay as they were.
 
         Each observer receives the step with the observers that come before it.
 
@@ -405,7 +405,7 @@ class Process(ABC, Generic[AnyStep]):
         return replace(step, observed=observed)
 
     def steps(self, last: AnyStep | None = None) -> Iterator[AnyStep]:
-        """Yield the steps after one; by default all of them.
+        """Yield the observed steps after a step (default: all), on a mesh that grows if needed.
 
         Unless the scene fixes the mesh, it grows with the contact; the following steps are on the
         wider mesh.
@@ -429,7 +429,7 @@ class Process(ABC, Generic[AnyStep]):
                 return
 
     def state(self, step: AnyStep) -> dict[str, np.ndarray]:
-        """Return all arrays to continue from after a step, by name.
+        """Return all arrays, by name, from which the process can resume after a step.
 
         The fields of its contact, and the states of the step and of its observers.
         """
@@ -437,14 +437,14 @@ class Process(ABC, Generic[AnyStep]):
 
     @staticmethod
     def _state_besides_fields(step: AnyStep) -> dict[str, np.ndarray]:
-        """Return the states of the step and of its observers, by name."""
+        """Return the arrays of a step and its observers, by name, without the contact's fields."""
         state = dict(step.own_state)
         for observer in step.observed.values():
             state |= {f"{observer.name}_{name}": array for name, array in observer.state.items()}
         return state
 
     def record(self, step: AnyStep, recorder: Recorder) -> Record:
-        """Return the record of a step.
+        """Return the record of a step for the history: values, fields and stresses.
 
         It contains fields, and the stress on the planes of the scene, if the scene saves them or
         the contact was not solved. Columns of observers are in every record.
@@ -466,18 +466,18 @@ class Process(ABC, Generic[AnyStep]):
 
     @staticmethod
     def _recording(step: AnyStep) -> list[Observer]:
-        """Return the observers that followed a step to its end."""
+        """Return the observers that have values for a step (unsolved steps have fewer)."""
         return [seen for seen in step.observed.values() if step.converged or seen.unsolved]
 
     @staticmethod
     def _cycles(step: AnyStep) -> tuple[BodyFatigue, ...]:
-        """Return the fatigue that the observers of a step computed."""
+        """Return the fatigue of the bodies that the observers of a step computed."""
         return tuple(cycle for observer in step.observed.values() for cycle in observer.cycles)
 
     def _record_contact(
         self, step: AnyStep, provided: StepRecord, recorder: Recorder, block: int = 0
     ) -> Record:
-        """Return the record of one contact; in a duty cycle it belongs to a block."""
+        """Return the record of one contact of a step, in a duty cycle of one block."""
         contact, values, may_store = provided
         store = (may_store and step.place in contact.scene.schedule) or not step.converged
         if recorder.measured is not None:
@@ -506,7 +506,7 @@ class Process(ABC, Generic[AnyStep]):
         )
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
-        """Return status and message of a history that ends with a step.
+        """Return (status, message) of a history that ends with a step.
 
         Parameters
         ----------
@@ -526,7 +526,7 @@ class Process(ABC, Generic[AnyStep]):
         return "done" if contact.converged else str(contact.status), message
 
     def _describe_place(self, step: AnyStep) -> str:
-        """Describe the place of a step, with the block for which the contact was not solved.
+        """Describe where a step is (coordinate, unsolved block) for messages.
 
         The text is the beginning of a message.
         """

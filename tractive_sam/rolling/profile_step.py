@@ -28,7 +28,7 @@ Depths = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class PatchWear:
-    """Wear of both bodies in a pass of a patch.
+    """Wear rates of wheel and rail in one contact patch, and their response to the wear.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class PatchWear:
 
 @dataclass(frozen=True, eq=False)
 class PositionWear:
-    """Wear in a position of the wheelset.
+    """Wear of wheel and rail at one lateral position of the wheelset, patch by patch.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class PositionWear:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Arrays to continue from, by name."""
+        """Arrays, by name, from which `restore` makes the object again."""
         start = self.start
         numbers = (*start.grid.half_length, start.approach)
         state = {
@@ -84,7 +84,7 @@ class PositionWear:
 
     @classmethod
     def restore(cls, share: float, contact: State, state: Mapping[str, np.ndarray]) -> PositionWear:
-        """Return the position of a stored step, from `state` and the numbers of its contact."""
+        """Return the wear at a position from its stored arrays and its contact."""
         pressure, *traction = state["fields"]
         *half_length, approach = state["numbers"].tolist()
         grid, none = (
@@ -107,7 +107,7 @@ def implicit_step(
     longest: int,
     deepest: float,
 ) -> tuple[Depths, int]:
-    """Return the change of the depths in a linearly implicit step, and its revolutions.
+    """Return the added wear depths of both profiles, and the revolutions of an implicit step.
 
     Parameters
     ----------
@@ -144,14 +144,14 @@ def implicit_step(
 def _onto_nodes(
     patch: PatchWear, nodes: tuple[np.ndarray, np.ndarray], total: np.ndarray
 ) -> np.ndarray:
-    """Return the matrix from depths of both bodies at rows to depths at the nodes of both."""
+    """Return the matrix from wear depths at rows of a patch to depths at profile nodes."""
     parts = patch.rates / np.where(total > 0.0, total, 1.0)
     triples = zip(patch.places, nodes, parts, strict=True)
     return np.concatenate([_interpolation(at, s) * part for at, s, part in triples])
 
 
 def _interpolation(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Return the matrix of linear interpolation, shape (len(at), len(known)); zero beyond it."""
+    """Return the matrix of linear interpolation from `nodes` to `at`; zero beyond the nodes."""
     k = np.clip(np.searchsorted(nodes, at) - 1, 0, nodes.size - 2)
     share = (at - nodes[k]) / (nodes[k + 1] - nodes[k])
     matrix, rows = np.zeros((at.size, nodes.size)), np.arange(at.size)

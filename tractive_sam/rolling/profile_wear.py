@@ -21,7 +21,7 @@ from tractive_sam.schema import Fault, SceneError, required
 
 @dataclass(frozen=True, eq=False)
 class WornStep(Step):
-    """Profiles after a number of revolutions, and the contacts of all positions on them.
+    """Worn wheel and rail profiles after some revolutions, with the contacts at all positions.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class WornStep(Step):
         positions: tuple[PositionWear, ...],
         mesh: Grid,
     ) -> WornStep:
-        """Return the step with these positions, and the change in the next one."""
+        """Return the step of solved positions, with the wear depths that the next step adds."""
         schedule = scene.schedule
         lengths = [stop - revolution for stop in schedule.stops if stop > revolution]
         if not lengths or not all(position.contact.converged for position in positions):
@@ -72,34 +72,34 @@ class WornStep(Step):
 
     @property
     def place(self) -> int:
-        """Value of the coordinate (`Step.place`)."""
+        """Value of the coordinate (revolution, distance, ...) of the step's record."""
         return self.revolution
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each contact in the step (`Step.weights`)."""
+        """Share of each contact in the values of the step."""
         return tuple(position.share for position in self.positions)
 
     @property
     def grid(self) -> Grid:
-        """The mesh of all blocks (`Step.grid`)."""
+        """Mesh of the history; the contacts have other meshes."""
         return self.mesh
 
     @property
     def is_outgrown(self) -> bool:
-        """Whether the contact has reached the edge of the mesh.
+        """False: each step chooses the mesh of each position.
 
         The mesh of each contact has grown with it.
         """
         return False
 
     def on(self, grid: Grid) -> WornStep:
-        """Return the step on a wider mesh of equal elements (`Step.on`)."""
+        """Raise a ValueError: the contacts of worn profiles have separate meshes."""
         raise ValueError("the contacts of worn profiles have separate meshes")
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to continue from in addition to the fields of the contacts, by name."""
+        """Arrays, by name, needed to resume besides the fields of the contacts."""
         return {
             f"position{k}_{name}": array
             for k, position in enumerate(self.positions)
@@ -107,13 +107,13 @@ class WornStep(Step):
         }
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the part of the record that the step, or one of its blocks, provides."""
+        """Return the contact and the values that the step (or one block) adds to its record."""
         position = self.positions[block or 0]
         return StepRecord(position.contact, dict(position.values), may_store=False)
 
 
 class ProfileWear(Process[WornStep]):
-    """Wears the profiles of wheel and rail over the positions of a duty."""
+    """Process that wears wheel and rail profiles over the positions of a duty cycle."""
 
     columns = (*WHEEL_COLUMNS, *WornProfiles.columns)
     first_applications = next_applications = 160.0  # all patches of a position
@@ -121,12 +121,12 @@ class ProfileWear(Process[WornStep]):
     """Relative error of the load that the patches of a wheel carry together."""
 
     def begin(self) -> WornStep:
-        """Return the first step: the contact of the unworn profiles (`Process.begin`)."""
+        """Return the first step: the contacts of the unworn profiles."""
         wheel, rail = self._nodes
         return self._step(0, (np.zeros(wheel.size), np.zeros(rail.size)), {})
 
     def advance(self, last: WornStep) -> Iterator[WornStep]:
-        """Yield the steps after one, to the end or to a contact that is not solved."""
+        """Yield the steps that follow a step, to the end or to an unsolved contact."""
         while last.jump:
             depths = last.depths[0] + last.change[0], last.depths[1] + last.change[1]
             starts = {k: position.start for k, position in enumerate(last.positions)}
@@ -134,14 +134,14 @@ class ProfileWear(Process[WornStep]):
             yield last
 
     def state(self, step: WornStep) -> dict[str, np.ndarray]:
-        """Return all arrays to continue from after a step, by name.
+        """Return all arrays, by name, from which the process can resume after a step.
 
         Fields are left out: they belong to separate meshes.
         """
         return self._state_besides_fields(step)
 
     def record(self, step: WornStep, recorder: Recorder) -> Record:
-        """Return the record of a step.
+        """Return the record of a step for the history: values, fields and stresses.
 
         It has no fields; with [[duty]] it is combined from the positions.
         """
@@ -164,7 +164,7 @@ class ProfileWear(Process[WornStep]):
         return cycle_record(each, spectrum.each, values | {"seconds": np.nan}, scene, extra)
 
     def _values(self, step: WornStep) -> dict[str, Any]:
-        """Return the columns of both bodies and of the step."""
+        """Return the values of the columns that do not belong to a position, by name."""
         scene = self.model.scene
         sections = [np.trapezoid(d, s) for d, s in zip(step.depths, self._nodes, strict=True)]
         wheel = required(scene.wheel, "wheel")
@@ -184,7 +184,7 @@ class ProfileWear(Process[WornStep]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> WornStep:
-        """Return the step of a stored record; `adopt` completes it with its model."""
+        """Return the step of a stored record, without what the model adds (see `adopt`)."""
         history, row = stored.history, stored.row
         depths = history["wheel_wear"][row], history["rail_wear"][row]
         stored.require(("wheel_wear", "rail_wear"))
@@ -205,7 +205,7 @@ class ProfileWear(Process[WornStep]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; about, for adaptive steps.
+        """Return the (approximate) number of records for elements of the length dx, mm.
 
         The number is an estimate for a contact that slides entirely and does not move.
         """
@@ -228,11 +228,11 @@ class ProfileWear(Process[WornStep]):
 
     @property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Arc lengths of the nodes of both new profiles, mm."""
+        """Arc lengths of the nodes of both unworn profiles, mm."""
         return _nodes(self.model.scene)
 
     def _step(self, revolution: int, depths: Depths, starts: Mapping[int, State]) -> WornStep:
-        """Return the step with worn profiles.
+        """Solve all positions with worn profiles, and return the step.
 
         Raises
         ------
@@ -254,7 +254,7 @@ class ProfileWear(Process[WornStep]):
     def _position(
         self, share: float, scene: Scene, profiles: tuple[Profile, Profile], start: State | None
     ) -> PositionWear:
-        """Return the wear in a position."""
+        """Solve the patches of one position, and return the wear in them."""
         model = Model(scene, wheel_rail=WheelRail.of_profiles(scene, *profiles))
         if start is not None and _still_fits(start.grid, model.grid):
             model = model.on(start.grid)
@@ -278,11 +278,11 @@ class ProfileWear(Process[WornStep]):
 
     @property
     def _passes(self) -> np.ndarray:
-        """Passes of wheel and rail through the contact per revolution, shape (2, 1)."""
+        """Passes of wheel and rail through the contact per wheel revolution, shape (2, 1)."""
         return np.array([[1.0], [required(self.model.scene.rail, "rail").passes_per_revolution]])
 
     def _wear_of_patch(self, model: Model, contact: State, wheel: Profile) -> PatchWear:
-        """Return the wear of a patch."""
+        """Return the wear rates and the response of one solved patch."""
         law, y = required(wear_law_at(model, contact), "wear"), contact.grid.y
         patch = required(model.patch, "wheel")
         rates = law.rates(
@@ -298,7 +298,7 @@ class ProfileWear(Process[WornStep]):
 
 
 def _still_fits(before: Grid, chosen: Grid, least: float = 0.7, most: float = 1.08) -> bool:
-    """Return whether the mesh of the step before may replace the one that would be chosen.
+    """Return whether the mesh of the last step is close enough to the chosen one to be used.
 
     Contacts can then start from the step before. Within these ratios of the half lengths, the
     margin around the contact is between half and three times the usual one.
@@ -315,7 +315,7 @@ def _nodes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _positions(scene: Scene) -> list[tuple[float, Scene]]:
-    """Return the share in the revolutions, and the scene, of each different position."""
+    """Return (share of the revolutions, scene) of each different position of a duty cycle."""
     spectrum = scene.spectrum
     if spectrum is None:
         return [(1.0, scene)]

@@ -17,7 +17,7 @@ from tractive_sam.schema import Fault, SceneError, build_law, load_law_class
 
 
 def process_type(scene: Scene) -> type[Process[Any]]:
-    """Return the process that a scene names, or that follows from its schedule and its blocks.
+    """Return the class of the process that a scene names, or that follows from its tables.
 
     Raises
     ------
@@ -59,5 +59,5 @@ def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
 
 
 def steps(model: Model, start: Step | None = None) -> Iterator[Any]:
-    """Yield the steps of a model after a given one; by default all of them."""
+    """Yield the steps of a model's process that follow a step; by default all of them."""
     return process_of(model).steps(start)

@@ -10,7 +10,7 @@ from tractive_sam.schema import required
 
 
 def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
-    """Return the Jacobian of the mean wear per revolution by the profile, (n_y, n_y).
+    """Return the Jacobian of wear per revolution by the profile, mean of blocks, (n_y, n_y).
 
     Its weights are the shares of the blocks, with sum 1 (`Passage.weights`).
 
@@ -28,7 +28,7 @@ def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> 
 
 
 def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
-    """Return the Jacobian of the wear per revolution by the profile, for each block.
+    """Return the Jacobian of wear per revolution by the profile for each block, (n_y, n_y).
 
     Returns
     -------
@@ -43,7 +43,7 @@ def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> lis
 
 
 def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
-    """Return the approximate Jacobian of the wear of a pass with respect to the entering profile.
+    """Return the approximate Jacobian of the wear of a pass by the entering profile, (n_y, n_y).
 
     Material that is worn deeper carries less pressure, by the compliance between rows at constant
     load, and wears less: waves of the profile decay at a rate proportional to their wave number, up
@@ -83,7 +83,7 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 
 
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
-    """Return the depth worn by each row per MPa summed over it, mm; constant beyond the rim."""
+    """Return the wear depth of each row per MPa summed over the row, mm; extrapolated outside."""
     count = contact.touching.sum(axis=0)
     law = required(wear_law_at(model, contact), "wear")
     rate = law.per_load(contact.pressure, contact.traction, contact.slip)

@@ -24,26 +24,26 @@ from tractive_sam.schema import required
 
 
 class Revolutions(Process[Passage]):
-    """Rolls revolution by revolution, or in adaptive jumps; without [wear] only unworn bodies."""
+    """Process of steady rolling: revolution by revolution with wear, or in adaptive jumps."""
 
     finite = ("approach", "Qx", "Qy", "Mz", "xi_x", "xi_y", "spin", "work_supplied", "residual")
 
     observers = (Damage,)
 
     def begin(self) -> Passage:
-        """Return the first step.
+        """Return revolution zero: the bodies pressed together, before rolling.
 
         It is revolution zero, the bodies before rolling.
         """
         return first_passage(self.model)
 
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
-        """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
+        """Return the process on a mesh that fits the contacts, and its first step."""
         model, contacts = solve_blocks_on_fitted_mesh(self.model)
         return self._with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
-        """Yield the steps that follow a step, to the end or to a contact that is not solved."""
+        """Yield the steps that follow a step, to the end or to an unsolved contact."""
         schedule, blocks = self.model.scene.schedule, self.model.blocks
         last = replace(last, contacts=tuple(map(with_heat, blocks, last.contacts)))
         if schedule.adaptive or schedule.fixed:
@@ -55,7 +55,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; estimated for adaptive steps."""
+        """Return the (approximate) number of records for elements of the length dx, mm."""
         end = int(scene.schedule.end)
         if scene.schedule.fixed:
             return 1 + len(scene.schedule.stops)
@@ -70,7 +70,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> Passage:
-        """Return the step of a stored record; `adopt` completes it with its model."""
+        """Return the step of a stored record, without what the model adds (see `adopt`)."""
         history, row = stored.history, stored.row
         stored.require(cls.finite)
         stored.require(("entering_profile", "wear_per_revolution"), before=1)
@@ -92,23 +92,23 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
-        """Return the stored contacts of a step."""
+        """Return the contacts of a stored step, one for each different block."""
         return (stored.contact(scene),)
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """Return the wear by each block, and its weight."""
+        """Return the stored `parts` (wear by block and body) and `weights` of a step, by name."""
         history = stored.history
         parts = history[PARTS.name][stored.row] if PARTS.name in history.columns else None
         return {"parts": parts, "weights": (1.0,) * blocks}
 
     def adopt(self, step: Passage, stored: StoredStep) -> Passage:
-        """Return a restored step completed by the model and the observers (`Process.adopt`)."""
+        """Return a restored step with the values that the model and the observers add."""
         return super().adopt(complete_passage(self.model, step), stored)
 
 
 class DutyCycle(Revolutions):
-    """Rolls through the blocks of a scene with [[duty]]."""
+    """Process of steady rolling through the load blocks of a scene with [[duty]]."""
 
     @property
     def spectrum(self) -> Spectrum:
@@ -116,7 +116,7 @@ class DutyCycle(Revolutions):
         return required(self.model.scene.spectrum, "duty")
 
     def state(self, step: Passage) -> dict[str, np.ndarray]:
-        """Return all arrays to continue from after a step, by name.
+        """Return all arrays, by name, from which the process can resume after a step.
 
         There are arrays of each block, in order.
         """
@@ -125,7 +125,7 @@ class DutyCycle(Revolutions):
         return stacked | self._state_besides_fields(step)
 
     def record(self, step: Passage, recorder: Recorder) -> Record:
-        """Return the record of a step.
+        """Return the record of a step for the history: values, fields and stresses.
 
         It is combined from the records of the blocks (`results.cycle`).
         """
@@ -156,7 +156,7 @@ class DutyCycle(Revolutions):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
-        """Return the stored contacts, one for each different block: equal blocks share one."""
+        """Return the contacts of a stored step, one for each different block."""
         spectrum = required(scene.spectrum, "duty")
         return tuple(
             stored.contact(scene, spectrum.places.index(k))
@@ -165,7 +165,7 @@ class DutyCycle(Revolutions):
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """Return the wear by each block, and its weight.
+        """Return the stored `parts` (wear by block and body) and `weights` of a step, by name.
 
         Equal blocks are combined.
         """
@@ -181,7 +181,7 @@ class DutyCycle(Revolutions):
 
 
 def _share_among_equal(spectrum: Spectrum) -> np.ndarray:
-    """Return the share of each block in the wear of all blocks equal to it."""
+    """Return the share of each block in the revolutions of all blocks equal to it."""
     each = zip(spectrum.each, spectrum.places, strict=True)
     share = [n / spectrum.revolutions[k] for n, k in each]
     return np.reshape(share, (-1, 1, 1))

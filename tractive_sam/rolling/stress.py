@@ -14,7 +14,7 @@ from tractive_sam.subsurface import maxima_by_body, stress_on_planes
 
 @dataclass(frozen=True, eq=False)
 class LargestStress(Observer):
-    """Largest equivalent stress of each body in every record, and stress on planes.
+    """Observer of the largest equivalent stress of each body, and of stress on planes.
 
     It is computed when it is recorded, so steps that are refused take no time.
 
@@ -36,11 +36,11 @@ class LargestStress(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "LargestStress":
-        """Return the observer after a later step, which may be on a wider mesh."""
+        """Return the observer updated by a later step, which may be on a wider mesh."""
         return LargestStress(step.contacts, model)
 
     def restore(self, step: Any, stored: Any) -> "LargestStress":
-        """Return the observer after a stored step.
+        """Return the observer as it was after a stored step, to resume from.
 
         It does not depend on earlier steps.
 
@@ -49,13 +49,13 @@ class LargestStress(Observer):
         return self
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """Return the rows that `explain` prints for it (`Observer.describe`)."""
+        """Return the rows (label, text) that `explain` prints for the observer."""
         name = model.laws.criterion.long_name
         yield Row(f"largest {name}", "inside and at the surface, with every record")
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """Columns that it records in addition to the package's.
+        """Columns that the observer adds to each record.
 
         They are the columns of the fatigue criterion of the laws.
         """
@@ -63,14 +63,14 @@ class LargestStress(Observer):
 
     @cached_property
     def maxima(self) -> tuple[dict[str, Maximum], ...]:
-        """The largest stresses in the contact of each block, by body."""
+        """Largest stresses below the contact of each block, by body."""
         if self.model is None:
             return ()
         blocks = zip(self.contacts, self.model.blocks, strict=True)
         return tuple(maxima_by_body(contact, block.laws) for contact, block in blocks)
 
     def record_block(self, block: int) -> dict[str, dict[str, Any]]:
-        """Return the largest stresses in a block of a duty cycle: by column, then by body."""
+        """Return the largest stresses of a block, by column and then by body."""
         names = ("value", "interior", "surface", "at")
         maxima = self.maxima[block].items()
         return {
@@ -79,7 +79,7 @@ class LargestStress(Observer):
         }
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """Return stress on planes in the contact of a block, to be stored with the fields.
+        """Return the stress on planes below the contact of a block, stored with the fields.
 
         The planes are listed in the scene.
         """

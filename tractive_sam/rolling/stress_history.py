@@ -29,7 +29,7 @@ Fields = tuple[np.ndarray, ...]
 
 @dataclass(frozen=True, eq=False)
 class StressHistory(Observer):
-    """Fatigue by the stress of every point of the material since the start of the course.
+    """Observer of fatigue by the full stress history of each material point in a transient.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class StressHistory(Observer):
     model: Model | None = None
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """Return the rows that `explain` prints for it (`Observer.describe`)."""
+        """Return the rows (label, text) that `explain` prints for the observer."""
         scene, criterion = model.scene, model.laws.fatigue
         if criterion is not None:
             yield Row("criterion", criterion.long_name)
@@ -63,7 +63,7 @@ class StressHistory(Observer):
         yield Row("memory of the history", room)
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory that it takes in addition to its stored records, bytes.
+        """Return the memory, in bytes, that the observer needs besides its stored records.
 
         It counts tractions, their stored copies, and layers of stress.
         """
@@ -74,11 +74,11 @@ class StressHistory(Observer):
         return 8.0 * steps * elements * (2 * 4 + layers)
 
     def begin(self, step: Any, model: Model) -> "StressHistory":
-        """Return the observer after the first step; `step.observed` has the observers before it."""
+        """Return the observer as it is after the first step of a process."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "StressHistory":
-        """Return the observer after a later step, which may be on a wider mesh.
+        """Return the observer updated by a later step, which may be on a wider mesh.
 
         Before the cycle begins only the last step is stored.
         """
@@ -91,13 +91,13 @@ class StressHistory(Observer):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays to resume from, by name; each has at least one dimension (`Observer.state`)."""
+        """Arrays, by name, from which `restore` makes the observer again (1-d or more)."""
         grid = self._contact.grid
         loads = [[widen_field(field, grid.elements) for field in load] for load in self.loads]
         return {"places": np.array(self.places), "loads": np.array(loads)}
 
     def restore(self, step: Any, stored: Any) -> "StressHistory":
-        """Return the observer after a stored step (`Observer.restore`)."""
+        """Return the observer as it was after a stored step, to resume from."""
         state = stored.state_of(self)
         loads = tuple(tuple(load) for load in state["loads"])
         places = tuple(state["places"].tolist())
@@ -105,11 +105,11 @@ class StressHistory(Observer):
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """Fatigue of the bodies, to be stored with the fields (`Observer.cycles`)."""
+        """Fatigue of the bodies in the last step, stored with the fields."""
         return tuple(cycle for cycle, _ in self._fatigue.values())
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values of its columns, given the values recorded from the contact.
+        """Return the values of the observer's columns, by name, for the record of a step.
 
         Only records with stored fields, and the last one, have values.
         """
@@ -138,7 +138,7 @@ class StressHistory(Observer):
         return columns
 
     def remark(self, model: Model) -> str:
-        """Return an addition to the message of a history; it begins with a semicolon.
+        """Return text to append to the message of a history, "; ..."; empty if there is none.
 
         It warns of stress above shakedown.
         """
@@ -146,14 +146,14 @@ class StressHistory(Observer):
 
     @property
     def _contact(self) -> State:
-        """The last contact; raises a LookupError before the first step."""
+        """Last contact; a LookupError is raised before the first step."""
         if self.contact is None:
             raise LookupError("contact")
         return self.contact
 
     @cached_property
     def _fatigue(self) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-        """The fatigue of each body so far, and the places x of its worst points."""
+        """Fatigue of each body so far, and x of the material that is loaded most."""
         contact, model = self._contact, self.model
         if model is None:
             return {}
@@ -175,19 +175,19 @@ class StressHistory(Observer):
 
 
 def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
-    """Return the fatigue with the damage of one cycle."""
+    """Return the fatigue of a body with the damage of one load cycle."""
     damage = life.damage(cycle.utilisation)
     return cycle.with_damage(cycle.depth, damage, np.zeros(cycle.y.size))
 
 
 def _cycle_start(model: Model) -> float:
-    """Return the distance at which the cycle begins."""
+    """Return the distance at which the load cycle begins (transient.cycle_start)."""
     table = required(model.scene.transient, "transient")
     return table.distance[0] if table.cycle_start is None else table.cycle_start
 
 
 def _with_x(at: tuple[float, ...], cycle: BodyFatigue, x: np.ndarray) -> tuple[float, ...]:
-    """Return a place (no x, y, depth) with the x of the worst material there, mm."""
+    """Return a place (nan, y, depth) with x of the most loaded material there, mm."""
     if not np.isfinite(at[1:]).all():
         return at
     row, depth = int(np.argmin(abs(cycle.y - at[1]))), int(np.argmin(abs(cycle.depth - at[2])))

@@ -28,7 +28,7 @@ from tractive_sam.schema import required
 
 
 class TransientProcess(Process[Moment]):
-    """Rolls or shifts the bodies of a model through the courses of its scene."""
+    """Process of transient rolling or shifting along the prescribed courses of a scene."""
 
     observers = (TransientHeat, StressHistory)
     next_applications = 15.0
@@ -39,20 +39,20 @@ class TransientProcess(Process[Moment]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
+        """Return the (approximate) number of records for elements of the length dx, mm."""
         return expected_steps(scene, dx)
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> Moment:
-        """Return the step of a stored record; `adopt` completes it with its model."""
+        """Return the step of a stored record, without what the model adds (see `adopt`)."""
         return Moment.from_stored(scene, stored)
 
     def adopt(self, step: Moment, stored: StoredStep) -> Moment:
-        """Return a restored step completed by the model and the observers (`Process.adopt`)."""
+        """Return a restored step with the values that the model and the observers add."""
         return super().adopt(replace(step, began=self.model.began), stored)
 
     def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
-        """Return status and message of a history that ends with a step (`Process.end`).
+        """Return (status, message) of a history that ends with a step.
 
         A contact may have few elements for some time, but not during all of the course.
         """
@@ -72,7 +72,7 @@ class TransientProcess(Process[Moment]):
         at: float,
         before: Mapping[str, float | None] | None = None,
     ) -> StepInput:
-        """Return the input of a step from prescribed quantities."""
+        """Return the `StepInput` (distance, loads, creepages, friction) of a step."""
         return StepInput(
             distance,
             creepages,
@@ -85,7 +85,7 @@ class TransientProcess(Process[Moment]):
         )
 
     def _separation(self, distance: float) -> np.ndarray | float:
-        """Return the gap that moving profiles add at a distance, mm; a shift moves none."""
+        """Return the gap that moving profiles add at a distance, mm; none moves in a shift."""
         return self.model.profile_offset(distance if self.courses.rolls else 0.0)
 
     def begin(self) -> Moment:
@@ -114,7 +114,7 @@ class TransientProcess(Process[Moment]):
         return self._moment(moment, self.stepper.step(moment.result, inputs), at, -1, 0.0)
 
     def _begun(self, contact: State, at: float) -> Moment:
-        """Return the first moment, of bodies that may be worn already; flat ones are unworn."""
+        """Return the first moment from the first contact, of new or worn bodies."""
         model, volumes = self.model, np.zeros(2)
         if model.began is not None:
             lost = contact.volumes_of(dict(zip(BODIES, model.began.on(model.grid), strict=True)))
@@ -123,7 +123,7 @@ class TransientProcess(Process[Moment]):
         return Moment(at, -1, result, volumes=volumes, deepest=deepest, began=model.began)
 
     def advance(self, last: Moment) -> Iterator[Moment]:
-        """Yield the steps after one, to the end or to a contact that is not solved."""
+        """Yield the steps that follow a step, to the end or to an unsolved contact."""
         courses, separation = self.courses, self._separation(last.distance)
         last = replace(last, result=self.stepper.with_gap_outside(last.result, separation))
         while last.contact.converged:
@@ -140,7 +140,7 @@ class TransientProcess(Process[Moment]):
                     yield last
 
     def _jump(self, last: Moment) -> Moment:
-        """Take a step without distance to the other side of a jump."""
+        """Return the moment after a step without distance, in which prescribed values jump."""
         stretch, at = last.stretch, last.distance
         values, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
         if not self.courses.rolls:
@@ -149,7 +149,7 @@ class TransientProcess(Process[Moment]):
         return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
     def _along(self, last: Moment) -> Iterator[Moment]:
-        """Yield the steps to the end of a stretch that has a length."""
+        """Yield the moments along a stretch of the course, those to save included."""
         courses, table = self.courses, self.courses.table
         first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
         saves = tuple(s for s in table.save if first < s < end)
@@ -170,13 +170,13 @@ class TransientProcess(Process[Moment]):
             last = moment
 
     def _met(self, moment: Moment, saves: tuple[float, ...], unit: float) -> Moment:
-        """Return the moment, moved to a distance to save if only rounding differs."""
+        """Return the moment at just the distance to save, if it is there but for rounding."""
         near = [s for s in saves if abs(s - moment.distance) <= CLOSE * unit]
         at_knot = moment.distance in self.courses.knots
         return replace(moment, distance=near[0]) if near and not at_knot else moment
 
     def _moments_to_save(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
-        """Return the moments to save between two steps, up to the first that is not solved."""
+        """Return the moments to save within a step, up to the first that is not solved."""
         moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < end.distance):
             moment, _ = self._tried(last, place, None, end)
@@ -188,7 +188,7 @@ class TransientProcess(Process[Moment]):
         return moments
 
     def _longest(self, adaptive: bool, stretch: float) -> float:
-        """Return the longest step of a stretch; an adaptive one is a quarter of the contact."""
+        """Return the longest step in a stretch, mm: an element, or a quarter of the contact."""
         if not self.courses.rolls:
             return stretch / (1 if adaptive else PARTS)
         dx = self.model.grid.dx
@@ -201,7 +201,7 @@ class TransientProcess(Process[Moment]):
     def _next(
         self, last: Moment, control: Stops, wish: float, adaptive: bool, end: float
     ) -> Moment:
-        """Take the step after a moment; the longest adaptive one that is accurate enough."""
+        """Return the next moment: in adaptive stepping, after the longest accurate step."""
         here, stops = last.distance, control.stops
         stop = stops[bisect_left(stops, here + CLOSE * wish)]
         step, solves = Trial(min(wish, stop - here), wish), 0
@@ -223,7 +223,7 @@ class TransientProcess(Process[Moment]):
     def _tried(
         self, last: Moment, at: float, control: Stops | None, beyond: Moment | None = None
     ) -> tuple[Moment, float]:
-        """Take a step to a distance; return its end and its error over the tolerance.
+        """Take a step to a distance; return the moment there and its error over the tolerance.
 
         Parameters
         ----------
@@ -271,7 +271,7 @@ class TransientProcess(Process[Moment]):
         stretch: int,
         length: float,
     ) -> Moment:
-        """Return the moment after a step."""
+        """Return the moment that the result of a step leads to."""
         contact = result.contact
         by = np.array([contact.xi_x, contact.xi_y, contact.spin])
         shifts = last.shifts + by * (result.distance if result.distance else 1.0)

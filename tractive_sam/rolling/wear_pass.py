@@ -17,7 +17,7 @@ def solve_pass(
     tolerance: float,
     grown: np.ndarray | float,
 ) -> tuple[State, int]:
-    """Return the contact after a pass, and the contacts solved for it; see `passage_at`.
+    """Solve the contact of a pass together with its wear; return it and the number of solves.
 
     The wear of a pass is part of the gap of that pass, and depends on its pressure, traction and
     slip. With ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V).
@@ -62,7 +62,7 @@ def solve_pass(
 
 
 def _key_of_wear(model: Model) -> str:
-    """Return the key by which the scene sets the amount of wear."""
+    """Return the key of [wear] that sets the amount of wear in a scene."""
     wear = required(model.scene.wear, "wear")
     if not wear.together or wear.named_law:
         return "law"
@@ -70,13 +70,13 @@ def _key_of_wear(model: Model) -> str:
 
 
 def _with_lag(contact: State, missed: float) -> State:
-    """Return the contact with the residual due to its own wear, if that is larger."""
+    """Return the contact with `missed` as its residual, if that is larger than its own."""
     larger = contact.converged and missed > contact.residual
     return replace(contact, residual=missed) if larger else contact
 
 
 def _residual(model: Model, contact: State, change: np.ndarray) -> float:
-    """Return the relative natural residual of the normal contact due to a change of the wear."""
+    """Return the relative residual of the normal contact that a change of the wear causes."""
     if not contact.touching.any():
         return 0.0
     gap = np.where(contact.touching, change, 0.0) / model.units.gap

@@ -32,7 +32,7 @@ WHEEL_COLUMNS = (
 
 
 def describe_patch(patch: Patch, contact: State, patches: int) -> dict[str, Any]:
-    """Return the values of `WHEEL_COLUMNS` for a patch, its contact and the number of patches."""
+    """Return the values of `WHEEL_COLUMNS`, by name, of a solved wheel-rail patch."""
     rows = contact.grid.y[contact.touching.any(axis=0)]
     return {
         "contact_y": float(patch.origin[1]),
@@ -45,7 +45,7 @@ def describe_patch(patch: Patch, contact: State, patches: int) -> dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class PatchStep(Step):
-    """A patch of a wheel.
+    """Step of `WheelRailPatches`: one solved contact patch of a wheel on a rail.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class PatchStep(Step):
 
     @property
     def place(self) -> float:
-        """Value of the coordinate (`Step.place`)."""
+        """Value of the coordinate (revolution, distance, ...) of the step's record."""
         return self.number
 
     def on(self, grid: Grid) -> Self:
@@ -71,7 +71,7 @@ class PatchStep(Step):
         return replace(self, contacts=tuple(contact.on(grid) for contact in self.contacts))
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the part of the record that the step, or one of its blocks, provides."""
+        """Return the contact and the values that the step (or one block) adds to its record."""
         assert self.patch is not None
         values = {"patch": self.number, "jump": 1, "solves": 1}
         values |= describe_patch(self.patch, self.contact, self.patches)
@@ -79,7 +79,7 @@ class PatchStep(Step):
 
 
 class WheelRailPatches(Process[PatchStep]):
-    """Solves all patches of a wheel on a rail: they carry its load together."""
+    """Process that solves all contact patches of a wheel on a rail, which share its load."""
 
     columns = (
         Quantity(
@@ -90,11 +90,11 @@ class WheelRailPatches(Process[PatchStep]):
     first_applications = 240.0  # each trial of the load of a patch is a contact
 
     def begin(self) -> PatchStep:
-        """Return the first step (`Process.begin`)."""
+        """Return the first step: the solved patch with the least load."""
         return self.begin_fitted()[1]
 
     def begin_fitted(self) -> tuple[Self, PatchStep]:
-        """Return the first step on a mesh that holds its contacts, and the process on that mesh."""
+        """Return the process on a mesh that fits the contacts, and its first step."""
         model, steps = solve_patch_steps(self.model)
         process = self._with(model)
         process.solved = steps
@@ -103,24 +103,24 @@ class WheelRailPatches(Process[PatchStep]):
     solved: tuple[PatchStep, ...] = ()
 
     def advance(self, last: PatchStep) -> Iterator[PatchStep]:
-        """Yield the steps after one, to the end or to a contact that is not solved."""
+        """Yield the steps that follow a step, to the end or to an unsolved contact."""
         steps = self.solved or solve_patch_steps(self.model)[1]
         yield from (step for step in steps if step.number > last.number and last.converged)
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> PatchStep:
-        """Return the step of a stored record; `adopt` completes it with its model."""
+        """Return the step of a stored record, without what the model adds (see `adopt`)."""
         number = int(stored.history["patch"][stored.row])
         return PatchStep((stored.contact(scene),), number=number)
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the number of records for an element size dx, mm; about, for adaptive steps."""
+        """Return the (approximate) number of records for elements of the length dx, mm."""
         return len(scene.wheel_rail.patches)
 
 
 def solve_patch_steps(model: Model) -> tuple[Model, tuple[PatchStep, ...]]:
-    """Return the patches that touch, by increasing load, and the model on their mesh."""
+    """Return the model on a mesh of the patches, and the solved patches by increasing load."""
     model, contacts = solve_patches_on_fitted_mesh(model)
     pairs = [*zip(contacts, model.scene.wheel_rail.patches, strict=True)]
     touching = [pair for pair in pairs if pair[0].touching.any()] or pairs[:1]
