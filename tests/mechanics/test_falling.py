@@ -47,7 +47,7 @@ def test_slope_is_the_derivative(staggered, memory):
         friction.bound_sliding(pressure, slip + k * h * change, pressure, staggered).radius
         for k in (1.0, -1.0)
     )
-    found = bound.slope.change(law.centred(change, pressure, staggered))
+    found = bound.slope.change(law.slip_at_centres(change, pressure, staggered))
     np.testing.assert_allclose(found, (after - before) / (2 * h), atol=1e-8)  # differences: h^2
     assert np.abs(found).max() > 1e-3
     assert bound.radius.max() <= 100.0 / 0.5 / 700.0

@@ -112,7 +112,7 @@ def test_upwind_does_not_change_the_slip(normal):
     slip = np.random.default_rng(0).normal(size=(2, N, N))
     seen = SteadyRolling(UPWIND).friction_slip(half_space(), pressure, gap)
     assert seen.sticking(slip, slip) is slip
-    assert Coulomb.opposed(slip, pressure, staggered=False) is slip
+    assert Coulomb.opposed_slip(slip, pressure, staggered=False) is slip
     assert UPWIND.at_centres(slip) is slip
 
 

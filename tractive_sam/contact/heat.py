@@ -34,12 +34,12 @@ from tractive_sam.solvers import combine_images, gmres
 def surface_heat(
     grid: Grid, speed: float, diffusivity: float, conductivity: float, time: float = np.inf
 ) -> SurfaceHeat:
-    """Return the operator of a body on a mesh, at a time after the beginning of the flux, s."""
+    """Return the operator from heat flux to temperature of a body; by default the steady state."""
     return SurfaceHeat(grid, speed, diffusivity, conductivity, time)
 
 
 def temperatures_of(model: Model, contact: State) -> FlashTemperature:
-    """Return the temperatures of a solved contact of a scene with [heat].
+    """Return the surface temperatures of a solved contact of a scene with [heat].
 
     Raises
     ------
@@ -57,7 +57,7 @@ def divide_heat(
     before: Mapping[str, np.ndarray | float],
     time: float = np.inf,
 ) -> FlashTemperature:
-    """Divide frictional heat so that both surfaces have equal temperatures in contact.
+    """Divide frictional heat between the bodies so that both are equally warm where they touch.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def divide_heat(
 def temperature_change(
     model: Model, contact: State, traction: np.ndarray, slip: np.ndarray
 ) -> np.ndarray:
-    """Return the change of the temperature in contact by changed tractions and slip, K, (n_x, n_y).
+    """Return the temperature change (n_x, n_y), K, due to small changes of tractions and slip.
 
     Parameters
     ----------
@@ -105,12 +105,12 @@ def temperature_change(
 
 
 def _speed(model: Model) -> float:
-    """Return the rolling speed, mm/s."""
+    """Return the rolling speed of the scene, mm/s."""
     return required(model.scene.creepage.speed, "creepage.speed")
 
 
 def _operators(model: Model, grid: Grid, time: float = np.inf) -> dict[str, SurfaceHeat]:
-    """Return the operators of flux to temperature of both bodies."""
+    """Return the operator from heat flux to temperature for each body."""
     speed = _speed(model)
     return {
         body: surface_heat(grid, speed, thermal.diffusivity, thermal.conductivity, time)
@@ -125,7 +125,7 @@ def _heat_into_A(
     colder: np.ndarray | float,
     touching: np.ndarray,
 ) -> np.ndarray:
-    """Return the heat that flows into A; half of it for equal materials and temperatures."""
+    """Return the part of frictional heat that flows into A; half for equal, equally warm bodies."""
     thermal = model.scene.thermal
     if thermal["A"] == thermal["B"] and not np.any(colder):
         return 0.5 * heat
@@ -139,7 +139,7 @@ def _solve_division(
     colder: np.ndarray | float,
     touching: np.ndarray,
 ) -> np.ndarray:
-    """Return the heat that flows into A, from equal temperatures in contact."""
+    """Return the heat that flows into A, solved so that both bodies are equally warm in contact."""
     krylov = 200
     # Relative residual of the equality of both temperatures.
     tolerance = 1e-12
@@ -179,7 +179,7 @@ def _solve_division(
 
 
 def with_heat(model: Model, contact: State) -> State:
-    """Return a contact with its temperatures, which results files and wider meshes lack."""
+    """Return a contact with its temperatures; they are computed if the scene has [heat]."""
     if model.scene.heat is None or contact.heat is not None:
         return contact
     return replace(contact, heat=temperatures_of(model, contact))
@@ -188,7 +188,7 @@ def with_heat(model: Model, contact: State) -> State:
 def wear_conditions(
     model: Model, contact: State, depth: np.ndarray | None = None
 ) -> WearConditions:
-    """Return the conditions of wear in a contact; by default its depth enters the contact."""
+    """Return depth, revolution and temperature of a contact, for wear laws that depend on them."""
     heat = with_heat(model, contact).heat
     temperature = None if heat is None else heat.temperature["A"]  # equal to B's in contact
     entering = contact.wear[-1] if depth is None else depth
@@ -219,7 +219,7 @@ def wear_law_at(model: Model, contact: State) -> WearLaw | None:
 
 
 def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCoulomb:
-    """Return the friction law at temperatures of the surface, shape (n_x, n_y).
+    """Return the friction law at surface temperatures of shape (n_x, n_y).
 
     Raises
     ------
@@ -240,7 +240,7 @@ def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCou
 def solve_with_heat(
     model: Model, solve: Callable[[Model, State | None], State], start: State | None
 ) -> State:
-    """Return the contact of a scene with [heat], with its temperatures.
+    """Solve a contact with its temperatures, iterated if friction depends on temperature.
 
     If friction depends on temperature, contact and temperature are solved in turn, each contact
     from the one before; the temperatures are combined so that they change least (Anderson 1965,

@@ -50,7 +50,7 @@ from tractive_sam.solvers import Iterate, Problem, System, gmres, needed
 
 @dataclass(frozen=True)
 class LinearSolver:
-    """Settings of GMRES for the linear system of one column.
+    """Settings of GMRES for the linear system of one column of a Jacobian.
 
     Attributes
     ----------
@@ -84,7 +84,7 @@ class LinearSolver:
 
 
 def check_jacobian(model: Model) -> None:
-    """Raise an error, before anything is solved, for a scene without a Jacobian.
+    """Raise an error for a model without a Jacobian (without friction, or xarray not installed).
 
     Raises
     ------
@@ -104,7 +104,7 @@ def jacobian_of(
     only: Container[str] | None = None,
     solver: LinearSolver = LinearSolver(),
 ) -> "xarray.DataArray":
-    """Return the derivatives at a solved contact, on its mesh; see `State.jacobian`.
+    """Return derivatives of forces and approach by prescribed quantities, at a solved contact.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def jacobian_of(
 
 @dataclass(frozen=True, eq=False)
 class _Systems:
-    """Linear systems for derivatives at a solved contact: for all fields, or for tractions only."""
+    """Linear systems for the derivatives at a solved contact: for all fields, or tractions only."""
 
     model: Model
     contact: State
@@ -155,12 +155,12 @@ class _Systems:
 
     @cached_property
     def all_fields(self) -> "_Linearised":
-        """Linearised problem with pressure and tractions unknown."""
+        """Linearised problem whose unknowns are pressure and tractions."""
         return _Linearised(self.model, self._problem, self.contact, self.solver)
 
     @cached_property
     def tangential(self) -> "_Linearised":
-        """Linearised problem with the tractions unknown, if they do not change the pressure."""
+        """Linearised problem whose unknowns are the tractions; all fields for dissimilar bodies."""
         if self.model.elasticity.coupled:
             return self.all_fields
         pressure = needed(dimensionless_start(self.model, self.contact).pressure, "start.pressure")
@@ -169,7 +169,7 @@ class _Systems:
 
     @property
     def _problem(self) -> Problem:
-        """The dimensionless problem of the model with the gap and the wear of the contact."""
+        """Dimensionless problem of the model with the wear depth of the contact."""
         return self.model.problem(
             (self.model.undeformed_gap + self.contact.wear) / self.model.units.gap
         )
@@ -181,7 +181,7 @@ class _Systems:
         return sum(system.applications for system in used)
 
     def rows_and_derivatives(self) -> tuple[list[str], dict[str, Callable[[], np.ndarray]]]:
-        """Return the names of the rows, and a function that computes each column."""
+        """Return the names of the rows, and for each column a function that computes it."""
         rows = ["Qx", "Qy", "Mz"]
         derivatives: dict[str, Callable[[], np.ndarray]] = {}
         for k, creepage in enumerate(self.model.scene.contact_type.creepages):
@@ -205,11 +205,11 @@ class _Systems:
 
 
 class UnitsByName(str):
-    """Units of rows and columns as a text, which netCDF can store; ``units["Qx"]`` is a unit."""
+    """Units of rows and columns as a text, which netCDF can store; `units["Qx"]` is one unit."""
 
     @classmethod
     def from_mapping(cls, units: Mapping[str, str]) -> Self:
-        """Return the text of units by name."""
+        """Return the text "name: unit; ..." of a mapping from names to units."""
         return cls("; ".join(f"{name}: {unit}" for name, unit in units.items()))
 
     def __getitem__(self, key: Any) -> str:
@@ -220,14 +220,14 @@ class UnitsByName(str):
 
 
 class _WarmSystem(System):
-    """The linear system with a bound that depends on the heat of all steps."""
+    """Linear system in which the friction bound also changes with the heat of the step."""
 
     def __init__(self, problem: Problem, at: Iterate, warmed: Callable[..., np.ndarray | float]):
         self._bound_change = warmed
         super().__init__(problem, at, np.float64)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Return the linearised conditions with the change of the bound by heat."""
+        """Return the linearised conditions, with the change of the friction bound by heat."""
         rows = super()._rows(step, response)
         change = self._bound_change(step[-2:], response[-2:])
         rows[-2:] -= self.at.ratio * change * self.at.law.direction
@@ -235,7 +235,7 @@ class _WarmSystem(System):
 
 
 class _Linearised:
-    """A problem linearised at its solution, and the derivatives of results by parameters.
+    """A contact problem linearised at its solution, with derivatives of forces and approach.
 
     Every derivative has the shape (4,): Q_x or xi_x, Q_y or xi_y, M_z, approach or P.
     """
@@ -266,7 +266,7 @@ class _Linearised:
         return self.system.applications + 1  # the iterate's
 
     def by_creepages(self, *creepages: float) -> np.ndarray:
-        """Return the derivatives by creepages (longitudinal, lateral, spin)."""
+        """Return the derivatives of all results along a change of (longitudinal, lateral, spin)."""
         model = self.model
         slip = model.frame.slip_to_scaled(model.rigid_slip_by(*creepages)) / model.units.slip
         return self._derivatives(
@@ -274,21 +274,21 @@ class _Linearised:
         )
 
     def by_force(self, axis: int) -> np.ndarray:
-        """Return the derivatives by the force prescribed along an axis."""
+        """Return the derivatives of all results by the prescribed force on axis 0 (x) or 1 (y)."""
         prescribed = np.flatnonzero(self.model.free)
         return self._derivatives(forces=(prescribed == axis) / self._force)
 
     def by_load(self) -> np.ndarray:
-        """Return the derivatives by the prescribed load."""
+        """Return the derivatives of all results by the prescribed load."""
         return self._derivatives(load=1.0 / self._force)
 
     def by_approach(self) -> np.ndarray:
-        """Return the derivatives by the prescribed approach."""
+        """Return the derivatives of all results by the prescribed approach."""
         gap = np.full(self.at.pressure.shape, -1.0 / self.model.units.gap)
         return self._derivatives(gap, self._slip_change(self._none[1:], self._none, gap))
 
     def by_mu(self, change: np.ndarray) -> np.ndarray:
-        """Return the derivatives along a change of the coefficients of friction.
+        """Return the derivatives of all results along a change of the coefficients of friction.
 
         Parameters
         ----------
@@ -310,7 +310,7 @@ class _Linearised:
         return self._derivatives(slip=slip, bound=bound, traction=-E[:, None, None] * at.traction)
 
     def _bound_change(self, traction: np.ndarray, slip: np.ndarray) -> np.ndarray | float:
-        """Return the change of the bound by the heat of changed scaled tractions and slip."""
+        """Return the change of the friction bound due to the heat of changed tractions and slip."""
         model, law = self.model, self.model.laws.friction
         if not isinstance(law, FallingCoulomb) or law.warmth is None:
             return 0.0
@@ -330,14 +330,14 @@ class _Linearised:
         return follows / law.warmth.factor * slope * warmer
 
     def _slip_change(self, slip: np.ndarray, fields: np.ndarray, gap=None) -> np.ndarray:
-        """Return the change of the slip in the friction law by changes of slip, fields and gap."""
+        """Return the change of slip in the friction law due to changes of slip, fields and gap."""
         at, gap = self.at, self._none[0] if gap is None else gap
         return at.seen.sticking_change(slip, at.traction, fields, gap, at.slip)
 
     def _derivatives(
         self, gap=0.0, slip=None, load=0.0, forces=0.0, bound=0.0, traction=None
     ) -> np.ndarray:
-        """Return the derivatives of the results from the direct effects of a parameter.
+        """Return derivatives of (Qx, Qy, Mz, approach or load) from direct effects of a parameter.
 
         Parameters
         ----------

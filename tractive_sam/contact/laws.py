@@ -50,7 +50,7 @@ from tractive_sam.schema import Fault, SceneError, build_law, required
 
 @dataclass(frozen=True)
 class Laws:
-    """The mechanics of a contact.
+    """The laws of a contact: elasticity, friction, wear, stress criterion, fatigue and life.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Laws:
 
     @classmethod
     def of(cls, scene: Scene) -> "Laws":
-        """Return the laws that the tables of a scene name.
+        """Return the laws that the tables of a scene define, also those of other packages.
 
         Raises
         ------
@@ -103,7 +103,7 @@ class Laws:
 
     @classmethod
     def of_package(cls, scene: Scene) -> "Laws":
-        """Return the laws of a scene that belong to this package, without importing others.
+        """Return the laws of a scene that this package defines, without importing others.
 
         In place of a law of another package there is none, or homogeneous bodies.
         """
@@ -111,12 +111,12 @@ class Laws:
         return cls(*laws, fatigue=_fatigue(scene), life=_life(scene), volume=_volume(scene))
 
     def replace(self, **laws: Any) -> "Laws":
-        """Return a copy with some laws replaced."""
+        """Return a copy with the laws given by keyword."""
         return replace(self, **laws)
 
     @classmethod
     def of_contact(cls, contact: State, needed: Sequence[str] = ("elasticity",)) -> "Laws":
-        """Return the laws that a contact was solved with.
+        """Return the laws with which a contact was solved; raise a ValueError if unknown.
 
         Parameters
         ----------
@@ -142,12 +142,12 @@ class Laws:
         return cls.of_package(contact.scene)
 
     def of_block(self, scene: Scene, block: Scene) -> "Laws":
-        """Return the laws of a block of a scene; laws that replace the scene's remain."""
+        """Return the laws of a duty block; laws that replace those of the scene remain replaced."""
         replaced = self._differing_from(Laws.of(scene))
         return Laws.of(block).replace(**replaced)
 
     def differences_from(self, scene: Scene) -> dict[str, LawRecord]:
-        """Return the laws that differ from this package's laws for a scene, by attribute.
+        """Return records of the laws that differ from those of a scene, by attribute.
 
         They replaced laws of the scene, or the scene names laws of other packages.
         """
@@ -157,7 +157,7 @@ class Laws:
         }
 
     def _differing_from(self, reference: "Laws") -> dict[str, Any]:
-        """Return the laws that differ from others, by attribute."""
+        """Return the laws that differ from those of `reference`, by attribute."""
         return {
             name: law
             for name, law in vars(self).items()
@@ -166,7 +166,7 @@ class Laws:
 
 
 def _elasticity(scene: Scene) -> Elasticity:
-    """Return half-spaces with the layer; of a line contact relative to one radius R_x away."""
+    """Return half-spaces (strips for a line contact), with the interfacial layer of the scene."""
     A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
     # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
     datum = radius if 0.0 < radius < math.inf else 0.0
@@ -226,7 +226,7 @@ def _named_criterion(scene: Scene) -> CycleCriterion | None:
 
 
 def _tribology(scene: Scene) -> dict[str, Any]:
-    """Return the parameters that laws of friction and wear may take from other keys of a scene."""
+    """Return parameters that friction and wear laws may take from the scene: mu, angle, speed."""
     frame, speed = required(scene.friction, "friction").frame, scene.creepage.speed
     parameters = {"mu": frame.mu, "angle": frame.angle}
     return parameters if speed is None else parameters | {"speed": speed}
@@ -242,7 +242,7 @@ _NAMED = {
 
 
 def _friction(scene: Scene) -> Coulomb | None:
-    """Return the friction law of this package; None for other packages or no friction."""
+    """Return the friction law of this package, or None if the scene has another law or none."""
     table = scene.friction
     if table is None or table.named_law:
         return None
@@ -261,7 +261,7 @@ def _friction(scene: Scene) -> Coulomb | None:
 
 
 def _wear(scene: Scene) -> WearLaw | None:
-    """Return the wear law of the scene; with upwind slip the law of the paper."""
+    """Return the wear law of this package that the scene names, or None."""
     table = scene.wear
     if table is None or table.named_law:
         return None
@@ -271,7 +271,7 @@ def _wear(scene: Scene) -> WearLaw | None:
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
-    """Return the wear law of a name with these wear intensities."""
+    """Return the law "energy" or "archard" with the given wear intensities along both axes."""
     friction, frame = _friction(scene), required(scene.friction, "friction").frame
     mu, angle = frame.mu, frame.angle
     if law == "energy":
@@ -283,7 +283,7 @@ def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) ->
 
 
 def _of_body(scene: Scene, name: str) -> WearLaw | None:
-    """Return the separate wear law of a body."""
+    """Return the separate wear law of body "A" or "B", or None if it does not wear."""
     table, body = required(scene.wear, "wear"), getattr(scene.body, name)
     law, chosen = table.laws[name], table.sets[name]
     if law in BY_COEFFICIENT:
@@ -305,7 +305,7 @@ def _of_body(scene: Scene, name: str) -> WearLaw | None:
 
 
 def _fatigue(scene: Scene) -> CycleCriterion | None:
-    """Return the fatigue criterion of this package; None without a limit."""
+    """Return the fatigue criterion of this package, or None without a fatigue limit."""
     table = scene.fatigue
     if table is None or table.limit is None or table.named_law:
         return None
@@ -319,7 +319,7 @@ def _fatigue(scene: Scene) -> CycleCriterion | None:
 
 
 def _life(scene: Scene) -> Woehler | None:
-    """Return the Wöhler curve of a scene; None without a limit."""
+    """Return the Wöhler curve of a scene, or None without a fatigue limit."""
     table = scene.fatigue
     if table is None or table.limit is None:
         return None
@@ -327,7 +327,7 @@ def _life(scene: Scene) -> Woehler | None:
 
 
 def _volume(scene: Scene) -> VolumeLife | None:
-    """Return the law of the life of a stressed volume; None without one."""
+    """Return the law for the life of a stressed volume, or None without [fatigue.volume]."""
     table = None if scene.fatigue is None else scene.fatigue.volume
     if table is None:
         return None

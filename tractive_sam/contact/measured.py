@@ -10,7 +10,7 @@ Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def resample(measured: Gap, grid: Grid) -> np.ndarray:
-    """Return the measured separation at the elements, mm; constant beyond its edge.
+    """Return the measured gap at the elements of a mesh, mm; constant beyond the measurement.
 
     It uses Akima's interpolation (1970, J. ACM 17, 589-602) in x and then in y. This is exact for
     parabolas, the form of bodies near a contact; with bilinear interpolation facets would carry the
@@ -20,14 +20,14 @@ def resample(measured: Gap, grid: Grid) -> np.ndarray:
 
 
 def gap_across(measured: Gap, grid: Grid) -> np.ndarray:
-    """Return the measured separation across the track, at x = 0 and the rows of a mesh, mm."""
+    """Return the measured gap across the track, at x = 0 and the rows of a mesh, mm."""
     return sample_gap(measured, *_clipped(measured, np.zeros(1), grid.y))[0]
 
 
 def lowest_separation(
     measured: Gap, grid: Grid, taken: np.ndarray, radii: tuple[float, float]
 ) -> float:
-    """Return the least separation of radii and measured gap on a mesh, between samples too, mm.
+    """Return the least sum of the gap of radii and the measured gap, also between samples, mm.
 
     It depends on the mesh only by what that covers. From the lowest sample, and from the lowest
     element, the neighbourhood is divided again and again.
@@ -50,7 +50,7 @@ def lowest_separation(
 def _lowest_around(
     measured: Gap, grid: Grid, radii: tuple[float, float], points: Gap, divisions: int = 12
 ) -> float:
-    """Return the least separation in the neighbourhood of the lowest of some points, mm.
+    """Return the least separation near the lowest of some points, by repeated subdivision, mm.
 
     Twelve divisions, each by four, reduce the error of the points by 4^-24.
     """
@@ -72,19 +72,19 @@ def _lowest_around(
 def _around(
     places: np.ndarray, k: int, side: float, first: float, last: float
 ) -> tuple[float, float]:
-    """Return the neighbours of one of several places, within the mesh."""
+    """Return the coordinates on both sides of the k-th one, limited to the mesh."""
     before = places[k - 1] if k > 0 else places[k] - side
     after = places[k + 1] if k + 1 < len(places) else places[k] + side
     return float(np.clip(before, first, last)), float(np.clip(after, first, last))
 
 
 def _parabola(x: np.ndarray, y: np.ndarray, radii: tuple[float, float]) -> np.ndarray:
-    """Return the separation of two radii, shape (len(x), len(y)), mm."""
+    """Return the gap x²/(2 R_x) + y²/(2 R_y) of two radii, shape (len(x), len(y)), mm."""
     return 0.5 * (x[:, None] ** 2 / radii[0] + y[None, :] ** 2 / radii[1])
 
 
 def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
-    """Return the part of a measured gap on which its interpolant between some places depends."""
+    """Return the part of a measured gap that its interpolation between given x and y depends on."""
     spans = []
     for coordinates, at in zip(measured[:2], (x, y), strict=True):
         # Akima's slopes depend on two samples on each side.
@@ -94,12 +94,12 @@ def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
 
 
 def _clipped(measured: Gap, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return places within the measured gap: beyond its edge it is continued as a constant."""
+    """Return coordinates limited to the measured gap, which is continued as a constant."""
     return np.clip(x, *measured[0][[0, -1]]), np.clip(y, *measured[1][[0, -1]])
 
 
 def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
-    """Return the axes along which a mesh reaches beyond the measured separation."""
+    """Return the axes ("x", "y") along which a mesh reaches beyond the measured gap."""
     x, y, _ = measured
     sides = (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
     return [
@@ -110,7 +110,7 @@ def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
 
 
 def standing_roughness(measured: Gap, grid: Grid) -> float:
-    """Return the rms roughness along x without a round form, mm; zero if it is rounding."""
+    """Return the rms roughness along x after subtraction of the form, mm; 0 if only rounding."""
     # Degree of the polynomial in x that is taken for the form of a body, which stays as it turns.
     degree = 4
     x, _, separation = _within(measured, grid)
@@ -124,7 +124,7 @@ def standing_roughness(measured: Gap, grid: Grid) -> float:
 
 
 def _within(measured: Gap, grid: Grid) -> Gap:
-    """Return the part of a gap on the mesh; a profile may have places outside only."""
+    """Return the part of a measured gap within the mesh; interpolated if it has no sample there."""
     x, y, separation = measured
     middles = grid.centre[0], grid.centre[1] - grid.shift
     x_in, y_in = (
@@ -138,18 +138,18 @@ def _within(measured: Gap, grid: Grid) -> Gap:
 
 
 def samples_per_length(coordinates: np.ndarray) -> float:
-    """Return the samples per length, 1/mm, by their median distance."""
+    """Return the samples per length, 1/mm, from the median spacing; 0 for a single sample."""
     return 1.0 / float(np.median(np.diff(coordinates))) if coordinates.size > 1 else 0.0
 
 
 def sample_gap(gap: Gap, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return a gap at any places, shape (len(x), len(y))."""
+    """Interpolate a gap (Akima) at coordinates x and y, shape (len(x), len(y))."""
     rows = interpolate(gap[0], gap[2], x)
     return interpolate(gap[1], rows.T, y).T
 
 
 def interpolate(samples: np.ndarray, values: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Interpolate rows of values along the first axis; extrapolate beyond its ends."""
+    """Interpolate values along the first axis (Akima), extrapolated beyond the samples."""
     if samples.size == 2:  # a straight line; Akima's slopes need a third point
         share = ((places - samples[0]) / (samples[1] - samples[0]))[:, None]
         return (1.0 - share) * values[0] + share * values[1]

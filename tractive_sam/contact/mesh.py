@@ -22,7 +22,7 @@ ACROSS = 64
 
 
 def enlarge(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
-    """Return a mesh of elements of equal size that is larger along some axes; a row stays a row."""
+    """Return a mesh of equal elements whose half length is a quarter larger along some axes."""
     # Factor by which a chosen mesh grows when the contact reaches its edge.
     growth = 1.25
     x, y = (growth if grows else 1.0 for grows in axes)
@@ -30,7 +30,7 @@ def enlarge(grid: Grid, axes: tuple[bool, bool] = (True, True)) -> Grid:
 
 
 def extend_to(grid: Grid, half_length: tuple[float, float]) -> Grid:
-    """Return a mesh with elements added equally on both sides, to at least a half length."""
+    """Return a mesh with elements added on both sides, until it has at least these half lengths."""
     more = [
         max(0, int(np.ceil(0.5 * n * (required / half - 1.0) - 1e-9))) if n > 1 else 0
         for required, half, n in zip(half_length, grid.half_length, grid.elements, strict=True)
@@ -43,7 +43,7 @@ def extend_to(grid: Grid, half_length: tuple[float, float]) -> Grid:
 
 
 def describe_grid_entries(grid: Grid) -> str:
-    """Return the entries of a scene that give a mesh, with enough digits for equal elements."""
+    """Return the [grid] entries of a scene that define a mesh, as text."""
     lengths = ", ".join(f"{half:.10g}" for half in grid.half_length[: grid.directions])
     elements = ", ".join(map(str, grid.elements[: grid.directions]))
     centre = ", ".join(f"{place:.10g}" for place in grid.centre[: grid.directions])
@@ -59,7 +59,7 @@ class _Ellipse(NamedTuple):
 
     @classmethod
     def of_overlap(cls, patch: Patch) -> Self:
-        """Return the contact of bodies that overlap in an ellipse: Hertz, if it is a circle."""
+        """Return the contact of bodies that overlap in an ellipse, sqrt(2) times smaller."""
         return cls(*(half / math.sqrt(2.0) for half in patch.half_length))
 
 
@@ -70,7 +70,7 @@ def choose_grid(
     finer: float | None = None,
     patches: Sequence[Patch] = (),
 ) -> Grid:
-    """Choose the mesh: the scene's [grid], completed from the Hertzian contact or the gap.
+    """Return the mesh of a scene: its [grid], completed by the Hertz contact or measured gap.
 
     Chosen elements are at most twice as long as wide or the reverse; their number is odd, so that
     one is centred on the axis. If a map is finer, they are refined until the unresolved rest does
@@ -105,7 +105,7 @@ def choose_grid(
 
 
 def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Sequence[Patch]) -> Grid:
-    """Return the mesh of a scene by its contact, or by the extent of its gap."""
+    """Return the mesh of a scene without regard to roughness."""
     # Half length in the lateral direction of a scene that wears; it grows with the contact.
     worn_margin = 1.5
     wears, shifts_only = scene.wear is not None, scene.schedule.shifts
@@ -138,7 +138,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
 def _line_extent(
     scene: Scene, measured: Gap | None, length: tuple[float, ...] | None, finer: float
 ) -> tuple[tuple[float, ...], int]:
-    """Return the half length, if `length` does not give it, and elements of a line contact."""
+    """Return half length and number of elements of a line contact; a given `length` is retained."""
     # Elements across a line contact; they cost next to nothing.
     across_line = 512
     if scene.hertz is None:  # flat bodies with a profile along x
@@ -153,7 +153,7 @@ def _line_extent(
 def _extent_of_gap(
     measured: Gap, length: tuple[float, ...] | None, finer: float
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the half lengths, if not given, and the element sides of the mesh of flat bodies."""
+    """Return half lengths and element sides of the mesh of flat bodies with a measured gap."""
     x, y, _ = measured
     along, across = length or (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
     if length is None and along >= ALONG:
@@ -170,7 +170,7 @@ def _extent_of_contacts(
     finer: float,
     patches: Sequence[Patch],
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the half lengths, if not given, and the element sides of the mesh of round bodies.
+    """Return half lengths and element sides of a mesh that contains all blocks or wheel patches.
 
     `margin` is the half length over the semi-axis, along x and y, of each contact of the scene.
     """

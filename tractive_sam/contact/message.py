@@ -12,7 +12,7 @@ from tractive_sam.solvers import Outcome, needed
 
 
 def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0.0) -> str:
-    """Return the message of a solve: its failure and the remedy, or a remark on a solution.
+    """Return the message of a solved problem: its failure and the cure, or remarks.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
 
 
 def _remarks(outcome: Outcome, model: Model) -> str:
-    """Return remarks on a solution: fallbacks, no contact, too few elements."""
+    """Return remarks on a solution as text: failed methods, no contact, too few elements; or ""."""
     text = ""
     if any(note.status is not Status.CONVERGED for note in outcome.trace):
         text += f", by way of {', '.join(map(str, outcome.trace))}"
@@ -52,7 +52,7 @@ def _remarks(outcome: Outcome, model: Model) -> str:
 
 
 def _at_edge(model: Model) -> str:
-    """Return the message for a contact that reaches the edge of its mesh."""
+    """Return the message for a contact that reaches the edge of its mesh, with a larger mesh."""
     text = (
         f"the contact reaches the edge of the mesh, {_half_length(model.grid)} mm: enlarge it, "
         f"as by {describe_grid_entries(enlarge(model.grid))}"
@@ -89,7 +89,7 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
 
 
 def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
-    """Describe a contact of too few elements, and how to resolve it.
+    """Return the message for a contact of too few elements, with a finer mesh.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
 
 
 def too_steep(steepness: float) -> str:
-    """Return the message for friction that falls faster with sliding than the mesh can resolve.
+    """Return the message for friction that falls too fast with sliding for the mesh.
 
     Parameters
     ----------
@@ -153,6 +153,6 @@ def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
 
 
 def _half_length(grid: Grid) -> str:
-    """Format the half lengths of a mesh."""
+    """Return the half lengths of a mesh as text, "1 x 0.5"."""
     sides = zip(grid.half_length, grid.elements, strict=True)
     return " x ".join(f"{length:g}" for length, elements in sides if elements > 1)

@@ -29,7 +29,7 @@ from tractive_sam.solvers import (
 
 
 class Model:
-    """The contact problems of a scene on its mesh.
+    """The dimensionless contact problems of a scene on its mesh, with laws, units and operators.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class Model:
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
 
     def on(self, grid: Grid) -> "Model":
-        """Return the model on another mesh."""
+        """Return the model of the same scene on another mesh."""
         model = Model(
             self.scene,
             self.measured,
@@ -100,7 +100,7 @@ class Model:
         return model
 
     def of_patch(self, patch: Patch, approach: float | None = None) -> "Model":
-        """Return the model of another patch of a wheel on this mesh.
+        """Return the model of another contact patch of a wheel on this mesh.
 
         Parameters
         ----------
@@ -119,7 +119,7 @@ class Model:
 
     @property
     def shares_load(self) -> bool:
-        """Whether the load belongs to a wheel, and its patches carry it together.
+        """Whether the patches of a wheel carry its load together.
 
         The normal force of a single patch is prescribed directly.
         """
@@ -130,7 +130,7 @@ class Model:
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
-        """Models that are rolled: one for each different block of [[duty]], or this model."""
+        """Models to solve: one for each different block of [[duty]], else this model alone."""
         spectrum = self.scene.spectrum
         if spectrum is None:
             return (self,)
@@ -149,14 +149,14 @@ class Model:
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each block in a cycle."""
+        """Share of each duty block in the revolutions of a cycle; their sum is 1."""
         spectrum = self.scene.spectrum
         if spectrum is None:
             return (1.0,)
         return tuple(n / spectrum.cycle for n in spectrum.revolutions)
 
     def block_at(self, revolution: int) -> int:
-        """Return the block of a revolution, if blocks are rolled in their order."""
+        """Return the index of the duty block rolled at a revolution, if blocks keep their order."""
         return 0 if self.scene.spectrum is None else self.scene.spectrum.block_at(revolution)
 
     @property
@@ -180,7 +180,7 @@ class Model:
 
     @cached_property
     def undeformed_gap(self) -> np.ndarray:
-        """Separation of the unworn, undeformed bodies, mm; zero at their first touch.
+        """Separation of the unworn, undeformed bodies (n_x, n_y), mm; zero at their first touch.
 
         The approach is counted from there: the vertex of the radii, or the lowest point of radii
         and measured gap, which may lie between elements. With ``gap.datum = "separation"`` the
@@ -202,7 +202,7 @@ class Model:
         return gap if self.datum == "vertex" else gap - gap.min()
 
     def add_initial_wear(self, worn: np.ndarray | float) -> np.ndarray:
-        """Return a depth worn off both bodies plus the depth worn before the start, mm."""
+        """Return a worn depth of both bodies plus the depth worn before the start, mm."""
         before = self.initial_wear
         return np.zeros(self.grid.elements) + worn + (0.0 if before is None else before)
 
@@ -214,7 +214,7 @@ class Model:
         return np.concatenate((contact.pressure[None] / self.units.pressure, traction))
 
     def profile_offset(self, distance: float) -> np.ndarray | float:
-        """Return the gap that the profiles fixed to the bodies add after a distance, mm."""
+        """Return the gap that profiles fixed to the bodies add after a rolling distance, mm."""
         grid = self.grid
         added: np.ndarray | float = 0.0
         for x, y, separation in self.profiles:
@@ -224,18 +224,18 @@ class Model:
 
     @cached_property
     def friction_law(self) -> FrictionLaw:
-        """Friction law on the rows of the mesh; without friction, Coulomb's with mu = 1."""
+        """Friction law on the rows of the mesh; Coulomb's with mu = 1 without friction."""
         return (self.laws.friction or Coulomb()).on_rows(self.grid.y)
 
     @property
     def starts_sliding(self) -> bool:
-        """Whether a falling law is solved from high speed, rather than from rest."""
+        """Whether a falling friction law is solved from full sliding, not from rest."""
         friction = self.scene.friction
         return friction is not None and friction.start == "sliding"
 
     @cached_property
     def frame(self) -> Frame:
-        """Scaled tribological frame."""
+        """Scaled tribological frame of the friction law."""
         return self.friction_law.frame
 
     @property
@@ -246,27 +246,27 @@ class Model:
 
     @cached_property
     def units(self) -> Units:
-        """Units from the Hertzian contact, or from the mesh without one."""
+        """Units of pressure, gap and slip, from the Hertz contact, or from the mesh without one."""
         return Units.of_contact(
             self.scene, self.grid, self.elasticity, self.frame, lambda: self.undeformed_gap
         )
 
     @cached_property
     def operators(self) -> Operators:
-        """Operators on the mesh."""
+        """Elastic operators on the mesh, dimensionless."""
         lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
         pressure, gap, slip = astuple(self.units)
         return Operators(lattice, self.elasticity, gap / pressure, slip / pressure, self.frame)
 
     @cached_property
     def free(self) -> tuple[bool, bool]:
-        """Which of (xi_x, xi_y) is unknown because its force is prescribed."""
+        """Whether xi_x and xi_y are unknown, as the force along their axis is prescribed."""
         load = self.scene.load
         return load.force_x is not None, load.force_y is not None
 
     @cached_property
     def transmits(self) -> bool:
-        """Whether there may be tangential traction."""
+        """Whether there may be tangential traction: friction, and creepage, force or coupling."""
         creepage = self.scene.creepage
         moving = creepage.longitudinal or creepage.lateral or creepage.spin
         caused = moving or any(self.free) or self.elasticity.coupled
@@ -274,12 +274,12 @@ class Model:
 
     @property
     def stencil(self) -> Stencil:
-        """Stencil of the slip of an element."""
+        """Stencil from displacements to the slip of an element: upwind or staggered."""
         return UPWIND if self.scene.solver.slip == "upwind" else STAGGERED
 
     @cached_property
     def rigid_slip(self) -> np.ndarray:
-        """Slip of the undeformed bodies by the prescribed creepages, s/V, shape (2, n_x, n_y)."""
+        """Slip s/V of the undeformed bodies by the prescribed creepages, shape (2, n_x, n_y)."""
         if self._rolls_with_wheelset:
             x = self.grid.x + self.stencil.rigid_ahead * self.grid.dx
             patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
@@ -294,7 +294,7 @@ class Model:
 
     @property
     def _motion(self) -> tuple[float, float, float]:
-        """Longitudinal and lateral creepage and spin: of the wheelset, or of the scene."""
+        """Longitudinal and lateral creepage and spin, from the wheelset or from the scene."""
         if self._rolls_with_wheelset:
             patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
             return patch.creepages(wheel_rail.pitch)
@@ -302,35 +302,35 @@ class Model:
         return creepage.longitudinal, creepage.lateral, creepage.spin
 
     def rigid_slip_by(self, longitudinal: float, lateral: float, spin: float) -> np.ndarray:
-        """Return the slip of undeformed bodies by any creepages, at the points of the stencil."""
+        """Return the slip s/V of undeformed bodies by given creepages, at the stencil's points."""
         x = (self.grid.x + self.stencil.rigid_ahead * self.grid.dx)[:, None]
         y = self.grid.y[None, :]
         return np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
 
     @cached_property
     def scaled_rigid_slip(self) -> np.ndarray:
-        """The `rigid_slip` in the scaled frame and in units of slip."""
+        """Slip of the undeformed bodies in the scaled frame and in units of slip."""
         return self.frame.slip_to_scaled(self.rigid_slip) / self.units.slip
 
     @property
     def prescribed_approach(self) -> float:
-        """The prescribed approach in units of gap, else zero."""
+        """Prescribed approach in units of gap; zero for a prescribed load."""
         approach = self.scene.load.approach if self.approach is None else self.approach
         return 0.0 if approach is None else approach / self.units.gap
 
     @cached_property
     def load(self) -> float | None:
-        """Sum of the dimensionless pressure over the elements for a prescribed load, else None."""
+        """Prescribed load as the sum of dimensionless pressure over the elements, or None."""
         normal = self.scene.normal_load if self.approach is None else None
         return None if normal is None else normal / (self.units.pressure * self.grid.element_area)
 
     @cached_property
     def forces(self) -> PrescribedForces:
-        """Prescribed forces, dimensionless."""
+        """Tangential forces prescribed by the scene, dimensionless."""
         return self.forces_of((self.scene.load.force_x, self.scene.load.force_y))
 
     def forces_of(self, forces: tuple[float | None, float | None]) -> PrescribedForces:
-        """Return forces (Q_x, Q_y), N, over unit pressure and element area; None: a creepage."""
+        """Return prescribed forces (Q_x, Q_y), N, in dimensionless form; None: a creepage."""
         prescribed = [(k, q) for k, q in enumerate(forces) if q is not None]
         if not prescribed:
             return PrescribedForces()
@@ -339,7 +339,7 @@ class Model:
         return PrescribedForces(vectors, np.array([q / unit for _, q in prescribed]))
 
     def problem(self, gap: np.ndarray, wear: WearInPass | None = None) -> Problem:
-        """Return the contact problem for a separation of the undeformed bodies.
+        """Return the dimensionless problem of steady rolling for a gap of the undeformed bodies.
 
         Parameters
         ----------
@@ -355,7 +355,7 @@ class Model:
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear, kinematics)
 
     def creepages(self, computed: np.ndarray | None) -> tuple[float, float, float]:
-        """Return (xi_x, xi_y, spin), prescribed or computed."""
+        """Return (xi_x, xi_y, spin) in physical units: prescribed, or computed where a force is."""
         longitudinal, lateral, spin = self._motion
         values = [longitudinal, lateral]
         if computed is not None:

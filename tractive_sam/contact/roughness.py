@@ -28,7 +28,7 @@ from tractive_sam.schema import required
 
 @dataclass(frozen=True)
 class UnresolvedPart:
-    """The part of a map along one axis that a mesh does not resolve.
+    """Rms height and slope of the part of a map, along one axis, that a mesh does not resolve.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class UnresolvedPart:
 
 @dataclass(frozen=True, eq=False)
 class Roughness:
-    """A measured map and the pressure of its contact.
+    """A measured height map and the contact pressure, to judge whether a mesh resolves the map.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Roughness:
     def _along(
         self, axis: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
     ) -> UnresolvedPart:
-        """Return the part along the first axis that samples at places do not resolve."""
+        """Return the part along the first axis that the mesh points `at` do not resolve."""
         samples = side * samples_per_length(axis)
         if self.travels if travels is None else travels:
             at = np.arange(axis[0], axis[-1] + side, side)
@@ -104,17 +104,17 @@ class Roughness:
         return UnresolvedPart(samples, height, slope)
 
     def flattening(self, part: UnresolvedPart) -> float:
-        """Return the rms pressure that flattens an unresolved part, MPa."""
+        """Return the rms pressure that would flatten an unresolved part, MPa."""
         return 0.5 * self.e_star * part.slope
 
     def unresolved(self, grid: Grid) -> tuple[bool, bool]:
-        """Return whether a mesh fails to resolve the map, along x and along y."""
+        """Return whether a mesh fails to resolve the map, as (along x, along y)."""
         allowed = self.share * self.pressure
         along_x, along_y = (self.flattening(part) > allowed for part in self.unresolved_parts(grid))
         return along_x, along_y
 
     def resolving(self, grid: Grid) -> Grid:
-        """Return the coarsest mesh of a domain that resolves the map.
+        """Return a mesh of the same domain, refined until it resolves the map.
 
         Its elements are shorter by roots of 2, and not shorter than the step of the map; their
         number along a refined axis is odd.
@@ -135,14 +135,14 @@ class Roughness:
 
 
 def _odd(number: float) -> int:
-    """Return the smallest odd number of at least a number."""
+    """Return the smallest odd integer that is at least this number."""
     return 2 * math.ceil(0.5 * (number - 1.0) - 1e-9) + 1
 
 
 def rough_maps(
     scene: Scene, measured: Gap | None, profiles: tuple[Gap, ...], half_length: tuple[float, ...]
 ) -> Iterator[tuple[str, Roughness]]:
-    """Yield the tables and maps of a scene: its [gap] and its moving profiles.
+    """Yield (table, roughness) for the measured [gap] of a scene and its moving profiles.
 
     Parameters
     ----------
@@ -167,7 +167,7 @@ def rough_maps(
 
 
 def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
-    """Return the pressure of a contact, MPa; an estimate if the radii do not close."""
+    """Return the largest Hertz pressure of a scene, MPa; an estimate without Hertz contact."""
     if scene.hertz is not None:
         return scene.hertz.p0
     length = 0.5 * math.sqrt(half_length[0] * half_length[-1])

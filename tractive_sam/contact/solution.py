@@ -28,7 +28,7 @@ from tractive_sam.solvers import steepness as steepness_of
 def solve_problem(
     model: Model, problem: Problem, tolerance: float, start: Start | None = None
 ) -> Outcome:
-    """Solve a problem of a model.
+    """Solve a dimensionless problem of a model, with the method of its friction and materials.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def solve_problem(
 
 
 def _solver_of(model: Model, problem: Problem) -> ProblemSolver:
-    """Return the method for a problem of bodies that touch."""
+    """Return the solver for a problem whose bodies touch, by its friction and materials."""
     if model.laws.friction is None or not problem.has_tangential_cause:
         return PRESSURE_ONLY
     solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
@@ -60,12 +60,12 @@ def _solver_of(model: Model, problem: Problem) -> ProblemSolver:
 
 
 def traction_of(model: Model, scaled: np.ndarray) -> np.ndarray:
-    """Return p_t in MPa from scaled, dimensionless tractions."""
+    """Return the traction p_t, MPa, of a scaled, dimensionless traction."""
     return model.units.pressure * model.frame.to_physical(scaled)
 
 
 def _traction_bound(model: Model, pressure: np.ndarray, radius: np.ndarray) -> np.ndarray | None:
-    """Return the largest traction that friction allows, MPa; None if it is the pressure."""
+    """Return the largest traction that friction allows, MPa, or None for Coulomb friction."""
     is_coulomb = type(model.friction_law) is Coulomb
     if is_coulomb and (np.abs(radius - pressure) <= 1e-12 * pressure).all():  # up to rounding
         return None
@@ -81,7 +81,7 @@ def state_of(
     depth: np.ndarray,
     resistance: float = 0.0,
 ) -> State:
-    """Return an outcome as a contact in mm, N and MPa.
+    """Return the contact, in mm, N and MPa, of the outcome of a dimensionless problem.
 
     Parameters
     ----------
@@ -134,7 +134,7 @@ def state_of(
 def _friction_state(
     model: Model, problem: Problem, outcome: Outcome
 ) -> tuple[np.ndarray, np.ndarray | None, float]:
-    """Return the elements that slide, the bound of the tractions in MPa, and the steepness.
+    """Return the mask of sliding elements, the traction bound in MPa or None, and the steepness.
 
     The bound is None if it is the pressure, the steepness 0 unless friction falls with sliding.
     """

@@ -30,7 +30,7 @@ def equilibrium(
     tolerance: float | None = None,
     check_resolution: bool = True,
 ) -> State:
-    """Solve one steady state.
+    """Solve the steady rolling contact of a model, for the largest patch of a wheel.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def solve_patches(
     tolerance: float | None = None,
     load_tolerance: float = 1e-6,
 ) -> tuple[State, ...]:
-    """Return all patches of a wheel; see `share_load`."""
+    """Solve all contact patches of a wheel, which share one load; see `share_load`."""
 
     def solve(patch: Model, start: State | None) -> State:
         # Other patches begin to touch with a few elements.
@@ -88,7 +88,7 @@ def solve_patches(
 def solve_patches_on_fitted_mesh(
     model: Model, start: State | None = None, load_tolerance: float = 1e-6
 ) -> tuple[Model, tuple[State, ...]]:
-    """Solve all patches of a wheel, enlarging a mesh that is chosen until it contains them.
+    """Solve all patches of a wheel on a mesh that is enlarged until it contains them.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def solve_patches_on_fitted_mesh(
 def _equilibrium(
     model: Model, depth: np.ndarray | DepthInPass | None, start: State | None, tolerance: float
 ) -> State:
-    """Solve one steady state without heat."""
+    """Solve the steady rolling contact of one patch at constant temperature."""
     gap, in_pass = model.undeformed_gap, None
     if callable(depth):
         in_pass = _dimensionless_depth(model, depth)
@@ -131,7 +131,7 @@ def _equilibrium(
 
 
 def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
-    """Solve the unrolled bodies; enlarge a mesh that the scene does not fix until it holds them.
+    """Solve the contact of each block before rolling, on a mesh enlarged until it contains them.
 
     Returns
     -------
@@ -152,18 +152,18 @@ def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]
 
 
 def solve_on_fitted_mesh(model: Model) -> tuple[Model, State]:
-    """Solve the unrolled bodies of a model with one contact, see `solve_blocks_on_fitted_mesh`."""
+    """Solve the only contact of a model on a mesh that is enlarged until it contains it."""
     model, (contact,) = solve_blocks_on_fitted_mesh(model)
     return model, contact
 
 
 def _solve_blocks(model: Model) -> tuple[State, ...]:
-    """Solve the unrolled bodies of each block."""
+    """Solve the contact of each block before rolling, with the initial wear."""
     return tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
 
 
 def dimensionless_start(model: Model, contact: State) -> Start:
-    """Return the solution of a contact as a dimensionless start; the inverse of `state_of`."""
+    """Return a contact as a dimensionless initial guess; the inverse of `state_of`."""
     units = model.units
     creepage = np.array([contact.xi_x, contact.xi_y])[list(model.free)]
     return Start(
@@ -175,7 +175,7 @@ def dimensionless_start(model: Model, contact: State) -> Start:
 
 
 def _dimensionless_depth(model: Model, depth: DepthInPass) -> DepthInPass:
-    """Return a dimensionless function for the wear depth within a pass."""
+    """Return a function from dimensionless pressure, traction and slip to wear depth in a pass."""
     units = model.units
 
     def scaled(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
@@ -190,7 +190,7 @@ def _dimensionless_depth(model: Model, depth: DepthInPass) -> DepthInPass:
 
 
 def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
-    """Return the slip s/V that determines wear and dissipation, from the slip of the stencil."""
+    """Return the slip s/V at element centres, for wear and heat, from the scaled slip."""
     return model.stencil.at_centres(model.units.slip * model.frame.slip_to_physical(scaled))
 
 
@@ -218,7 +218,7 @@ def _rolling_resistance(
 
 
 def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
-    """Return the work of the tractions on rigid slip other than creepage and spin, N.
+    """Return the work of tractions on rigid slip that creepages and spin do not describe, N.
 
     On a wheel, points beside the tangent plane of the patch have another rolling radius.
     """
@@ -231,7 +231,7 @@ def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
 def _to_state(
     model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
 ) -> State:
-    """Convert the outcome of a steady problem to a contact in mm, N and MPa."""
+    """Return the contact, in mm, N and MPa, of the outcome of a steady problem."""
     units, fields = model.units, outcome.fields
     pressure = units.pressure * fields.pressure
     traction, gap = traction_of(model, fields.traction), units.gap * fields.gap

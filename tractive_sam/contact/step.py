@@ -24,7 +24,7 @@ from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Pr
 
 @dataclass(frozen=True, eq=False)
 class ParticleMotion:
-    """Motion of the particles to the nodes in a step.
+    """Motion of surface particles to the nodes of the mesh during a time step.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class ParticleMotion:
 
 
 class Stepper:
-    """Takes steps of a model, each from the one before.
+    """Solver of time steps of a model, each step from the result of the one before.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class Stepper:
         earlier: StepResult | None = None,
         ratio: float = 0.0,
     ) -> StepResult:
-        """Solve the step after another one, and return it with its work and wear.
+        """Solve one time step, and return its contact, work and wear.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Stepper:
     def _motion(
         self, before: StepResult, inputs: StepInput, advection: Advection
     ) -> ParticleMotion:
-        """Return the motion of particles to the nodes; without slip by unknown creepages."""
+        """Return the motion of particles to the nodes, without the slip of unknown creepages."""
         touching = advection.with_nodes_ahead(before.contact.pressure) > 0.0
         curved = advection.inside(touching) & self.model.stencil.staggered
         rigid = self._rigid(inputs, advection, advection.middle(curved))
@@ -135,7 +135,7 @@ class Stepper:
         )
 
     def _kinematics(self, past: State, motion: ParticleMotion) -> RollingStep:
-        """Return the kinematics of a step, with the gap that particles close in it.
+        """Return the kinematics of a step, with the gap that entering particles close.
 
         With upwind slip a particle sticks from the first node ahead of the contact: a step of one
         element moves it from there, and it closes no gap.
@@ -152,7 +152,7 @@ class Stepper:
         return RollingStep(stencil, entering, advection.length)
 
     def _solve(self, problem: Problem, before: StepResult, start: Start, length: float) -> Outcome:
-        """Solve the problem of a step; a pressure that is already solved is not solved again."""
+        """Solve the problem of a step; reuse the pressure before it if that is still a solution."""
         model, past = self.model, before.contact
         if before.has_pressure_of(problem.free_pressure):
             pressure, gap = past.pressure / model.units.pressure, past.gap / model.units.gap
@@ -167,7 +167,7 @@ class Stepper:
         return outcome
 
     def with_gap_outside(self, result: StepResult, separation: np.ndarray | float) -> StepResult:
-        """Return a step on a widened mesh with gap and wear outside the former mesh."""
+        """Return a step on a widened mesh with gap and wear computed outside the former mesh."""
         contact, units = result.contact, self.model.units
         unknown = np.isinf(contact.gap)
         if not unknown.any():
@@ -183,7 +183,7 @@ class Stepper:
         return replace(result, contact=contact)
 
     def _law(self, before: StepResult, inputs: StepInput, advection: Advection) -> FrictionLaw:
-        """Return the friction law in a step, with the history of its particles.
+        """Return the friction law of a step, with the past friction of its particles.
 
         Raises
         ------
@@ -210,7 +210,7 @@ class Stepper:
     def _problem(
         self, inputs: StepInput, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
     ) -> Problem:
-        """Return the normal problem and the friction of a step under a depth worn, mm."""
+        """Return the dimensionless problem of a step for a worn depth, mm, without rigid slip."""
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if inputs.load is None else inputs.load / (units.pressure * grid.element_area)
         approach = 0.0 if inputs.approach is None else inputs.approach / units.gap
@@ -227,21 +227,21 @@ class Stepper:
         )
 
     def press(self, inputs: StepInput) -> State:
-        """Press the bodies together without traction, regardless of creepages and forces."""
+        """Solve the contact under the load of a step without traction; creepages are ignored."""
         problem = self._problem(inputs)
         outcome = PRESSURE_ONLY.solve(problem, self.model.scene.solver.tolerance)
         slip, depth = np.zeros_like(problem.rigid), self.model.add_initial_wear(0.0)
         return state_of(self.model, problem, outcome, slip, (0.0, 0.0, 0.0), depth)
 
     def at_rest(self, contact: State) -> StepResult:
-        """Return a contact from which steps may start, with its energy and displacements."""
+        """Return a contact as the step before the first one, with its energy and displacements."""
         displacement = self._displacement(StepResult(contact), 0)
         energy = self.work.energy(self.model.scaled_fields(contact), displacement)
         none = np.zeros((2, *self.model.grid.elements))
         return StepResult(contact, energy=energy, displacement=displacement, worn=none, gained=none)
 
     def _displacement(self, result: StepResult, reach: int) -> np.ndarray:
-        """Return dimensionless displacements at the nodes of the mesh and ahead of it."""
+        """Return dimensionless displacements of a step at the nodes and at `reach` nodes ahead."""
         nx = self.model.grid.elements[0]
         if result.displacement.shape[1] >= nx + reach:
             return result.displacement[:, : nx + reach]
@@ -278,7 +278,7 @@ class Stepper:
         return model.frame.slip_to_scaled(slip) * (self._elements(advection) / model.units.slip)
 
     def _elements(self, advection: Advection) -> float:
-        """Return the distance in elements by which slip is divided; for a shift a millimetre."""
+        """Return the rolled distance in elements, which divides slip; 1 mm for a shift."""
         return advection.length or 1.0 / self.model.grid.dx
 
     def _start(
@@ -289,7 +289,7 @@ class Stepper:
         earlier: StepResult | None,
         ratio: float,
     ) -> Start:
-        """Return the initial guess: extrapolated linearly from the two steps before."""
+        """Return the initial guess of a step, extrapolated linearly from the two steps before."""
         model, units = self.model, self.model.units
         first, share = (before, 0.0) if earlier is None else (earlier, ratio)
 
@@ -324,7 +324,7 @@ class Stepper:
         outcome: Outcome,
         worn: np.ndarray,
     ) -> StepResult:
-        """Return the contact at the end of a step in mm, N and MPa, without its work and wear."""
+        """Return the contact at the end of a step in mm, N and MPa, still without work and wear."""
         model, creepages = self.model, list(inputs.creepages)
         per_distance = model.units.slip / self._elements(advection)
         sought = [k for k in (0, 1) if inputs.forces[k] is not None]
@@ -350,7 +350,7 @@ class Stepper:
     def _with_work(
         self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
     ) -> tuple[StepResult, tuple[Particles, ...]]:
-        """Return a step with its work and energy, and the particles that wear.
+        """Return a step with its work and elastic energy, and the particles that wear.
 
         See `step_work`.
         """
@@ -371,7 +371,7 @@ class Stepper:
     def _particles(
         self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
     ) -> tuple[Particles, ...]:
-        """Return the particles with the tractions that do the work of a step."""
+        """Return groups of particles with the tractions and motion that do the work of a step."""
         advection, curved, past = motion.advection, motion.curved, before.contact
         columns, fields = self.model.grid.elements[0], self.model.scaled_fields(past)
         change = result.displacement[:, :columns] - motion.displacement

@@ -12,7 +12,7 @@ Three = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class StepInput:
-    """Prescribed quantities of a step.
+    """Prescribed quantities of a time step: distance, creepages or forces, load, friction.
 
     Attributes
     ----------
@@ -44,14 +44,14 @@ class StepInput:
 
     @property
     def mean_friction(self) -> float:
-        """Mean factor on the bound of friction, on which wear depends."""
+        """Mean over the step of the factor on friction, on which wear depends."""
         first = self.friction if self.friction_before is None else self.friction_before
         return (first + self.friction) / 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class StepResult:
-    """A contact at the end of a step, and the work of the step.
+    """Result of a time step: the contact at its end, its work, and the worn depth.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class StepResult:
     deep: float = 0.0
 
     def on(self, grid: Grid) -> "StepResult":
-        """Return the result on a wider mesh of equal elements, see `State.on`.
+        """Return the result on a wider mesh of equal elements; the gap outside is not yet known.
 
         Behind the former mesh the depths equal the depth at its end.
         """
@@ -105,7 +105,7 @@ class StepResult:
         return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":
-        """Return the step without the part of a shorter step that began with it."""
+        """Return the part of this step after `earlier`, a shorter step from the same state."""
         if earlier is None:
             return self
         return replace(
@@ -117,7 +117,7 @@ class StepResult:
         )
 
     def has_pressure_of(self, normal: NormalProblem) -> bool:
-        """Return whether its pressure solves a normal problem."""
+        """Return whether the pressure of the step solves this normal problem."""
         if self.normal is None or not self.contact.touching.any():
             return False
         return normal.is_the_same_as(self.normal)

@@ -16,7 +16,7 @@ from tractive_sam.results import Status
 
 @dataclass(frozen=True, eq=False)
 class StepWear:
-    """Wear depths of both bodies in a step.
+    """Wear of both bodies in one time step: the depths that sliding particles lose.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class StepWear:
         friction: FrictionLaw,
         groups: tuple[Particles, ...],
     ) -> StepResult:
-        """Return a step with the depths that its particles lose.
+        """Return the result of a step with the depths that its particles lose.
 
         Parameters
         ----------
@@ -75,7 +75,7 @@ class StepWear:
         return replace(result, contact=contact, worn=worn, gained=gained, deep=deep)
 
     def _with_last_traction(self, result: StepResult, particles: Particles) -> Particles:
-        """Return the particles of a shift with the traction at its end.
+        """Return the particles of a shift, their traction scaled from its end to their pressure.
 
         They slip with that traction. If it turned in the shift, the mean traction does not oppose
         the slip.
@@ -86,7 +86,7 @@ class StepWear:
         return replace(particles, fields=np.where(last > 0.0, share * fields, particles.fields))
 
     def _depths(self, inputs: StepInput, particles: Particles, law: WearLaw) -> np.ndarray:
-        """Return the depths that a step wears off A and B, shape (2, n_x, n_y), mm.
+        """Return the depths that particles lose in a step from A and B, shape (2, n_x, n_y), mm.
 
         They follow from the pressure, the traction and the slip of each particle. A law that
         depends on the work of friction wears exactly by `StepResult.friction` if the bodies roll. A
@@ -101,7 +101,7 @@ class StepWear:
         return distance * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
 
     def _relative_depth(self, pressure: np.ndarray, gained: np.ndarray) -> float:
-        """Return the depth worn in a step over the largest stable depth; above 1, ripples grow.
+        """Return the depth worn in a step over the largest stable depth; ripples grow above 1.
 
         The gap of a step contains the wear w' = 2 w_1 - w_2 that is extrapolated from one (w_1) and
         two (w_2) steps before. Pressure responds to a ripple of it by its stiffness. The mean

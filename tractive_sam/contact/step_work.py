@@ -34,7 +34,7 @@ from tractive_sam.contact.model import Model
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Particles at the nodes after a step, or before it, and their part in its work.
+    """Particles at the nodes after, or before, a step, with their part in the work of the step.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Particles:
 
 
 class StepWork:
-    """Work of fields and displacements of a model, in N mm.
+    """Work of dimensionless fields on displacements of a model, in N mm.
 
     Parameters
     ----------
@@ -88,20 +88,20 @@ class StepWork:
         self._slip, self._gap = force * units.slip * grid.dx, force * units.gap
 
     def tangential(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Return the work of tractions on tangential displacements, both dimensionless."""
+        """Return the work, N mm, of tractions on tangential displacements, both dimensionless."""
         return self._slip * float((fields[-2:] * moved[-2:]).sum())
 
     def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Return the work of the pressure; 0 for equal materials, without pressure fields."""
+        """Return the work of the pressure on normal displacements, N mm; 0 without pressure."""
         return self._gap * float((fields[:-2] * moved[:-2]).sum())
 
     def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
-        """Return half the work of fields on displacements, which may extend ahead of the mesh."""
+        """Return the elastic energy, N mm: half the work of fields on their displacements."""
         moved = displacement[:, : fields.shape[1]]
         return 0.5 * (self.tangential(fields, moved) + self.normal(fields, moved))
 
     def supplied(self, groups: Iterable[Particles]) -> float:
-        """Return the work of the forces that drive the bodies in a step."""
+        """Return the work of the forces that drive the bodies in a step, N mm."""
         return sum(
             group.weight
             * (self.normal(group.fields, group.change) - self.tangential(group.fields, group.rigid))
@@ -109,11 +109,11 @@ class StepWork:
         )
 
     def friction(self, groups: Iterable[Particles]) -> float:
-        """Return the work of friction in a step."""
+        """Return the work of friction in a step, N mm; positive if dissipated."""
         return -sum(group.weight * self.tangential(group.fields, group.slip) for group in groups)
 
     def matched(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
-        """Scale the slip that wears to the work of friction of a step between nodes.
+        """Return the particles with `wearing` scaled so that their work equals that of friction.
 
         Interpolation also moves particles slightly between nodes that stick. That work is part of
         the sum, but nothing slides there: the sliding particles wear by all of it.

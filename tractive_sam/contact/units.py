@@ -15,7 +15,7 @@ from tractive_sam.schema import required
 
 @dataclass(frozen=True)
 class Units:
-    """Units in which the quantities of a problem are of order one (see `operators.elastic`).
+    """Units of pressure, gap and slip that make a problem of order one.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Units:
         frame: Frame,
         undeformed_gap: Callable[[], np.ndarray],
     ) -> Self:
-        """Return the units from the Hertzian contact, or from the mesh without one.
+        """Return the units of a scene, from its Hertz contact, or from the mesh without one.
 
         `undeformed_gap` computes the gap, mm; only a prescribed approach without Hertz needs it.
         """

@@ -21,7 +21,7 @@ Solve = Callable[[Model, State | None], State]
 def share_load(
     model: Model, solve: Solve, start: State | None, tolerance: float = 1e-6, max_steps: int = 12
 ) -> tuple[State, ...]:
-    """Find the depth of a wheel at which its contact patches together carry its load.
+    """Solve all patches of a wheel at the depth at which they together carry its load.
 
     It uses the secant method for the load to the power 2/3, which for a Hertz contact is linear in
     the depth of the wheel. The first patch has the cost of all.
@@ -77,7 +77,7 @@ def share_load(
 
 
 def supported_load(contact: State, patch: Patch, normal: bool = False) -> float:
-    """Return the vertical force that a patch carries, or its normal force, N."""
+    """Return the vertical force of a patch, or with `normal` its normal force, N."""
     if normal:
         return contact.P
     return float(contact.P * np.cos(patch.angle) - contact.Qy * np.sin(patch.angle))

@@ -9,7 +9,7 @@ from tractive_sam.results import Grid
 
 @dataclass(frozen=True, eq=False)
 class Worn:
-    """Depth worn off the bodies before a roll, across the track.
+    """Worn depth of both bodies across the track, with which a roll begins.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class Worn:
     depths: np.ndarray
 
     def on(self, grid: Grid) -> np.ndarray:
-        """Return the depths on a mesh, shape (2, n_y), mm: linear, and constant beyond the ends.
+        """Return the worn depths at the rows of a mesh, shape (2, n_y), mm, interpolated.
 
         Raises
         ------

@@ -10,7 +10,7 @@ from tractive_sam.mechanics.law import Law
 
 
 class Criterion(Law, ABC):
-    """Criterion for a state of stress or for a stress cycle; see the two classes below."""
+    """Base class of criteria for a state of stress and for a stress cycle."""
 
     name: str
     symbol: str
@@ -18,7 +18,7 @@ class Criterion(Law, ABC):
 
 
 class StressCriterion(Criterion):
-    r"""Equivalent stress: a number from six stress components (xx, yy, zz, xy, xz, yz).
+    r"""Equivalent stress: a number from the six stress components (xx, yy, zz, xy, xz, yz).
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class CycleCriterion(Criterion):
 
 @dataclass(frozen=True)
 class VonMises(StressCriterion):
-    """Equivalent stress of von Mises."""
+    """Criterion: the equivalent stress of von Mises, from six stress components."""
 
     name = "von_mises"
     symbol = r"\sigma_\mathrm{vM}"
@@ -142,7 +142,7 @@ class VonMises(StressCriterion):
 
 @dataclass(frozen=True)
 class MaxShear(StressCriterion):
-    """Largest shear stress, half the difference of the extreme principal stresses."""
+    """Criterion: the largest shear stress, half the difference of extreme principal stresses."""
 
     name = "max_shear"
     symbol = r"\tau_\mathrm{max}"

@@ -52,7 +52,7 @@ class Elasticity(Law, ABC):
         return 0.0
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Accept methods under their former names."""
+        """Accept methods of a subclass under their former names, with a warning."""
         super().__init_subclass__(**kwargs)
         accept_renamed_methods(cls, {"alone": "single_body"})
 
@@ -60,7 +60,7 @@ class Elasticity(Law, ABC):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Return the displacement u_A - u_B of an element per unit traction on another element.
+        """Return influence coefficients: displacement u_A - u_B per unit traction on an element.
 
         The table has a coefficient for each offset of the elements in x and y.
 
@@ -83,7 +83,7 @@ class Elasticity(Law, ABC):
         """
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return the unit of gaps over the unit of pressures, with which both have like size.
+        """Return the scale of gaps over the scale of pressures, mm/MPa, for numbers of like size.
 
         Parameters
         ----------
@@ -100,7 +100,7 @@ class Elasticity(Law, ABC):
         return float(self.coefficients("zz", (1, 1), dx, dy)[0, 0])
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """Return the unit of slips over the unit of tractions, 1/MPa.
+        """Return the scale of slips over the scale of tractions, 1/MPa, for numbers of like size.
 
         By default the slip of an element by a unit traction on it.
         """
@@ -130,11 +130,11 @@ class Elasticity(Law, ABC):
         return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
 
     def spanning(self, length: float) -> "Elasticity":
-        """Return the law for a mesh of a length in x, mm; by default this law."""
+        """Return the law for a mesh of the given length in x, mm; by default this law."""
         return self
 
     def single_body(self, body: str) -> "Elasticity":
-        """Return one body, "A" or "B", against a rigid body, for the stress in it.
+        """Return the elasticity of one body, "A" or "B", against a rigid one, for the stress in it.
 
         Raises
         ------
@@ -149,7 +149,7 @@ class Elasticity(Law, ABC):
 
 @dataclass(frozen=True)
 class HalfSpaces(Elasticity):
-    """Two isotropic half-spaces.
+    """Elasticity of two isotropic half-spaces.
 
     A subclass with other `coefficients` is not homogeneous: the stress in its bodies is known only
     if it defines `alone` as well.
@@ -184,7 +184,7 @@ class HalfSpaces(Elasticity):
 
     @property
     def coupled(self) -> bool:
-        """Whether the bodies are dissimilar, K != 0."""
+        """Whether the bodies are dissimilar (K != 0): pressure causes tangential displacement."""
         return self.material.coupling != 0.0
 
     def coefficients(
@@ -246,20 +246,23 @@ class HalfSpaces(Elasticity):
         return 2.0 * entry / self.material.shear
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return length / E*; see `Elasticity.gap_per_pressure`."""
+        """Return length / E*, the scale of gaps over pressures (`Elasticity.gap_per_pressure`)."""
         return length / self.material.E_star
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """Return 1/G; see `Elasticity.slip_per_traction`."""
+        """Return 1/G, the scale of slips over tractions; see `Elasticity.slip_per_traction`."""
         return 1.0 / self.material.shear
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """Return (1 - nu n n^T)/(1 - nu), as for line loads; see `Elasticity.opening`."""
+        """Return (1 - nu n n^T)/(1 - nu) for edge normals n, as for line loads.
+
+        See `Elasticity.opening`.
+        """
         nu = self.material.poisson
         return (np.eye(2) - nu * np.einsum("am,bm->mab", normal, normal)) / (1.0 - nu)
 
     def single_body(self, body: str) -> "HalfSpaces":
-        """Return one body with unit shear modulus, as "A", against a rigid body.
+        """Return half-spaces of one body with unit shear modulus, as "A", against a rigid body.
 
         The stress under given tractions does not depend on the modulus.
 
@@ -292,7 +295,7 @@ class Strips(HalfSpaces):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Return the displacement of a strip per unit traction on another; one offset in y, 0.
+        """Return the displacement of a strip per unit traction on another, mm/MPa, (offsets[0], 1).
 
         The other columns are zero: then the transform in y treats every row separately, also in
         circulant inverses.
@@ -314,7 +317,7 @@ class Strips(HalfSpaces):
     single_body = HalfSpaces.single_body
 
     def spanning(self, length: float) -> "Strips":
-        """Return the law with a datum of at least twice the length.
+        """Return the strips with a datum of at least twice the length of the mesh, mm.
 
         The normal operator is positive definite from once the length, its circulant inverse from
         twice the length.
@@ -323,7 +326,7 @@ class Strips(HalfSpaces):
 
 
 class _ElementIntegrals:
-    """Integrals over an element for all components and any material.
+    """Stored integrals of an element for all components and any material, extended on demand.
 
     The table has as many offsets as were needed so far: a rectangle around the contact has the
     elements of its mesh.

@@ -25,7 +25,7 @@ from tractive_sam.mechanics.friction import Bound, Coulomb, PreviousShare, Slope
 
 
 class SlidingShare(ABC):
-    """Friction over friction at rest as a function of the sliding speed; one at zero speed.
+    """Friction coefficient over its value at rest, as a function of the sliding speed.
 
     Examples
     --------
@@ -60,12 +60,12 @@ class SlidingShare(ABC):
     @property
     @abstractmethod
     def least(self) -> float:
-        """Limit of the share at high speed."""
+        """Limit of the ratio mu(speed)/mu(0) at high speed."""
 
 
 @dataclass(frozen=True)
 class Exponential(SlidingShare):
-    """kinetic + (1 - kinetic) exp(-ln 2 speed / half_speed).
+    """The ratio mu(speed)/mu(0) = kinetic + (1 - kinetic) exp(-ln 2 speed / half_speed).
 
     With kinetic = A and half_speed = ln 2 / B it is Polach's law, mu_0 ((1 - A) exp(-B w) + A)
     (2005, Wear 258, 992-1000), applied to the local speed.
@@ -92,13 +92,13 @@ class Exponential(SlidingShare):
 
     @property
     def least(self) -> float:
-        """Limit of the share at high speed (`SlidingShare.least`)."""
+        """Limit of mu(speed)/mu(0) at high speed: `kinetic` (`SlidingShare.least`)."""
         return self.kinetic
 
 
 @dataclass(frozen=True)
 class Rational(SlidingShare):
-    """kinetic + (1 - kinetic) / (1 + speed / half_speed); parameters as in `Exponential`."""
+    """The ratio mu(speed)/mu(0) = kinetic + (1 - kinetic) / (1 + speed / half_speed)."""
 
     kinetic: float
     half_speed: float
@@ -114,13 +114,13 @@ class Rational(SlidingShare):
 
     @property
     def least(self) -> float:
-        """Limit of the share at high speed (`SlidingShare.least`)."""
+        """Limit of mu(speed)/mu(0) at high speed: `kinetic` (`SlidingShare.least`)."""
         return self.kinetic
 
 
 @dataclass(frozen=True, eq=False)
 class TemperatureFactor:
-    """Factor of the surface temperature on the friction coefficients, on the elements of a mesh.
+    """Factor on the friction coefficients due to the surface temperature of each element.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ class TemperatureFactor:
     factor: np.ndarray
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the factor on other elements; linear between centres.
+        """Return the factor on the elements of another mesh, by linear interpolation.
 
         Parameters
         ----------
@@ -147,7 +147,7 @@ class TemperatureFactor:
 
 @dataclass(frozen=True, eq=False)
 class LateralFactor:
-    """Factor of the lateral position on the friction coefficients.
+    """Factor on the friction coefficients as a function of the lateral position y.
 
     Attributes
     ----------
@@ -161,24 +161,24 @@ class LateralFactor:
     factor: np.ndarray
 
     def at(self, y: np.ndarray) -> np.ndarray:
-        """Return the factor at positions, mm."""
+        """Return the factor on friction at lateral positions y, mm."""
         return np.interp(y, self.y, self.factor)
 
-    def on(self, y: np.ndarray) -> "LateralFactor":
-        """Return the factor on the rows of a mesh."""
+    def on_rows(self, y: np.ndarray) -> "LateralFactor":
+        """Return this function tabulated at the rows y of a mesh, mm."""
         return LateralFactor(y, self.at(y))
 
 
 def _interpolate(
     values: np.ndarray, nodes: tuple[np.ndarray, ...], points: tuple[np.ndarray, ...]
 ) -> np.ndarray:
-    """Return a field on the tensor grid of other points, bilinear between the element centres."""
+    """Return a field at the grid of other points, bilinear between its nodes (x and y axes)."""
     along, across = (_weights(a, b.ravel()) for a, b in zip(nodes, points, strict=True))
     return along @ values @ across.T
 
 
 def _weights(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Return the matrix of linear interpolation between ascending nodes, constant beyond."""
+    """Return the matrix of linear interpolation from ascending nodes to points, constant beyond."""
     if len(nodes) == 1:
         return np.ones((len(points), 1))
     place = np.interp(points, nodes, np.arange(len(nodes)))
@@ -191,7 +191,7 @@ def _weights(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class FallingCoulomb(Coulomb):
-    """Coulomb friction with coefficients that fall with the sliding speed, and with a strength.
+    """Coulomb friction that falls with the sliding speed, with an upper limit of the traction.
 
     Parameters
     ----------
@@ -228,12 +228,12 @@ class FallingCoulomb(Coulomb):
 
     @property
     def falls(self) -> bool:
-        """Whether the bound depends on the slip; then `bound` is the largest one, at rest."""
+        """Whether the bound depends on the slip; then `bound` gives the largest one, at rest."""
         return self.sliding is not None and 0.0 < self.speed < np.inf
 
     def on_rows(self, y: np.ndarray) -> "FallingCoulomb":
-        """Return the law for a mesh with rows at y, mm."""
-        return self if self.lateral is None else replace(self, lateral=self.lateral.on(y))
+        """Return the law with its lateral factor tabulated at the rows y of a mesh, mm."""
+        return self if self.lateral is None else replace(self, lateral=self.lateral.on_rows(y))
 
     def at_speed_ratio(self, ratio: float) -> "FallingCoulomb":
         """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law.
@@ -243,14 +243,14 @@ class FallingCoulomb(Coulomb):
         return replace(self, speed=ratio * self.speed)
 
     def weakened(self, factor: float) -> "FallingCoulomb":
-        """Return the law with friction times a factor.
+        """Return the law with its friction coefficients multiplied by a factor.
 
         The factor does not apply to the strength.
         """
         return self if factor == 1.0 else FallingCoulombInStep(**vars(self), factor=factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulomb":
-        """Return the law for a step after other steps.
+        """Return the law for a step of a transient, with a memory of the friction before it.
 
         Raises
         ------
@@ -264,7 +264,7 @@ class FallingCoulomb(Coulomb):
         return FallingCoulombInStep(**vars(self), past=past) if self.memory > 0.0 else self
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """Return the radius of the disc that contains the scaled traction (`FrictionLaw.bound`)."""
+        """Return the traction bound at rest, or for infinite sliding if the speed is infinite."""
         share = 1.0
         if self.sliding is not None and np.isinf(self.speed):
             share = self.sliding.least
@@ -273,7 +273,7 @@ class FallingCoulomb(Coulomb):
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """Return the bound under a slip, with its `Slope`, for a law that `falls`.
+        """Return the traction bound under a slip, with its derivative by the slip (`Slope`).
 
         Parameters as in `FrictionLaw.bound_sliding`.
         """
@@ -296,7 +296,7 @@ class FallingCoulomb(Coulomb):
         return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, retained))
 
     def by_mu(self, bound: Bound, change: np.ndarray) -> np.ndarray:
-        """Return the derivative of a bound along a change of the coefficients at rest.
+        """Return the derivative of the scaled bound (n_x, n_y) along a change of mu1 and mu2.
 
         Pressure and slip are constant.
 
@@ -313,7 +313,7 @@ class FallingCoulomb(Coulomb):
         return np.where(capped, -self.frame.largest_by(change) * bound.radius, 0.0)
 
     def friction_factor(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
-        """Return the coefficients under a slip over those at rest, shape (n_x, n_y).
+        """Return the friction coefficients under a slip over their values at rest, (n_x, n_y).
 
         Parameters
         ----------
@@ -345,7 +345,7 @@ class FallingCoulomb(Coulomb):
         y: np.ndarray,
         second: bool,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the share with memory, its derivative by the speed, and by the share ahead.
+        """Return mu/mu(0) with memory, and its derivatives by the speed and by the ratio ahead.
 
         To second order the memory over an element follows from a constant speed, exp(-slid/d_c); to
         first order from an implicit step.
@@ -364,7 +364,7 @@ class FallingCoulomb(Coulomb):
     def _retained_share(
         self, size: np.ndarray, distance: float, second: bool
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the retained part of a share over a rolling distance, mm, and its derivative."""
+        """Return the part of mu/mu(0) retained over a rolling distance, mm, and its derivative."""
         time = distance / self.speed
         slides = self.speed * size > self.background
         slid = time * np.maximum(self.speed * size, self.background) / self.memory
@@ -373,14 +373,14 @@ class FallingCoulomb(Coulomb):
         return retained, np.where(slides, by_slid * time / self.memory, 0.0)
 
     def _factor(self, x: np.ndarray, y: np.ndarray) -> np.ndarray | float:
-        """Return the factor on friction by temperature and lateral position."""
+        """Return the factor on friction due to temperature and lateral position, or 1."""
         factor = 1.0 if self.warmth is None else self.warmth.at(x, y)
         return factor if self.lateral is None else factor * self.lateral.at(y)
 
     def _capped(
         self, pressure: np.ndarray, share: np.ndarray, factor: np.ndarray | float
     ) -> tuple[Bound, np.ndarray]:
-        """Return the bound of a share and a factor, and its derivative by the share."""
+        """Return the bound for a ratio mu/mu(0), limited by the strength, and d(bound)/d(ratio)."""
         limit, share = self.strength / max(self.mu), factor * share
         radius = share * pressure
         weak = radius < limit
@@ -390,7 +390,7 @@ class FallingCoulomb(Coulomb):
 
 @dataclass(frozen=True)
 class FallingCoulombInStep(FallingCoulomb):
-    """A falling law in a step of a transient.
+    """Falling friction law in a step of a transient: with a factor, and a memory of steps before.
 
     Parameters
     ----------
@@ -404,15 +404,15 @@ class FallingCoulombInStep(FallingCoulomb):
     past: PreviousShare | None = None
 
     def weakened(self, factor: float) -> "FallingCoulombInStep":
-        """Return the law with friction times a factor (`FallingCoulomb.weakened`)."""
+        """Return the law with its friction coefficients multiplied by a factor."""
         return replace(self, factor=factor * self.factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulombInStep":
-        """Return the law for a step after other steps (`FallingCoulomb.with_previous`)."""
+        """Return the law for a step of a transient, with a memory of the friction before it."""
         return replace(self, past=past)
 
     def friction_factor(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
-        """Return the coefficients under a slip over those at rest, shape (n_x, n_y).
+        """Return the friction coefficients under a slip over their values at rest, (n_x, n_y).
 
         The distance of the step replaces the length.
 
@@ -432,7 +432,7 @@ class FallingCoulombInStep(FallingCoulomb):
         y: np.ndarray,
         second: bool,
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the share with memory, its derivative by the speed, and by the share ahead.
+        """Return mu/mu(0) with a memory of the steps before, and its derivatives.
 
         Each particle continues from its share before the step.
         """
@@ -450,5 +450,5 @@ class FallingCoulombInStep(FallingCoulomb):
     def _capped(
         self, pressure: np.ndarray, share: np.ndarray, factor: np.ndarray | float
     ) -> tuple[Bound, np.ndarray]:
-        """Return the bound of a share and a factor, and its derivative by the share."""
+        """Return the bound for mu/mu(0) times the factor of the step, and d(bound)/d(ratio)."""
         return super()._capped(pressure, share, self.factor * factor)

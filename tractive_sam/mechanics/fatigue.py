@@ -31,7 +31,7 @@ def to_paths(cycle: np.ndarray) -> np.ndarray:
 def _apply_kernel(
     kernel: Callable[..., None], cycle: np.ndarray, *parameters: float, numbers: int = 1
 ) -> np.ndarray:
-    """Return numbers of each cycle from a kernel, (numbers, ...); nan if a stress is not finite."""
+    """Return results of a kernel for each cycle, (numbers, ...); nan if a stress is nan or inf."""
     paths = to_paths(cycle)
     is_finite = np.isfinite(paths).all(axis=(1, 2))
     out = np.full((numbers, len(paths)), np.nan)
@@ -73,7 +73,7 @@ class DangVan(CycleCriterion):
         return self.and_radius(cycle)[0]
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the criterion and the radius of the smallest ball, which it computes.
+        """Return the criterion and the radius of the smallest ball around the deviator's path, MPa.
 
         Returns
         -------
@@ -110,7 +110,7 @@ class Crossland(CycleCriterion):
         return self.and_radius(cycle)[0]
 
     def and_radius(self, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the criterion and the radius of the smallest ball, which it computes.
+        """Return the criterion and the radius of the smallest ball around the deviator's path, MPa.
 
         Returns
         -------
@@ -227,7 +227,7 @@ def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
 
 
 def evaluate_cycles(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the criterion of cycles, and their `enclosing_radius`, which some criteria compute.
+    """Return a criterion of cycles, and the `enclosing_radius` of each deviator's path, MPa.
 
     Returns
     -------
@@ -260,7 +260,7 @@ def residual_shear(cycle: np.ndarray) -> np.ndarray:
 
 
 def interpolate_over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Interpolate values over the depth.
+    """Interpolate values (rows, n) at depths (n,) to other depths, cubic in sqrt(depth), monotone.
 
     The interpolation is cubic in the square root of the depth, and monotone if the values are: near
     the edges of the contact and of the stick area the stress depends on the root of the distance.
@@ -312,14 +312,14 @@ class Woehler(Law):
     """Upper limit of the damage of a cycle, to avoid overflow: failure is in the first cycle."""
 
     def damage(self, utilisation: np.ndarray) -> np.ndarray:
-        """Return the damage of a cycle at utilisations; 0 up to a utilisation of 0."""
+        """Return the damage per cycle at utilisations (stress over limit)."""
         loaded = utilisation > (1.0 if self.knee else 0.0)
         log = np.log(np.where(loaded, utilisation, 1.0))
         damage = self.exponent * log - np.log(self.cycles)
         return np.where(loaded, np.exp(np.minimum(damage, np.log(self.max_per_cycle))), 0.0)
 
     def relative_error(self, utilisation_error: float) -> float:
-        """Return the largest relative error of the damage from the error e of the utilisation.
+        """Return the relative error of the damage due to a relative error of the utilisation.
 
         It is (1 + e)^exponent - 1, to first order the exponent times e. The error of cycles near
         the knee is not included.
@@ -376,7 +376,7 @@ class VolumeLife(Law):
     def volume(
         self, y: np.ndarray, depth: np.ndarray, stress: np.ndarray, around: float = 1.0
     ) -> float:
-        """Return the integral over a body, from the first depth below the surface.
+        """Return the integral of stress amplitude^c / depth^h over a body, below its first depth.
 
         1/z^h is infinite at the surface: if friction stresses the surface, the integral increases
         as the first depth, one element, decreases; see `surface_density_ratio`.
@@ -395,7 +395,7 @@ class VolumeLife(Law):
         return float(around * (_integrate(rows, y) if y.size > 1 else rows[0]))
 
     def surface_density_ratio(self, depth: np.ndarray, stress: np.ndarray) -> float:
-        """Return the largest density of the integral at its first depth over the largest density.
+        """Return the largest integrand at the first depth over the largest one at all depths.
 
         Near 1 the integral depends on the element size.
 
@@ -411,13 +411,13 @@ class VolumeLife(Law):
         return float(density[:, 0].max() / largest) if largest > 0.0 else 0.0
 
     def _density(self, depth: np.ndarray, stress: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the integration points (n,) in mm, and the density of the integral there."""
+        """Return integration points (n,) over the depth, mm, and the integrand there, (n_y, n)."""
         z = np.linspace(depth[1], depth[-1], self.points_per_depth * depth.size)
         above = np.maximum(interpolate_over_depth(depth, stress, z) - self.limit, 0.0)
         return z, above**self.stress_exponent / z**self.depth_exponent
 
     def survival(self, volume: float, cycles: float) -> float:
-        """Return the probability of survival after a number of cycles.
+        """Return the probability of survival after a number of cycles, given the stressed `volume`.
 
         Parameters
         ----------
@@ -429,7 +429,7 @@ class VolumeLife(Law):
         return math.exp(-self.constant * cycles**self.slope * volume)
 
     def life(self, volume: float, survival: float = 0.9) -> float:
-        """Return the number of cycles for a probability of survival; inf without stress.
+        """Return the number of cycles for a probability of survival; inf for an unstressed volume.
 
         Parameters
         ----------

@@ -14,7 +14,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Frame:
-    """The scaled tribological frame of orthotropic friction.
+    """The scaled tribological frame: axes in which orthotropic friction is isotropic.
 
     Parameters
     ----------
@@ -29,13 +29,13 @@ class Frame:
 
     @cached_property
     def matrix(self) -> np.ndarray:
-        """F = M R: slip into the frame, s~ = F s; traction out of it, p_t = F^T p~."""
+        """F = M R: slip into the frame, s~ = F s; traction out of the frame, p_t = F^T p~."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.diag(self.mu) @ np.array([[c, s], [-s, c]])
 
     @cached_property
     def inverse(self) -> np.ndarray:
-        """F^-1 = R^T M^-1."""
+        """F^-1 = R^T M^-1 (2, 2): slip out of the frame, s = F^-1 s~."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.array([[c, -s], [s, c]]) / np.asarray(self.mu)
 
@@ -46,7 +46,7 @@ class Frame:
         return first, second
 
     def largest_by(self, change: np.ndarray) -> float:
-        """Return the derivative of the logarithm of max(mu1, mu2) along a change of both.
+        """Return the derivative of log max(mu1, mu2) along a change (d mu1, d mu2).
 
         For equal coefficients it is half of the one-sided derivative by each, as for central
         differences.

@@ -50,7 +50,7 @@ class Bound(ShortArrays):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Slope(ShortArrays):
-    """Derivative of a bound by the slip at the centres of the elements.
+    """Derivative of a traction bound by the slip at the centres of the elements.
 
     The bound is a factor, the share, times the bound at rest. With a memory the share of an element
     also depends on the share of the element ahead, from which the material comes.
@@ -77,20 +77,20 @@ class Slope(ShortArrays):
     kept: np.ndarray
 
     def change(self, slip: np.ndarray) -> np.ndarray:
-        """Return the change of the radius by a change of the slip at the centres, (n_x, n_y)."""
+        """Return the change of the radius for a change of the slip at centres, (n_x, n_y)."""
         out = np.empty_like(self.by_share)
         friction.change_of_bound(self.by_share, self.by_slip, self.kept, slip, out)
         return out
 
     @property
     def steepness(self) -> np.ndarray:
-        """Size of the derivative of the radius by the slip of the element."""
+        """Magnitude of the derivative of the bound by the slip of the same element, (n_x, n_y)."""
         return self.by_share * np.hypot(*self.by_slip)
 
 
 @dataclass(frozen=True, eq=False)
 class PreviousShare:
-    """Shares of particles before a step of a transient, on the elements at the end of the step.
+    """Ratios mu/mu(0) of surface particles before a step of a transient, at the elements after it.
 
     Attributes
     ----------
@@ -108,9 +108,9 @@ class PreviousShare:
     distance: float
 
 
-@renamed_attributes(eased="at_speed_ratio")
+@renamed_attributes(eased="at_speed_ratio", opposed="opposed_slip", centred="slip_at_centres")
 class FrictionLaw(Law, ABC):
-    """Friction law of every element; a subclass defines `frame` and `bound`.
+    """Friction law of every element; a subclass defines its `frame` and traction `bound`.
 
     Examples
     --------
@@ -128,18 +128,18 @@ class FrictionLaw(Law, ABC):
     """
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
-        """Accept methods under their former names."""
+        """Accept methods of a subclass under their former names, with a warning."""
         super().__init_subclass__(**kwargs)
         accept_renamed_methods(cls, {"eased": "at_speed_ratio"})
 
     @property
     @abstractmethod
     def frame(self) -> Frame:
-        """Frame in which the law is isotropic."""
+        """Frame in which the friction law is isotropic."""
 
     @abstractmethod
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """Return the radius of the disc that contains the scaled traction.
+        """Return the traction bound: the radius of the disc that contains the scaled traction.
 
         Parameters
         ----------
@@ -151,13 +151,13 @@ class FrictionLaw(Law, ABC):
 
     @property
     def falls(self) -> bool:
-        """Whether the bound depends on the slip; then `bound` is the largest one, at rest."""
+        """Whether the bound depends on the slip; then `bound` gives the largest one, at rest."""
         return False
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """Return the bound under a slip, with its `Slope`, for a law that `falls`.
+        """Return the traction bound under a slip, with its derivative by the slip (`Slope`).
 
         Parameters
         ----------
@@ -175,7 +175,7 @@ class FrictionLaw(Law, ABC):
         return self
 
     def on_rows(self, y: np.ndarray) -> "FrictionLaw":
-        """Return the law for a mesh with rows at y, mm; by default this law."""
+        """Return the law for a mesh with rows at lateral positions y, mm; by default this law."""
         return self
 
     def weakened(self, factor: float) -> "FrictionLaw":
@@ -183,13 +183,13 @@ class FrictionLaw(Law, ABC):
         return self if factor == 1.0 else ScaledFriction(self, factor)
 
     def with_previous(self, past: "PreviousShare") -> "FrictionLaw":
-        """Return the law for a step after other steps; by default this law."""
+        """Return the law for a step of a transient, with its past friction; default: this law."""
         return self
 
     def project(
         self, traction: np.ndarray, radius: np.ndarray, physical: bool = False
     ) -> np.ndarray:
-        """Return the nearest scaled traction within the bound.
+        """Return the scaled traction within the bound that is nearest to the given traction.
 
         Parameters
         ----------
@@ -206,8 +206,8 @@ class FrictionLaw(Law, ABC):
         return out
 
     @staticmethod
-    def opposed(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
-        """Return the slip that the tractions oppose, from the slip of the leading faces.
+    def opposed_slip(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
+        """Return the slip that the tractions of the elements oppose, from slip of leading faces.
 
         Parameters
         ----------
@@ -226,8 +226,8 @@ class FrictionLaw(Law, ABC):
         return out
 
     @staticmethod
-    def centred(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
-        """Return the slip at the centres, on which the bound depends; parameters as `opposed`."""
+    def slip_at_centres(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
+        """Return the slip at element centres from that of leading faces; see `opposed_slip`."""
         if not staggered:
             return slip
         out = np.empty_like(slip)
@@ -244,7 +244,7 @@ class FrictionLaw(Law, ABC):
         active: np.ndarray | None = None,
         weight: float = 1.0,
     ) -> "Linearisation":
-        """Return the residual of the law at a state, and its derivative.
+        """Return the residual of the friction law at tractions and slips, and its derivative.
 
         Parameters
         ----------
@@ -255,7 +255,7 @@ class FrictionLaw(Law, ABC):
         contact : ndarray, shape (n_x, n_y)
             Positive in contact.
         staggered : float
-            See `opposed`.
+            See `opposed_slip`.
         active : ndarray of bool, optional
             Elements that remain in contact after the next step; the traction of other elements is
             not changed by the slip.
@@ -281,7 +281,7 @@ class FrictionLaw(Law, ABC):
 
 @dataclass(frozen=True)
 class ScaledFriction(FrictionLaw):
-    """A friction law with a factor on its bound.
+    """A friction law with its traction bound multiplied by a factor.
 
     Parameters
     ----------
@@ -296,29 +296,29 @@ class ScaledFriction(FrictionLaw):
 
     @property
     def frame(self) -> Frame:
-        """Frame of the law without the factor."""
+        """Frame of the law that is multiplied."""
         return self.law.frame
 
     @property
     def falls(self) -> bool:
-        """Whether the bound depends on the slip; then `bound` is the largest one, at rest."""
+        """Whether the bound depends on the slip; then `bound` gives the largest one, at rest."""
         return self.law.falls
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """Return the radius of the disc that contains the scaled traction (`FrictionLaw.bound`)."""
+        """Return the traction bound of the law at rest, times the factor (`FrictionLaw.bound`)."""
         return self._scaled(self.law.bound(pressure, x, y))
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """Return the bound under a slip, with its `Slope`, for a law that `falls`.
+        """Return the bound of the law under a slip, with its `Slope`, times the factor.
 
         Parameters as in `FrictionLaw.bound_sliding`.
         """
         return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
 
     def on_rows(self, y: np.ndarray) -> "ScaledFriction":
-        """Return the law for a mesh with rows at y, mm."""
+        """Return the law for a mesh with rows at lateral positions y, mm."""
         return replace(self, law=self.law.on_rows(y))
 
     def at_speed_ratio(self, ratio: float) -> "ScaledFriction":
@@ -326,7 +326,7 @@ class ScaledFriction(FrictionLaw):
         return replace(self, law=self.law.at_speed_ratio(ratio))
 
     def _scaled(self, bound: Bound) -> Bound:
-        """Return a bound times the factor."""
+        """Return a bound and its derivatives, multiplied by the factor."""
         slope, factor = bound.slope, self.factor
         if slope is not None:
             slope = replace(slope, by_share=factor * slope.by_share)
@@ -359,7 +359,7 @@ class Coulomb(FrictionLaw):
         return Frame(self.mu, self.angle)
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """Return the pressure, see `FrictionLaw.bound`."""
+        """Return the bound of the scaled traction: the pressure itself (`FrictionLaw.bound`)."""
         return Bound(pressure, 1.0)
 
 
@@ -395,7 +395,7 @@ class Linearisation:
         For a bound that depends on the slip: the equation along n is n.p minus the change of the
         bound.
     staggered : float
-        See `FrictionLaw.opposed`.
+        See `FrictionLaw.opposed_slip`.
     """
 
     state: np.ndarray
@@ -410,7 +410,7 @@ class Linearisation:
     staggered: float = 1.0
 
     def rows(self, step: np.ndarray, slip: np.ndarray, out: np.ndarray) -> None:
-        """Set `out` to the equations for a change of traction and the resulting change of slip.
+        """Set `out` to the linearised friction equations for a change of traction and of slip.
 
         Parameters
         ----------
@@ -439,7 +439,7 @@ class Linearisation:
         self_influence: tuple[float, float, float],
         stiffness: np.ndarray,
     ) -> np.ndarray:
-        """Return a step that nearly solves the equations, by an upwind sweep.
+        """Return a traction change that nearly solves the equations of steady rolling.
 
         D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum
         from the leading edge, at which the traction is zero. This is sufficient in stick elements.
@@ -468,7 +468,7 @@ class Linearisation:
     def inverse_of_step(
         self, self_displacement: tuple[float, float, float], stiffness: np.ndarray
     ) -> "InverseOfStep":
-        """Return the approximate inverse of equations in the displacement A, not its difference.
+        """Return the approximate inverse of the equations of a time step (slip by displacement).
 
         Parameters
         ----------
@@ -500,7 +500,7 @@ class Linearisation:
 
 @dataclass(frozen=True, eq=False)
 class InverseOfStep:
-    """Approximate inverse of the equations of a step, see `kernels.friction_inverse.prepare_step`.
+    """Approximate inverse of the friction equations of a time step (see `prepare_step`).
 
     Attributes
     ----------
@@ -521,7 +521,7 @@ class InverseOfStep:
     up: np.ndarray
 
     def __call__(self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Return a step that nearly solves the equations.
+        """Return a traction change that nearly solves the equations of a time step.
 
         Parameters
         ----------
@@ -552,19 +552,19 @@ class InverseOfStep:
 
 @dataclass(frozen=True, eq=False)
 class SlipDependence:
-    """Term of a slip-dependent bound in the equations of a `Linearisation`.
+    """Change of a slip-dependent bound, as a term in the equations of a `Linearisation`.
 
     Attributes
     ----------
     slope : Slope
         Derivative of the bound by the slip.
     staggered : float
-        See `FrictionLaw.opposed`.
+        See `FrictionLaw.opposed_slip`.
     """
 
     slope: Slope
     staggered: float
 
     def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Return the change of the radius by a change of the slip of the leading faces."""
-        return self.slope.change(FrictionLaw.centred(slip, contact, self.staggered))
+        """Return the change of the bound's radius for a change of the slip of leading faces."""
+        return self.slope.change(FrictionLaw.slip_at_centres(slip, contact, self.staggered))

@@ -30,7 +30,7 @@ class FrictionOnMesh:
     slip: float = 1.0
 
     def bound(self, pressure: np.ndarray) -> Bound:
-        """Return the radius of the disc and its derivative by the pressure, dimensionless."""
+        """Return the traction bound at rest and its derivative by the pressure, dimensionless."""
         bound = self.law.bound(self.unit * pressure, self.x, self.y)
         radius = bound.radius / self.unit
         if radius.shape != pressure.shape:
@@ -40,9 +40,9 @@ class FrictionOnMesh:
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: float
     ) -> Bound:
-        """Return the bound of a law that falls, under the scaled slip of the leading faces."""
+        """Return the traction bound under the scaled slip of the leading faces, dimensionless."""
         frame = self.law.frame
-        centred = self.law.centred(slip, contact, staggered)
+        centred = self.law.slip_at_centres(slip, contact, staggered)
         bound = self.law.bound_sliding(
             self.unit * pressure,
             self.slip * frame.slip_to_physical(centred),
@@ -61,6 +61,6 @@ class FrictionOnMesh:
         """Return the law with the rolling speed multiplied by `ratio`; 0 gives static friction."""
         return replace(self, law=self.law.at_speed_ratio(ratio))
 
-    def on(self, x: np.ndarray, y: np.ndarray) -> "FrictionOnMesh":
-        """Return the law on other elements."""
+    def on_elements(self, x: np.ndarray, y: np.ndarray) -> "FrictionOnMesh":
+        """Return the law on the elements with centres (x, y), mm."""
         return replace(self, x=x, y=y)

@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Law:
-    """Base class of the laws of mechanics.
+    """Base class of the laws of mechanics: a one-line description and a hash of the content.
 
     Examples
     --------
@@ -41,7 +41,7 @@ class Law:
 
 
 def describe(law: object) -> str:
-    """Return the name of a law and its parameters; the default `repr` would print an address."""
+    """Return the name of a law and its parameters in one line."""
     if type(law).__repr__ is object.__repr__:
         parameters = ", ".join(f"{name}={value!r}" for name, value in _parameters(law).items())
         return f"{type(law).__name__}({parameters})"
@@ -49,12 +49,12 @@ def describe(law: object) -> str:
 
 
 def fingerprint(law: object) -> str:
-    """Return the fingerprint of a law, see `Law.fingerprint`, or of any other object."""
+    """Return a hash of the content of a law (`Law.fingerprint`) or of any other object."""
     return law.fingerprint() if isinstance(law, Law) else _hash(law)
 
 
 def _hash(law: object) -> str:
-    """Return the hash of the class and the parameters of an object."""
+    """Return the SHA-256 hash, hexadecimal, of the class and the parameters of an object."""
     content = _content([type(law), _parameters(law)])
     return hashlib.sha256(b"".join(content)).hexdigest()
 

@@ -9,7 +9,7 @@ from tractive_sam.mechanics.elasticity import Elasticity
 
 @dataclass(frozen=True)
 class InterfacialLayer(Elasticity):
-    """Bodies with an interfacial layer: its shear displacement is compliance times traction.
+    """Elastic bodies with an interfacial layer, whose shear is compliance times traction.
 
     A layer of the thickness h and the shear modulus G3 has the compliance L = h/G3 (the third body
     of Vollebregt 2014, Wear 314, 151-157). It adds L dp_t/dx to the slip and reduces the initial
@@ -64,14 +64,14 @@ class InterfacialLayer(Elasticity):
         return table
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return the unit of gaps over the unit of pressures, with which both have like size.
+        """Return the scale of gaps over the scale of pressures, mm/MPa, of the bodies.
 
         Parameters as in `Elasticity.gap_per_pressure`.
         """
         return self.bodies.gap_per_pressure(length, dx, dy)
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """Return the unit of slips over the unit of tractions, 1/MPa."""
+        """Return the scale of slips over the scale of tractions, 1/MPa, with that of the layer."""
         return self.bodies.slip_per_traction(dx, dy) + self.compliance / dx
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
@@ -84,9 +84,9 @@ class InterfacialLayer(Elasticity):
         return self.bodies.opening(normal, dx, dy)
 
     def spanning(self, length: float) -> "InterfacialLayer":
-        """Return the law for a mesh of a length in x, mm."""
+        """Return bodies and layer for a mesh of the given length in x, mm."""
         return InterfacialLayer(self.bodies.spanning(length), self.compliance)
 
     def single_body(self, body: str) -> Elasticity:
-        """Return one body, "A" or "B", against a rigid body, for the stress in it."""
+        """Return the elasticity of one body, "A" or "B", without layer, for the stress in it."""
         return self.bodies.single_body(body)

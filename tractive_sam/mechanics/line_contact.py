@@ -38,22 +38,22 @@ class HertzLine:
 
     @property
     def load(self) -> float:
-        """The load per length, as `HertzContact` calls its load."""
+        """Load per length, N/mm, under the name that `HertzContact` has for its load."""
         return self.load_per_length
 
     @property
     def b(self) -> float:
-        """Half-width in y: inf, the contact being infinitely long."""
+        """Half-width of the contact in y: inf, as a line contact is infinitely long."""
         return math.inf
 
     @property
     def mean_semi_axis(self) -> float:
-        """The half-width a, the only one that is finite, mm."""
+        """Half-width a, mm, the only finite one."""
         return self.a
 
     @property
     def approach(self) -> float:
-        """Approach relative to the points of the surface one combined radius R away, mm.
+        """Approach of the bodies relative to surface points one combined radius R away, mm.
 
         a²/(2 R) (ln(2 R / a) + 1/2). Relative to distant points it would be infinite: Johnson,
         section 2.2 and (4.57).
@@ -61,7 +61,7 @@ class HertzLine:
         return self.a**2 / (2 * self.radius) * (math.log(2 * self.radius / self.a) + 0.5)
 
     def describe(self) -> str:
-        """Return the size, pressure and approach in one line, and what plane strain means."""
+        """Return a line of text: size, pressure, approach, and what plane strain means."""
         return (
             f"a = {self.a:.5g} mm, p0 = {self.p0:.6g} MPa, approach = {self.approach:.4g} mm "
             "relative to the surface one R_x away; plane strain: both bodies are straight and "
@@ -70,7 +70,7 @@ class HertzLine:
         )
 
     def pressure(self, x: ArrayLike) -> NDArray[np.float64]:
-        """Return the contact pressure at x in mm, MPa; zero outside."""
+        """Return the contact pressure at positions x, MPa; zero outside the contact."""
         return self.p0 * np.sqrt(np.maximum(0.0, 1.0 - np.square(np.divide(x, self.a))))
 
 
@@ -81,7 +81,7 @@ def hertz_line(
     *,
     pressure: float | None = None,
 ) -> HertzLine:
-    """Solve the contact of two cylinders: a² = 4 P' R / (pi E*), p0 = E* a / (2 R).
+    """Solve the Hertz contact of parallel cylinders: a² = 4 P' R / (pi E*), p0 = E* a / (2 R).
 
     Source: Johnson, Contact Mechanics (1985), section 4.2(c).
 

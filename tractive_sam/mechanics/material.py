@@ -38,7 +38,7 @@ class Material:
 
     @classmethod
     def from_young(cls, young: float, poisson: float) -> Material:
-        """Build the material from Young's modulus (MPa) and Poisson's ratio.
+        """Return a material from Young's modulus, MPa, and Poisson's ratio.
 
         Parameters
         ----------
@@ -57,7 +57,7 @@ class Material:
 
 @dataclass(frozen=True)
 class CombinedMaterial:
-    """The pair of bodies as one elastic half-space (eq. 45).
+    """Elastic constants of one half-space that is equivalent to the pair of bodies (eq. 45).
 
     Parameters
     ----------
@@ -87,12 +87,12 @@ class CombinedMaterial:
 
     @property
     def E_star(self) -> float:
-        """The plane strain modulus by its usual symbol, MPa."""
+        """Contact modulus E* = G / (1 - nu), MPa, as `plane_strain_modulus`."""
         return self.plane_strain_modulus
 
 
 def combine(A: Material, B: Material) -> CombinedMaterial:
-    """Combine the constants of the upper body A and the lower body B.
+    """Return the elastic constants of the pair of the upper body A and the lower body B.
 
     Source: Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195, eq. (45). One of
     the two bodies may be rigid, ``shear=math.inf``.

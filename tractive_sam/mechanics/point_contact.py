@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class HertzContact:
-    """Frictionless contact of two smooth, non-conforming bodies.
+    """Result of a frictionless Hertz contact of two smooth, non-conforming bodies.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class HertzContact:
 
     @property
     def mean_semi_axis(self) -> float:
-        """Geometric mean sqrt(a b), mm."""
+        """Geometric mean of the semi-axes, sqrt(a b), mm."""
         return math.sqrt(self.a * self.b)
 
     @property
@@ -49,11 +49,11 @@ class HertzContact:
 
     @property
     def mean_pressure(self) -> float:
-        """Load over contact area, two thirds of p0, MPa."""
+        """Load over contact area, MPa; two thirds of p0."""
         return self.load / self.area
 
     def describe(self) -> str:
-        """Return the semi-axes, the pressure and the approach in one line."""
+        """Return a line of text: the semi-axes, the largest pressure and the approach."""
         return (
             f"a = {self.a:.5g} mm, b = {self.b:.5g} mm, p0 = {self.p0:.6g} MPa, approach = "
             f"{self.approach:.4g} mm"
@@ -157,7 +157,7 @@ def hertz(
 
 
 def _axis_ratio(radius_x: float, radius_y: float) -> float:
-    """Return a/b of the contact ellipse: the root of a monotonic odd function of its logarithm."""
+    """Return the ratio a/b of the semi-axes of the contact ellipse of two combined radii."""
     root_tolerance = 4 * np.finfo(float).eps
     target = math.log(radius_x / radius_y)
 
@@ -198,7 +198,7 @@ def _carlson(y: float, z: float) -> tuple[float, float]:
 
 
 def _require_positive(**values: float) -> None:
-    """Raise an error unless values are positive and finite."""
+    """Raise a ValueError unless all values are positive and finite; keywords give their names."""
     for name, value in values.items():
         if not 0 < value < math.inf:
             raise ValueError(f"{name} must be positive and finite, not {value}")

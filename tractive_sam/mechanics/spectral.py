@@ -23,7 +23,7 @@ from tractive_sam.mechanics.elasticity import HalfSpaces
 
 @dataclass(frozen=True)
 class SpectralHalfSpaces(HalfSpaces):
-    """Coated or graded half-spaces; a subclass defines their `spectrum`.
+    """Elasticity of coated or graded half-spaces; a subclass defines their `spectrum`.
 
     Parameters
     ----------
@@ -56,11 +56,11 @@ class SpectralHalfSpaces(HalfSpaces):
     @property
     @abstractmethod
     def surface(self) -> HalfSpaces:
-        """Homogeneous half-spaces of the surface materials, for short waves."""
+        """Homogeneous half-spaces of the surface materials: the limit for short waves."""
 
     @abstractmethod
     def spectrum(self, component: str, kx: np.ndarray, ky: np.ndarray) -> np.ndarray | None:
-        """Return displacement u_A - u_B over traction at wave numbers, with exp(i (kx x + ky y)).
+        """Return displacement u_A - u_B over traction at wave numbers; None if as far below.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class SpectralHalfSpaces(HalfSpaces):
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float
     ) -> np.ndarray:
-        """Return the displacement u_A - u_B of an element per unit traction on another element.
+        """Return influence coefficients: displacement u_A - u_B per unit traction on an element.
 
         Parameters as in `Elasticity.coefficients`.
         """
@@ -100,7 +100,7 @@ class SpectralHalfSpaces(HalfSpaces):
         dy: float,
         height: float,
     ) -> np.ndarray:
-        """Return the coefficients of the response that has no closed form."""
+        """Return the part of the influence coefficients without closed form, by sums over waves."""
         kx, along = _waves(offsets[0], dx, self.length, height, "x" in self.odd.get(component, ""))
         ky, across = _waves(offsets[1], dy, self.length, height, "y" in self.odd.get(component, ""))
         small = 1e-3 * kx[1], 1e-3 * ky[1]  # long waves have a limit, which may have a direction
@@ -119,7 +119,7 @@ class SpectralHalfSpaces(HalfSpaces):
     def _rest(
         self, below: HalfSpaces, component: str, kx: np.ndarray, ky: np.ndarray, height: float
     ) -> np.ndarray:
-        """Return the remainder g at wave numbers; its imaginary part if it is imaginary."""
+        """Return the part of the response at wave numbers that has no closed form, real values."""
         with np.errstate(divide="ignore", invalid="ignore"):  # the wave number 0 has no response
             at_surface = self.surface.response(component, kx, ky)
             far = below.response(component, kx, ky) - at_surface
@@ -157,7 +157,7 @@ def _raised(
     dy: float,
     height: float,
 ) -> np.ndarray:
-    """Return the coefficients of (c_f - c_s) exp(-k height), by quadrature over an element."""
+    """Return influence coefficients of (c_f - c_s) exp(-k height), by quadrature."""
     points, weights = np.polynomial.legendre.leggauss(6)  # 1e-9 at a height of two elements
     table = np.zeros(offsets)
     x, y = (side * np.arange(n) for side, n in zip((dx, dy), offsets, strict=True))
@@ -175,7 +175,7 @@ def _raised(
 def _kernel(
     bodies: HalfSpaces, component: str, x: np.ndarray, y: np.ndarray, height: float
 ) -> np.ndarray:
-    """Return the displacement by a unit force with waves damped by exp(-k height)."""
+    """Return the displacement at (x, y) due to a unit force, its waves damped by exp(-k height)."""
     nu, K = bodies.material.poisson, bodies.material.coupling
     r = np.sqrt(x**2 + y**2 + height**2)
     reach = r + height

@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Turns:
-    """Turns of the bodies A and B per counted revolution, and the wear that accumulates.
+    """Turns of the bodies A and B per counted revolution, and the wear that they accumulate.
 
     Each body has its share of the worn depth of a pass, and this material returns to the contact
     after a turn of the body. With different circumferences it returns in another phase each time;
@@ -29,12 +29,12 @@ class Turns:
 
     @classmethod
     def equal(cls, share: Mapping[str, float]) -> "Turns":
-        """Return equal turns of both bodies (the assumption of the paper)."""
+        """Return one turn of each body per counted revolution (the assumption of the paper)."""
         return cls(share, {"A": 1.0, "B": 1.0})
 
     @classmethod
     def from_radii(cls, share: Mapping[str, float], radius_A: float, radius_B: float) -> "Turns":
-        """Return the turns in rolling without slip, per turn of A, or of B if A is flat.
+        """Return the turns of bodies that roll without slip, per turn of A, or of B if A is flat.
 
         Parameters
         ----------
@@ -51,15 +51,15 @@ class Turns:
 
     @property
     def gain(self) -> float:
-        """Depth of both profiles per counted revolution over the depth of a pass."""
+        """Growth of the worn depth per counted revolution over the depth worn in one pass."""
         return 1.0 + sum(self.share[body] * (self.per_count[body] - 1.0) for body in "AB")
 
     def share_of_entering(self, body: str) -> float:
-        """Return the share of a body in the entering depth; 0 for a flat body."""
+        """Return the share (0 to 1) of a body in the depth that enters; 0 for a flat body."""
         return self.share[body] * self.per_count[body] / self.gain
 
     def next(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the depth of both bodies at the beginning of the next revolution.
+        """Return the depth that enters the next revolution, mm; for both bodies together.
 
         Parameters
         ----------
@@ -69,17 +69,18 @@ class Turns:
         return leaving + (self.gain - 1.0) * (leaving - entering)
 
     def worn(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the mean worn depth of a body over its circumference, mm; parameters as in `next`.
+        """Return the mean worn depth of a body over its circumference after a revolution, mm.
 
         Both bodies roll an equal distance: their volumes are proportional to their shares. 0 for a
-        flat body.
+        flat body. Parameters as in `next`.
         """
         return self.share_of_entering(body) * self.next(entering, leaving)
 
     def of_body(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the depth of a body behind the contact, mm; parameters as in `next`.
+        """Return the worn depth of a body just behind the contact, mm.
 
         A flat body passes the contact only once: its depth is the wear of a single pass.
+        Parameters as in `next`.
         """
         returning = self.per_count[body] / self.gain
         return self.share[body] * (leaving + (returning - 1.0) * entering)

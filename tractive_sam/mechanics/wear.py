@@ -16,7 +16,7 @@ from tractive_sam.mechanics.law import Law
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WearConditions(ShortArrays):
-    """State of a contact before a pass, for wear laws that depend on it.
+    """Worn depth, revolution and temperature before a pass, for wear laws that depend on them.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class WearConditions(ShortArrays):
 
 
 class WearLaw(Law, ABC):
-    """Wear law: the depth that the contact wears in one pass.
+    """Base class of wear laws: the depth that a contact wears in one pass.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class WearLaw(Law, ABC):
         """
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
 
         Parameters as in `rate`. The default holds for a law proportional to both.
         """
@@ -78,7 +78,7 @@ class WearLaw(Law, ABC):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
+        """Return the shares of A and B in the worn depth (2, n_y), or None if the scene gives them.
 
         Parameters as in `rate`. None, the default: the shares of the scene, from hardness or
         coefficients, hold everywhere.
@@ -92,7 +92,7 @@ class WearLaw(Law, ABC):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """Return the rate of each body, shape (2, n_x, n_y).
+        """Return the worn depth of each body per rolling distance, shape (2, n_x, n_y).
 
         Parameters
         ----------
@@ -110,11 +110,11 @@ class WearLaw(Law, ABC):
         return self
 
     def weakened(self, factor: float) -> "WearLaw":
-        """Return the law with friction times a factor; by default this law."""
+        """Return the law for friction multiplied by a factor; by default this law."""
         return self
 
     def with_friction(self, friction: FrictionLaw) -> "WearLaw":
-        """Return the law with another friction law; by default this law."""
+        """Return the law that uses another friction law; by default this law."""
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
@@ -126,7 +126,7 @@ class WearLaw(Law, ABC):
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Describe conditions beyond the tests of the coefficients; empty if within."""
+        """Return a text on conditions beyond the tests of the coefficients; "" if within."""
         return ""
 
     def depth(
@@ -137,7 +137,7 @@ class WearLaw(Law, ABC):
         slip: np.ndarray,
         dx: float,
     ) -> np.ndarray:
-        """Return the depth below every element during one pass (paper, eq. 32), mm.
+        """Return the worn depth below every element during one pass (paper, eq. 32), mm.
 
         Parameters
         ----------
@@ -153,7 +153,7 @@ class WearLaw(Law, ABC):
 
 @dataclass(frozen=True)
 class Archard(WearLaw):
-    """Archard's law with the depth p_n |s|_i per sliding distance (paper, eq. 16).
+    """Archard's law: depth per sliding distance p_n |s|_i, from pressure and slip (paper, eq. 16).
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ class Archard(WearLaw):
 
 @dataclass(frozen=True, eq=False)
 class TemperatureScaledWear(WearLaw):
-    """A wear law with a factor of the surface temperature on its depth.
+    """A wear law times a factor that depends on the surface temperature.
 
     Parameters
     ----------
@@ -199,7 +199,7 @@ class TemperatureScaledWear(WearLaw):
         return self.factor * self.law.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
 
         Parameters as in `WearLaw.per_load`.
         """
@@ -208,7 +208,7 @@ class TemperatureScaledWear(WearLaw):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
+        """Return the shares of A and B in the worn depth (2, n_y), or None, from the scaled law.
 
         Parameters as in `WearLaw.shares`.
         """
@@ -218,7 +218,7 @@ class TemperatureScaledWear(WearLaw):
 def work_along_axes(
     traction: np.ndarray, slip: np.ndarray, angle: float = 0.0
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the frictional work per distance and area along each tribological axis, MPa."""
+    """Return frictional work per rolling distance and area along each tribological axis, MPa."""
     axes = Frame(angle=angle).matrix
     along, across = -np.tensordot(axes, traction, axes=1) * np.tensordot(axes, slip, axes=1)
     return along, across
@@ -259,7 +259,7 @@ class Energy(WearLaw):
     angle: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return worn depth per rolling distance, see `WearLaw.rate`; negative work counts as 0."""
+        """Return the worn depth per rolling distance of both bodies; negative work counts as 0."""
         along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = self.per_work
@@ -301,7 +301,7 @@ class ArchardByWork(WearLaw):
     length: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return worn depth per rolling distance, see `WearLaw.rate`; negative work counts as 0."""
+        """Return the worn depth per rolling distance of both bodies; negative work counts as 0."""
         along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))
@@ -314,13 +314,13 @@ class ArchardByWork(WearLaw):
         return rate / self.friction.friction_factor(pressure, slip, self.length)
 
     def weakened(self, factor: float) -> "ArchardByWork":
-        """Return the law with friction times a factor; less friction slides farther for a work."""
+        """Return the law for friction times a factor: less friction, longer sliding per work."""
         if self.friction is not None:
             return replace(self, friction=self.friction.weakened(factor))
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
     def with_friction(self, friction: FrictionLaw) -> "ArchardByWork":
-        """Return the law with another friction law."""
+        """Return the law with another falling friction law; this law if it does not use one."""
         if self.friction is None or not isinstance(friction, FallingCoulomb):
             return self
         return replace(self, friction=friction)

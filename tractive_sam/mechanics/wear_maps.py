@@ -17,7 +17,7 @@ from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT, Regim
 
 @dataclass(frozen=True)
 class TGammaPerArea(WearLaw):
-    """Worn mass per rolling distance and area as a function of T-gamma/A.
+    """Wear law: worn mass per rolling distance and area as a function of T-gamma/A.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class TGammaPerArea(WearLaw):
         return per_mass * self.regimes.at(mean) / mean * work if mean else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
 
         At constant load T-gamma of the contact hardly changes.
 
@@ -67,7 +67,7 @@ class TGammaPerArea(WearLaw):
         return np.where(touching, slope * work / each, 0.0)
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Describe conditions beyond the tests of the coefficients; empty if within."""
+        """Return a text if T-gamma/A is above the range of the tests; "" if within."""
         work = frictional_work(traction, slip)
         largest = _mean(work, pressure) if self.total else float(work.max())
         if largest <= self.regimes.tested:
@@ -78,7 +78,7 @@ class TGammaPerArea(WearLaw):
 
 @dataclass(frozen=True)
 class TGammaTotal(WearLaw):
-    """Worn cross section of a wheel per turn as a function of the total T-gamma, N.
+    """Wear law: worn cross section of a wheel per turn as a function of the total T-gamma, N.
 
     The wear is distributed in proportion to the work of each element; the law needs the area of an
     element (`WearLaw.on`).
@@ -100,7 +100,7 @@ class TGammaTotal(WearLaw):
     recorded_name = "ByTotal"
 
     def on(self, element_area: float) -> "TGammaTotal":
-        """Return the law for elements of an area, mm² (`WearLaw.on`)."""
+        """Return the law for a mesh whose elements have this area, mm² (`WearLaw.on`)."""
         return replace(self, element_area=element_area)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
@@ -113,7 +113,7 @@ class TGammaTotal(WearLaw):
         return self.per_section * self.regimes.at(total) / total * work if total else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
 
         At constant load T-gamma of the contact hardly changes.
 
@@ -125,7 +125,7 @@ class TGammaTotal(WearLaw):
 
 @dataclass(frozen=True)
 class WearMap(WearLaw):
-    """Archard's law with a coefficient from a chart of sliding speed and pressure (`JENDEL`).
+    """Archard's wear law, its coefficient from a chart of sliding speed and pressure (`JENDEL`).
 
     The wear of a stick element next to a slip element is reduced as its traction, as in
     `ArchardByWork`.
@@ -162,7 +162,7 @@ class WearMap(WearLaw):
         return k * unit.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
 
         The regime of each element is assumed not to change.
 
@@ -172,13 +172,13 @@ class WearMap(WearLaw):
         return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
 
     def weakened(self, factor: float) -> "WearMap":
-        """Return the law with friction times a factor (`WearLaw.weakened`)."""
+        """Return the law for friction multiplied by a factor (`WearLaw.weakened`)."""
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
 
 @dataclass(frozen=True)
 class PerBody(WearLaw):
-    """A separate wear law for each body.
+    """Wear law that consists of a separate law for each body.
 
     Parameters
     ----------
@@ -199,11 +199,11 @@ class PerBody(WearLaw):
     recorded_name = "EachBody"
 
     def map_laws(self, function: Callable[[WearLaw], WearLaw]) -> "PerBody":
-        """Return the law with a function applied to the law of each body."""
+        """Return the pair of laws with a function applied to each of them."""
         return PerBody(*(None if law is None else function(law) for law in (self.A, self.B)))
 
     def _of_bodies(self, quantity: str, *fields: np.ndarray) -> np.ndarray:
-        """Return a quantity of each body, shape (2, n_x, n_y); 0 for a body without a law."""
+        """Return results of a named method of both laws, (2, n_x, n_y); 0 without a law."""
         none = np.zeros_like(fields[0])
         return np.stack(
             [none if law is None else getattr(law, quantity)(*fields) for law in (self.A, self.B)]
@@ -217,14 +217,14 @@ class PerBody(WearLaw):
         return self._of_bodies("rate", pressure, traction, slip).sum(axis=0)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of `rate` by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
 
         Parameters as in `WearLaw.per_load`.
         """
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the shares of A and B in the depth of a pass, shape (2, n_y), or None.
+        """Return the shares of A and B in the worn depth of each row, shape (2, n_y).
 
         Rows without wear have the shares of the contact.
 
@@ -244,7 +244,7 @@ class PerBody(WearLaw):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """Return the rate of each body, shape (2, n_x, n_y).
+        """Return the worn depth of each body per rolling distance, shape (2, n_x, n_y).
 
         Each body has its law; `share` is not used.
 
@@ -253,15 +253,15 @@ class PerBody(WearLaw):
         return self._of_bodies("rate", pressure, traction, slip)
 
     def on(self, element_area: float) -> "PerBody":
-        """Return the law for elements of an area, mm² (`WearLaw.on`)."""
+        """Return the laws for a mesh whose elements have this area, mm² (`WearLaw.on`)."""
         return self.map_laws(lambda law: law.on(element_area))
 
     def weakened(self, factor: float) -> "PerBody":
-        """Return the law with friction times a factor (`WearLaw.weakened`)."""
+        """Return the laws for friction multiplied by a factor (`WearLaw.weakened`)."""
         return self.map_laws(lambda law: law.weakened(factor))
 
     def with_friction(self, friction: FrictionLaw) -> "PerBody":
-        """Return the law with another friction law."""
+        """Return the laws of both bodies with another friction law."""
         return self.map_laws(lambda law: law.with_friction(friction))
 
     def under(self, conditions: WearConditions) -> "PerBody":
@@ -269,7 +269,7 @@ class PerBody(WearLaw):
         return self.map_laws(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Describe conditions beyond the tests of the coefficients; empty if within."""
+        """Return a text on each body whose conditions are beyond the tests; "" if none is."""
         texts = {
             name: law.beyond_tests(pressure, traction, slip)
             for name, law in (("A", self.A), ("B", self.B))
@@ -279,6 +279,6 @@ class PerBody(WearLaw):
 
 
 def _mean(work: np.ndarray, pressure: np.ndarray) -> float:
-    """Return the frictional work over the contact area, N/mm²."""
+    """Return the mean frictional work over the elements in contact, N/mm²; 0 without contact."""
     count = np.count_nonzero(pressure > 0.0)
     return float(work.sum() / count) if count else 0.0

@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Regimes:
-    """A wear rate that is piecewise linear in the frictional work.
+    """A wear rate that is a piecewise linear function of the frictional work.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Regimes:
 
     @classmethod
     def through(cls, points: tuple[tuple[float, float], ...]) -> "Regimes":
-        """Return the rate through the origin and points (W, rate), extrapolated beyond the last."""
+        """Return the piecewise linear rate through the origin and points (work, rate)."""
         work, rate = np.array(points, float).T
         if work[0] > 0.0:
             work, rate = np.append(0.0, work), np.append(0.0, rate)
@@ -48,11 +48,11 @@ class Regimes:
         )
 
     def at(self, work: float) -> float:
-        """Return the rate at one value of the work."""
+        """Return the wear rate at one value of the frictional work."""
         return float(self(np.array([float(work)]))[0][0])
 
     def __call__(self, work: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rate values_k + slopes_k (W - starts_k), k the last with starts_k <= W.
+        """Return rate and slope: values_k + slopes_k (W - starts_k), k the last with starts_k <= W.
 
         Returns
         -------

@@ -268,7 +268,7 @@ class Problem:
             self,
             normal=fixed,
             rigid=np.ascontiguousarray(self.rigid[:, *box]),
-            friction=friction.on(x, y),
+            friction=friction.on_elements(x, y),
             kinematics=self.kinematics.within(box),
         )
 
@@ -276,7 +276,7 @@ class Problem:
         """Return the problem on elements of twice the size."""
         block = self.operators.lattice.coarsening
         friction, scale = self.friction, self.kinematics.slip_scale(block[0])
-        friction = friction.on(
+        friction = friction.on_elements(
             block_mean(friction.x, (block[0], 1), "edge"),
             block_mean(friction.y, (1, block[1]), "edge"),
         )
@@ -354,7 +354,7 @@ class Problem:
     def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:
         """Return the slip that tractions oppose, computed from the slip of the leading faces."""
         sticking = seen.sticking(slip, traction)
-        return self.friction.law.opposed(sticking, seen.bound, seen.staggered)
+        return self.friction.law.opposed_slip(sticking, seen.bound, seen.staggered)
 
     def linearise(
         self,
