@@ -675,7 +675,7 @@ def transient_cost() -> str:
 
 
 def transient_wear() -> str:
-    """Return errors of the worn depth of transients."""
+    """Return errors of the wear depth of transients."""
     errors = {
         (row["case"], row["slip"], row["n"], row["steps"]): row["error"]
         for row in read_rows("transient_wear.csv")

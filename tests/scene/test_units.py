@@ -130,4 +130,4 @@ def test_load_and_wear_are_described_in_both_units(settings):
     assert "mm3/(N m)" in rows["wear"]
     assert "both" in rows["wear"]
     assert "N counts the revolutions of body A" in rows["turns"]
-    assert math.isfinite(float(rows["worn depth"].split()[0]))
+    assert math.isfinite(float(rows["wear depth"].split()[0]))

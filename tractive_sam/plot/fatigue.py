@@ -317,7 +317,7 @@ def _add_shakedown_note(figure: Figure, history: History, body: str) -> None:
 
 
 def _wear_rate(history: History, body: str) -> np.ndarray:
-    """Return the worn depth per revolution by the last two records, mm, shape (n_y,)."""
+    """Return the wear depth per revolution by the last two records, mm, shape (n_y,)."""
     rows = _solved_rows(history)
     depth, N = history[f"wear_profile_{body}"][rows], history[history.coordinate.name][rows]
     if len(N) < 2:

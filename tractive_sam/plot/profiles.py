@@ -64,7 +64,7 @@ def _is_worn_evenly(history: History) -> bool:
 def worn_profiles(history: History, margin: float = 0.15) -> Figure:
     """Cross sections of both bodies across the track, undeformed, at the stored revolutions.
 
-    A is above B, and they touch before they wear. The heights contain the radii R_y, the worn depth
+    A is above B, and they touch before they wear. The heights contain the radii R_y, the wear depth
     of each body, and a measured [gap] at x = 0: on its body, or else on A. They are exaggerated.
 
     Parameters

@@ -14,7 +14,7 @@ class GlobalWear(ShortArrays):
     Attributes
     ----------
     depth : ndarray, shape (n + 1,)
-        Largest worn depth, mm.
+        Largest wear depth, mm.
     a, b : ndarray, shape (n + 1,)
         Half widths of the contact in x and y, mm.
     pressure : ndarray, shape (n + 1,)

@@ -87,7 +87,7 @@ class BodyDamage:
 
         In a duty cycle the error is large just below the surface; the damage may be largest
         elsewhere. So the largest damage is found for more and for less damage everywhere, also at
-        the worn depth of the blocks in their order.
+        the wear depth of the blocks in their order.
         """
         fatigue, error = self.fatigue, self.error
         if self.offset is None:

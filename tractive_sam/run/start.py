@@ -13,7 +13,7 @@ from tractive_sam.store import ResultsError
 
 
 def worn_bodies(start: History | State, scene: Scene) -> Worn:
-    """Return the worn depths of both bodies from a history or a contact.
+    """Return the wear depths of both bodies from a history or a contact.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def check_start_of_file(history: History, path: str | PathLike, origin: str) -> 
 
 
 def _depths_from_history(history: History) -> Worn:
-    """Return the worn depths of both bodies from a history."""
+    """Return the wear depths of both bodies from a history."""
     row = _last_row(history)
     entering, leaving = (history[name][row] for name in ("entering_profile", "wear_profile"))
     began = worn_bodies_before(history)
@@ -114,7 +114,7 @@ def _depths_from_history(history: History) -> Worn:
 
 
 def _depths_from_state(state: State) -> Worn:
-    """Return the worn depths of both bodies from a contact."""
+    """Return the wear depths of both bodies from a contact."""
     wear = state.scene.wear
     if wear is not None and not wear.together:
         raise ResultsError(

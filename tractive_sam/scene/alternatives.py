@@ -22,7 +22,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
 
 
 def excluded_keys(key: str) -> tuple[str, ...]:
-    """Return the keys of a scene that a key excludes."""
+    """Return the keys that a scene cannot have beside a given key, such as alternatives of it."""
     excluded = tuple(
         alternative
         for groups in _ALTERNATIVES

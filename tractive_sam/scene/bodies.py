@@ -35,7 +35,7 @@ from .tables import Load
 
 
 class Body(Table):
-    """A body: elastic constants, radii of curvature and hardness.
+    """Body: elastic constants, radii of curvature, hardness, density and thermal properties.
 
     Examples
     --------
@@ -85,7 +85,7 @@ def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Bodies(Table):
-    """The upper body A and the lower body B.
+    """Upper body A and the lower body B.
 
     Examples
     --------
@@ -101,7 +101,7 @@ class Bodies(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         for name, body in (("A", self.A), ("B", self.B)):
             material = body.material
             radii = f"R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
@@ -123,7 +123,7 @@ class Bodies(Table):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """Combined radii in x and in y, mm: inf for flat, negative if the bodies do not fit."""
+        """Combined radii in x and in y, mm: inf for flat bodies, negative for conforming ones."""
         return (
             combined_radius(self.A.radius_x, self.B.radius_x),
             combined_radius(self.A.radius_y, self.B.radius_y),
@@ -131,13 +131,13 @@ class Bodies(Table):
 
     @property
     def wear_share(self) -> dict[str, float]:
-        """Share of each body in the worn depth: inverse to its hardness (paper, eq. 34)."""
+        """Share of each body in the wear depth, inverse to its hardness (paper, eq. 34)."""
         total = self.A.hardness + self.B.hardness
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
 
     @property
     def infinitely_long(self) -> bool:
-        """Whether both bodies have ``radius_y = inf``: without a [gap] this is a line contact."""
+        """Whether both bodies have ``radius_y = inf``: a line contact without a gap over y."""
         return self.A.radius_y == self.B.radius_y == math.inf
 
     def hertz(self, load: Load) -> HertzContact | HertzLine | None:
@@ -157,7 +157,7 @@ class Bodies(Table):
         return hertz(e_star, radius_x, radius_y, **prescribed)
 
     def normal_load(self, load: Load) -> float | None:
-        """Return the normal load, N or N/mm, given or from the pressure; None for an approach."""
+        """Return the normal load, N or N/mm, given or computed from the pressure, or None."""
         if load.pressure is None:
             return load.normal
         contact = self.hertz(load)

@@ -22,7 +22,7 @@ def builtin_names() -> tuple[str, ...]:
 
 
 def is_path(name: str | PathLike[str]) -> bool:
-    """Return whether a scene is given by the path of a file, existing or not, or by its name."""
+    """Return whether a text is the path of a scene file (existing or not), rather than a name."""
     path = Path(name)
     return path.suffix == ".toml" or len(path.parts) > 1 or path.exists()
 

@@ -86,7 +86,7 @@ def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
 def _check_slender_contact_has_grid(
     entries: ValidEntries, max_ratio: float = 1000.0
 ) -> Iterator[Fault]:
-    """Report a slender contact without a given grid.
+    """Report a contact with very unequal semi-axes without a complete [grid].
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, largest: fl
 
 
 def unequal_turns(bodies: Bodies, wear: Wear, difference: float = 0.05) -> str:
-    """Return a note on bodies that wear and do not turn equally often, unless the scene says so.
+    """Return a note if wearing bodies of unequal circumference turn unequally often, or "".
 
     Parameters
     ----------
@@ -263,5 +263,5 @@ def unequal_turns(bodies: Bodies, wear: Wear, difference: float = 0.05) -> str:
 def _directions(
     half_length: tuple[float, ...], contact: HertzContact | HertzLine
 ) -> list[tuple[str, float, str, float]]:
-    """Return (axis, half length, name, semi-axis) for x and, except for a line contact, y."""
+    """Return (axis, half length, name of semi-axis, semi-axis) for x and, if it exists, y."""
     return list(zip("xy", half_length, "ab", (contact.a, contact.b), strict=False))

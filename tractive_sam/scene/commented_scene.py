@@ -15,7 +15,7 @@ _HEAD = """\
 
 
 def commented_scene(name: str) -> str:
-    """Return a built-in scene as TOML text with comments.
+    """Return a built-in scene as TOML text, with every key of its tables commented.
 
     Raises
     ------
@@ -52,5 +52,5 @@ def _comment_table(group: KeyGroup | None, table: str, entries: list[str]) -> li
 
 
 def _comment_line(entry: str, key: Key, width: int = 34) -> str:
-    """Return an entry with its comment, which begins after `width` columns."""
+    """Return a line of TOML with the meaning of its key as a comment behind it."""
     return f"{entry:{width}}  # {key.meaning}: {key.allowed}"

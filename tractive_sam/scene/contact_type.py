@@ -4,7 +4,7 @@ from typing import ClassVar
 
 
 class PointContact:
-    """A contact of finite width.
+    """Units and motions of a contact of finite width, as opposed to a line contact.
 
     Attributes
     ----------
@@ -19,12 +19,12 @@ class PointContact:
     weibull_slope: ClassVar[float] = 10.0 / 9.0
 
     def unit(self, unit: str) -> str:
-        """Return the unit of a resultant, an area or a volume, given the unit of a total."""
+        """Return the unit of a quantity of the full contact, unchanged for a point contact."""
         return unit
 
 
 class LineContact(PointContact):
-    """A contact of bodies that are infinitely long in y: plane strain, all fields constant in y.
+    """Units and motions of a line contact: bodies infinitely long in y, plane strain.
 
     Resultants, areas and volumes are per length, mm. The slip by spin would vary in y. The usual
     slope of lives is for roller bearings (Lundberg and Palmgren 1952).
@@ -34,5 +34,5 @@ class LineContact(PointContact):
     weibull_slope = 9.0 / 8.0
 
     def unit(self, unit: str) -> str:
-        """Return the unit per length; see `PointContact.unit`."""
+        """Return the unit per length of a quantity, such as N/mm for N."""
         return {"mm3": "mm2", "mm2": "mm"}.get(unit, f"{unit}/mm")

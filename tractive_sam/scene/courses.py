@@ -14,7 +14,7 @@ from .gap import Gap
 
 
 def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the knots; raise a ValueError if they descend, or if three are equal."""
+    """Return knots unchanged; raise a ValueError if they descend, or if three are equal."""
     if any(late < early for early, late in pairwise(places)):
         raise ValueError("a list of ascending numbers; two equal numbers are a jump")
     if any(first == last for first, _, last in zip(places, places[1:], places[2:], strict=False)):
@@ -23,7 +23,7 @@ def _check_knots(places: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
-    """Return the numbers; raise a ValueError unless they ascend."""
+    """Return numbers unchanged; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(places)):
         raise ValueError("a list of ascending numbers, each once")
     return places
@@ -37,12 +37,12 @@ PositiveCourse = tuple[Positive, ...]
 
 
 def course(meaning: str, allowed: str = "a list of numbers, one for each knot") -> Any:
-    """Define the field of a course."""
+    """Return the definition of a field whose value is a course: one number for each knot."""
     return entry(meaning, allowed, None)
 
 
 class LoadCourse(Table):
-    """Courses of keys of [load].
+    """Courses over the rolling distance of the keys of [load], in a [transient].
 
     Examples
     --------
@@ -63,7 +63,7 @@ class LoadCourse(Table):
 
 
 class CreepageCourse(Table):
-    """Courses of keys of [creepage]; with `start = "shift"`, courses of the shifts.
+    """Courses over the rolling distance of the keys of [creepage], or of shifts.
 
     Examples
     --------
@@ -88,7 +88,7 @@ class CreepageCourse(Table):
 
 
 class FrictionCourse(Table):
-    """Courses of keys of [friction].
+    """Courses over the rolling distance of the keys of [friction], in a [transient].
 
     Examples
     --------
@@ -103,7 +103,7 @@ class FrictionCourse(Table):
 
 
 class Profiles(Table):
-    """Profiles that are fixed to a body and move through the contact with it.
+    """Height profiles that are fixed to the bodies and move through the contact with them.
 
     As in [gap], a profile adds to the separation: a bump is negative. The point x of the profile is
     at the centre of the contact at the rolling distance x.
@@ -120,6 +120,6 @@ class Profiles(Table):
 
     @property
     def by_table(self) -> dict[str, Gap]:
-        """The given profiles, by the names of their tables."""
+        """Moving profiles that are given, by the names of their tables."""
         profiles = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
         return {table: profile for table, profile in profiles.items() if profile is not None}

@@ -14,7 +14,7 @@ from tractive_sam.schema import describe_tables
 def describe_load(
     scene: Any, keys: Iterable[str] = ("load", "wheelset", "wear", "load_history", "duty")
 ) -> dict[str, str]:
-    """Describe the load, the wear and the blocks of a scene, for the report of a run.
+    """Describe load, wear and blocks of a scene in a few rows, text by label.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def describe_load(
 
 
 def summarize(scene: Any) -> dict[str, str]:
-    """Return a short description of a scene: text by label; other tables are only named."""
+    """Return a short description of a scene, text by label."""
     summary, further = {"title": scene.title or "none"}, []
     for key, rows in describe_tables(scene).items():
         brief = {row.label: row.text for row in rows if row.brief}

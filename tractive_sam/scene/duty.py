@@ -31,7 +31,7 @@ _CHANGED = ("load", "creepage", "friction", "wheelset")
 
 
 class BlockLoad(Table):
-    """Load of a block, instead of [load]; one of the alternatives removes the others.
+    """Load of a block of [[duty]], which replaces the load of the scene.
 
     Examples
     --------
@@ -50,7 +50,7 @@ class BlockLoad(Table):
 
 
 class BlockCreepage(Table):
-    """Creepages of a block, instead of [creepage].
+    """Creepages of a block of [[duty]], which replace those of the scene.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class BlockCreepage(Table):
 
 
 class BlockFriction(Table):
-    """Friction of a block, instead of [friction].
+    """Friction of a block of [[duty]], which replaces the friction of the scene.
 
     Examples
     --------
@@ -80,7 +80,7 @@ class BlockFriction(Table):
 
 
 class BlockWheelset(Table):
-    """Position of the wheelset in a block, instead of [wheelset].
+    """Position of the wheelset in a block of [[duty]], which replaces that of the scene.
 
     Examples
     --------
@@ -120,7 +120,7 @@ class Block(Table):
 
     @classmethod
     def describe_array(cls, tables: tuple[Table, ...], scene: Any) -> Iterator[Row]:
-        """Yield a row for each of the first blocks of the array, as `Table.describe` does."""
+        """Yield a row (label, text) for each of the first blocks, for reports of a scene."""
         for k, block in enumerate(scene.duty[: SceneError.max_listed]):
             share = f"{block.revolutions} of {scene.spectrum.cycle} revolutions"
             yield Row(block_label(scene, k), f"{share}: {block.describe_changes()}", brief=True)
@@ -128,7 +128,7 @@ class Block(Table):
             yield Row("other blocks", f"{len(tables) - SceneError.max_listed} more", brief=True)
 
     def describe_changes(self) -> str:
-        """Describe the changes of the scene."""
+        """Describe the entries of the scene that the block changes, as text."""
         changes = [
             f"{key} = {format_pair(*value) if isinstance(value, tuple) else shorten(value)}"
             for key, value in self.changes.items()
@@ -138,7 +138,7 @@ class Block(Table):
 
     @property
     def changes(self) -> dict[str, Any]:
-        """Changes of the scene, by dotted key."""
+        """Entries of the scene that the block changes: values by dotted key."""
         entries = self.entries()
         return {
             f"{table}.{key}": value
@@ -149,7 +149,7 @@ class Block(Table):
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Load spectrum of a scene, in which equal blocks are counted once.
+    """Load spectrum of a scene with [[duty]]: its different blocks and their revolutions.
 
     Attributes
     ----------
@@ -173,7 +173,7 @@ class Spectrum:
 
     @classmethod
     def from_blocks(cls, blocks: tuple[Block, ...], scenes: tuple[Any, ...]) -> Spectrum:
-        """Return the spectrum of blocks and their scenes."""
+        """Return the spectrum of blocks and of their scenes; equal blocks are merged."""
         different: dict[str, int] = {}
         places = [
             different.setdefault(json.dumps([scene.fingerprint(), block.shift_y]), len(different))
@@ -190,11 +190,11 @@ class Spectrum:
 
     @property
     def cycle(self) -> int:
-        """Revolutions of a cycle."""
+        """Number of revolutions of a cycle through all blocks."""
         return sum(self.each)
 
     def block_at(self, revolution: int) -> int:
-        """Return the index of the different block of a revolution, counted from 1."""
+        """Return the index, among the different blocks, of the one rolled in a revolution."""
         remaining = (revolution - 1) % self.cycle
         for n, place in zip(self.each, self.places, strict=True):
             if remaining < n:
@@ -204,7 +204,7 @@ class Spectrum:
 
 
 def block_scenes(scene: Any) -> tuple[Any, ...]:
-    """Return a scene without [[duty]] for each block.
+    """Return the scene of each block: the scene without [[duty]], changed by the block.
 
     Raises
     ------
@@ -227,12 +227,12 @@ def block_scenes(scene: Any) -> tuple[Any, ...]:
 
 
 def block_label(scene: Any, k: int) -> str:
-    """Return the name of a block, or its key."""
+    """Return the name of block k, or its key "duty[k]" if it has no name."""
     return scene.duty[k].name or f"duty[{k}]"
 
 
 def _block_fault(fault: Fault, k: int) -> Fault:
-    """Return a fault of the scene of a block with the key of the block."""
+    """Return a fault of a block's scene as a fault of the block, under its key."""
     table = fault.key.split(".")[0]
     if table in _CHANGED:
         return Fault(f"duty[{k}].{fault.key}", fault.given, fault.allowed)
@@ -279,7 +279,7 @@ def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def cycle_notes(scene: Any, largest_error: float = 0.01) -> Iterator[str]:
-    """Yield a note for an incomplete last cycle, and for levels that change the frictional work.
+    """Yield notes on an incomplete last cycle, and on work changed by the levels of loads.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a criterion that needs a yield stress, without one."""
+    """Report a missing yield stress that the criterion needs."""
     if entries["criterion"] != "fatemi-socie" or entries["limit"] is None:
         return
     if not entries.given & {"shear_yield", "yield_strength"}:
@@ -73,7 +73,7 @@ def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class FatigueVolume(Table):
-    """Life of the stressed volume for a probability of survival (Weibull).
+    """Fatigue life of the stressed volume, with a Weibull slope.
 
     The law is that of Lundberg and Palmgren or, with a stress limit, the law of Ioannides and
     Harris; see `ts.VolumeLife`.
@@ -120,7 +120,7 @@ CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "ort
 
 
 class Fatigue(LawTable):
-    """Shakedown limits, fatigue criterion, and damage during wear.
+    """Shakedown limits, fatigue criterion, life, and damage during wear.
 
     The shakedown limits follow from a yield stress. The utilisation follows from the fatigue limit
     of the criterion, and the damage from the utilisation and a Wöhler curve. The stress is
@@ -186,7 +186,7 @@ class Fatigue(LawTable):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         k, hertz = self.shear_yield_stress, scene.hertz
         shakedown = "left out: neither shear_yield nor yield_strength is given"
         if k is not None:
@@ -214,12 +214,12 @@ class Fatigue(LawTable):
 
     @property
     def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, from the key given; None if neither is given."""
+        """Yield stress in tension, MPa, from the given yield stress or k; None without either."""
         if self.yield_strength is not None:
             return self.yield_strength
         return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
 
     @property
     def shear_yield_stress(self) -> float | None:
-        """Yield stress in shear k, MPa, from the key given; None if neither is given."""
+        """Yield stress in shear k, MPa, from k or the given yield stress; None without either."""
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)

@@ -9,14 +9,14 @@ import numpy as np
 
 
 def hash_settings(settings: Mapping[str, Any], without: Sequence[str] = ()) -> str:
-    """Return a hash of settings: equal for equal ones, and without influence of some keys."""
+    """Return a hash of settings, equal for equal settings; the keys `without` do not count."""
     counting = {key: value for key, value in settings.items() if key not in without}
     text = json.dumps(_canonical(counting), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def _canonical(value: Any) -> Any:
-    """Return a value of JSON types that is equal for equal settings."""
+    """Return a value as JSON types, in one form for all equal settings."""
     match value:
         case dict():
             return {

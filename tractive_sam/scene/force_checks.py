@@ -69,14 +69,14 @@ def _check_method_of_forces(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _largest_mu(entries: ValidEntries) -> tuple[float, float]:
-    """Return the friction coefficients at the lateral position with the largest friction."""
+    """Return (mu1, mu2) at the lateral position with the largest friction."""
     mu1, mu2 = entries["friction.mu"]
     factor = 1.0 if entries["friction"] is None else entries["friction"].largest_factor
     return factor * mu1, factor * mu2
 
 
 def _normal_load(entries: ValidEntries) -> float | None:
-    """Return the normal load if it is known before the solution, else None."""
+    """Return the normal load, or None if only the solution of the contact gives it."""
     if entries["load.pressure"] is not None:
         return entries["body"].normal_load(entries["load"])
     return entries["load.normal"]
@@ -88,7 +88,7 @@ def _forces_above_limit(
     mu: tuple[float, float],
     angle: float,
 ) -> Iterator[tuple[tuple[str, ...], str, float]]:
-    """Yield forces that friction cannot carry: their names, their values as text, the limit."""
+    """Yield (names, value as text, limit) of forces that friction cannot transmit."""
     if load is None:
         return
     force_x, force_y = forces

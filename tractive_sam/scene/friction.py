@@ -31,14 +31,14 @@ from .describe import format_pair
 
 
 def _mu_at_rest(friction: dict[str, Any]) -> tuple[float, float]:
-    """Return the coefficients at rest as `mu`; raise a KeyError if they are not given."""
+    """Return the `static` coefficients, the default of `mu`; a KeyError without them."""
     if friction["static"] is None:
         raise KeyError("static")
     return friction["static"]
 
 
 def _check_ratio_of_coefficients(entries: ValidEntries, largest: float = 100.0) -> Iterator[Fault]:
-    """Report mu1 and mu2 with a ratio above the largest one for which the solvers are tested."""
+    """Report mu1 and mu2 with a ratio that is larger than the solvers are tested for."""
     mu = entries["mu"]
     if max(mu) > largest * min(mu) * (1.0 + 1e-12):
         allowed = f"one coefficient at most {largest:g} times the other"
@@ -55,7 +55,7 @@ _POLACH = ("A", "B")
 def _check_temperatures_ascend(
     pairs: tuple[tuple[float, float], ...],
 ) -> tuple[tuple[float, float], ...]:
-    """Return the pairs; raise a ValueError unless their temperatures ascend."""
+    """Return (temperature, factor) pairs; raise a ValueError unless temperatures ascend."""
     if any(late[0] <= early[0] for early, late in pairwise(pairs)):
         raise ValueError("pairs [temperature, factor] with ascending temperatures")
     return pairs
@@ -64,7 +64,7 @@ def _check_temperatures_ascend(
 def _check_positions_ascend(
     pairs: tuple[tuple[float, float], ...],
 ) -> tuple[tuple[float, float], ...]:
-    """Return the pairs; raise a ValueError unless their positions ascend."""
+    """Return (position, factor) pairs; raise a ValueError unless positions ascend."""
     if any(late[0] <= early[0] for early, late in pairwise(pairs)):
         raise ValueError("pairs [y, factor] with ascending y")
     return pairs
@@ -78,7 +78,7 @@ LateralFactors = Annotated[
 
 
 def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
-    """Describe the first and last pair of temperature (degC) and friction factor; empty if None."""
+    """Describe factors over temperature by their first and last pair; "" for None."""
     if factors is None:
         return ""
     (cold, first), (hot, last) = factors[0], factors[-1]
@@ -87,7 +87,7 @@ def describe_factors(factors: tuple[tuple[float, float], ...] | None) -> str:
 
 
 def _check_parameters_of_law(entries: ValidEntries) -> Iterator[Fault]:
-    """Report parameters that a law needs or does not have."""
+    """Report missing and superfluous parameters of a friction law."""
     law, keys_of_table = entries["law"], entries.given
     if isinstance(law, NamedLaw):
         return
@@ -114,7 +114,7 @@ def _check_parameters_of_law(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_kinetic(entries: ValidEntries) -> Iterator[Fault]:
-    """Report kinetic coefficients that are larger than, or in another ratio than, those at rest."""
+    """Report kinetic coefficients above those at rest, or in another ratio mu1/mu2."""
     mu, kinetic = entries["mu"], entries["kinetic"]
     if kinetic is None or entries["law"] == "constant":
         return
@@ -135,7 +135,7 @@ FrictionName = Literal["constant", "exponential", "rational", "polach"]
 
 
 class Friction(LawTable):
-    """Friction: orthotropic Coulomb friction, constant or falling with the sliding speed.
+    """Orthotropic Coulomb friction, constant or falling with sliding speed.
 
     If the law falls with the local sliding speed s, each coefficient is kinetic + (static -
     kinetic) f, with f = exp(-ln 2 s/half_speed), or f = 1/(1 + s/half_speed) for the rational law.
@@ -223,7 +223,7 @@ class Friction(LawTable):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table.
+        """Return the rows (label, text) that describe the table in reports of a scene.
 
         They describe the law and its dependences.
 
@@ -265,7 +265,7 @@ class Friction(LawTable):
 
     @property
     def varies(self) -> bool:
-        """Whether the traction bound is not the pressure times constant coefficients."""
+        """Whether the traction bound differs from constant coefficients times pressure."""
         factors = self.temperature, self.across, self.strength
         return self.falls or any(factor is not None for factor in factors)
 
@@ -276,12 +276,12 @@ class Friction(LawTable):
 
     @property
     def largest_factor(self) -> float:
-        """Largest factor of the lateral position on the coefficients."""
+        """Largest factor over the lateral positions by which the coefficients are multiplied."""
         return 1.0 if self.across is None else max(factor for _, factor in self.across)
 
     @property
     def share(self) -> tuple[float, float] | None:
-        """Friction at high speed over that at rest, and the half speed, mm/s; None if constant."""
+        """(Friction at high speed over that at rest, half speed in mm/s); None if constant."""
         if self.law == "constant" or self.named_law:
             return None
         if self.A is not None and self.B is not None:

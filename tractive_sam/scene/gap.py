@@ -43,7 +43,7 @@ _MAY_BE_MISSING = ContextVar("gap files may be missing", default=False)
 
 @contextmanager
 def allow_missing_files() -> Iterator[None]:
-    """Accept gap files that do not exist: the gap file of results may have moved."""
+    """Within the block, accept scenes that name missing files, such as a gap file."""
     before = _MAY_BE_MISSING.set(True)
     try:
         yield
@@ -52,12 +52,12 @@ def allow_missing_files() -> Iterator[None]:
 
 
 def may_be_missing() -> bool:
-    """Return whether files of a scene may be missing; see `allow_missing_files`."""
+    """Return whether missing files are accepted here (see `allow_missing_files`)."""
     return _MAY_BE_MISSING.get()
 
 
 def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
-    """Return the absolute path of a file, which may be missing.
+    """Return the absolute path of a file; raise a ValueError for another suffix.
 
     Raises
     ------
@@ -70,7 +70,7 @@ def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
 
 
 def check_exists(path: Path, other_values: str = "") -> None:
-    """Raise a ValueError if a file does not exist; its message begins with other allowed values."""
+    """Raise a ValueError if a file does not exist; `other_values` begins its message."""
     # os.path.isfile, unlike Path.is_file, accepts any text.
     if not may_be_missing() and not os.path.isfile(path):
         raise ValueError(
@@ -104,14 +104,14 @@ def _read_array(value: Any) -> NDArray[np.float64]:
 
 
 def _check_axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the array; raise a ValueError unless it increases."""
+    """Return coordinates unchanged; raise a ValueError unless they increase."""
     if array.ndim != 1 or array.size < 2 or not np.all(np.diff(array) >= SMALLEST):
         raise ValueError("at least 2 increasing numbers")
     return array
 
 
 def _check_source(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a file together with arrays, and missing arrays."""
+    """Report a gap with both a file and arrays, or with incomplete arrays."""
     arrays = [key for key in _ARRAYS if key in entries.given]
     if "file" in entries.given and arrays:
         yield Fault("file", f"with {', '.join(arrays)}", "a file or the arrays, not both")
@@ -122,7 +122,7 @@ def _check_source(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_shape(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a separation with another shape than x and y."""
+    """Report a separation whose shape differs from the lengths of x and y."""
     if not entries.given.issuperset(_ARRAYS):
         return
     x, y, separation = (entries[key] for key in _ARRAYS)
@@ -132,7 +132,7 @@ def _check_shape(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_direction(entries: ValidEntries) -> Iterator[Fault]:
-    """Report the direction of heights without the body that has them."""
+    """Report a direction of positive heights without the body to which they belong."""
     if "positive" in entries.given and "body" not in entries.given:
         cure = "nothing without gap.body: only heights of a body point outward or inward"
         yield Fault("positive", entries["positive"], cure)
@@ -153,7 +153,7 @@ _Axis = Annotated[_Array, AfterValidator(_check_axis)]
 
 
 class Gap(Table):
-    """A separation on a rectangular grid, or the heights of a body, from a file or as arrays.
+    """Measured separation of the surfaces, or heights of a body, from a file or as arrays.
 
     The shape of `separation` is (len(x), len(y)). Without x, it is a profile of shape (len(y),)
     that is constant along the track; without y, a profile of shape (len(x),) that is constant
@@ -211,13 +211,13 @@ class Gap(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         source = self.file.name if self.file else "an array"
         yield Row("separation", f"of the radii plus the one of [gap], {source}")
 
     @classmethod
     def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return a profile, given without x or y, as a separation constant in this direction."""
+        """Return the entries, with a profile over x or y alone extended to both directions."""
         profile = entries.get("separation")
         row = isinstance(profile, list | tuple) and not any(map(np.ndim, profile))
         row = row or (isinstance(profile, np.ndarray) and profile.ndim == 1)
@@ -230,7 +230,7 @@ class Gap(Table):
         return {**entries, "x": [-ALONG, ALONG], "separation": both}
 
     def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
-        """Convert measured coordinates and values to mm.
+        """Convert coordinates and values, separation or heights, to coordinates and separation, mm.
 
         Parameters
         ----------
@@ -259,6 +259,6 @@ class Gap(Table):
         return hash(self._compared())
 
     def _compared(self) -> tuple[Any, ...]:
-        """Return the entries as values that can be compared and hashed: arrays as bytes."""
+        """Entries in a form that can be compared and hashed, arrays as bytes."""
         values = (getattr(self, key) for key in type(self).model_fields)
         return tuple(a.tobytes() if isinstance(a, np.ndarray) else a for a in values)

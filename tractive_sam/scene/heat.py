@@ -11,7 +11,7 @@ ABSOLUTE_ZERO = -273.15
 
 
 class Thermal(Table):
-    """Thermal properties of a body.
+    """Thermal properties of a body: conductivity, density and heat capacity.
 
     Examples
     --------
@@ -25,7 +25,7 @@ class Thermal(Table):
 
     @property
     def diffusivity(self) -> float:
-        """Conductivity over density and heat capacity, mm2/s."""
+        """Thermal diffusivity, conductivity over density and heat capacity, mm2/s."""
         return 1e6 * self.conductivity / (self.density * self.heat_capacity)
 
 
@@ -33,7 +33,7 @@ STEEL = Thermal(conductivity=50.0, heat_capacity=450.0)
 
 
 class Bulk(Table):
-    """Temperature of each body far from the contact.
+    """Bulk temperature of each body, far from the contact.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class Heat(Table):
     effect: ClassVar[str] = "heat"
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         bodies, bulk = scene.thermal, self.bulks
         for name, thermal in bodies.items():
             origin = "" if getattr(scene.body, name).thermal else " (steel, by default)"
@@ -135,7 +135,7 @@ def _check_thermal_is_present(
 
 
 def _check_temperature_has_heat(entries: ValidEntries) -> Iterator[Fault]:
-    """Report laws that depend on the temperature, without [heat]."""
+    """Report friction and wear laws that depend on the temperature, without [heat]."""
     keys = [
         f"{table}.temperature"
         for table in ("friction", "wear")

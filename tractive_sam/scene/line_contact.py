@@ -18,7 +18,7 @@ def is_line(entries: ValidEntries) -> bool:
 
 
 def _check_load_is_present(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a line contact without a load per length."""
+    """Report an approach in a line contact, which needs a load per length."""
     if is_line(entries) and entries["load.approach"] is not None:
         cure = (
             "load.normal, in N/mm: the approach of a line contact relative to distant points is "
@@ -42,7 +42,7 @@ def _check_friction_is_even(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a pair for the grid of a line contact, or one number for another grid."""
+    """Report grid entries with two numbers in a line contact, or with one in another."""
     if entries["grid"] is None:
         return
     line = is_line(entries)
@@ -59,7 +59,7 @@ def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_unit_of_planes(entries: ValidEntries) -> Iterator[Fault]:
-    """Report planes at multiples of the semi-axis b of a line contact."""
+    """Report stress planes in units of the semi-axis b, which a line contact lacks."""
     if entries["subsurface"] is None or not is_line(entries):
         return
     for plane in entries["subsurface.planes"]:

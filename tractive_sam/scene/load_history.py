@@ -54,7 +54,7 @@ _File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".c
 
 
 def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
-    """Report keys that are only written when the file is read."""
+    """Report keys that the package writes when it reads the file, and a user must not."""
     keys = entries.given & {"rows", "error", "work_error"}
     if keys and not keys >= {"rows", "error"}:
         first = min(keys)
@@ -64,7 +64,7 @@ def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class LoadHistory(Table):
-    r"""A measured load history, [load_history]: its rows become the blocks of [[duty]].
+    r"""Measured loads in a file, which become the blocks of [[duty]].
 
     The range of each column is divided into levels of equal width. Revolutions that have the same
     levels in all columns form one block, with the mean values of these revolutions. A relative path
@@ -113,7 +113,7 @@ class LoadHistory(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_results_of_binning,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table.
+        """Return the rows (label, text) that describe the table in reports of a scene.
 
         They describe the blocks made from the file, and their errors.
 
@@ -135,7 +135,7 @@ class LoadHistory(Table):
 
 @dataclass(frozen=True)
 class Binned:
-    """Blocks made from a measured load history, and their errors.
+    """Blocks made from a measured load history, and the errors of this simplification.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ class Binned:
 
 
 def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """Return the tables of a scene with the blocks of its load history, if it is not read yet.
+    """Return the tables of a scene with blocks made from its load history, unless present.
 
     Raises
     ------
@@ -198,7 +198,7 @@ def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
 
 
 def _to_mapping(entries: Any) -> Mapping[Any, Any]:
-    """Return the entries of the table; raise a SceneError for a value that is no table."""
+    """Return a table [load_history] as a mapping; raise a SceneError if it is no table."""
     if isinstance(entries, Mapping):
         return entries
     raise SceneError([Fault("file", shorten(entries), "a table with the keys file and levels")])
@@ -209,7 +209,7 @@ def blocks_of(
     levels: int = 8,
     binning: str = "levels",
 ) -> Binned:
-    """Make blocks from a measured load history.
+    """Make load blocks from a measured load history, by sorting its rows into levels.
 
     Each column is divided into levels of equal width between its extremes; revolutions in one
     level of every column become a block, with their mean. The order of the revolutions is lost:
@@ -275,7 +275,7 @@ def blocks_of(
 
 
 def _block(values: dict[str, float], revolutions: int) -> Block:
-    """Return the block of the mean values of the columns."""
+    """Return the block with the mean values of the columns, for a number of revolutions."""
     tables: dict[str, Any] = {"revolutions": revolutions}
     for name, value in values.items():
         table, _, key = _COLUMNS[name].rpartition(".")
@@ -284,7 +284,7 @@ def _block(values: dict[str, float], revolutions: int) -> Block:
 
 
 def _levels(values: np.ndarray, levels: int) -> np.ndarray:
-    """Return the level of each value, counted from 0."""
+    """Return the number, from 0, of the level in which each value lies."""
     low, high = values.min(), values.max()
     if high == low:
         return np.zeros(values.size, int)
@@ -297,7 +297,7 @@ def _work_error(
     place: np.ndarray,
     counts: np.ndarray,
 ) -> float | None:
-    """Return the relative error of the mean of load x creepage.
+    """Return the relative error of mean load x creepage due to the blocks; None if unknown.
 
     Returns
     -------
@@ -319,7 +319,7 @@ def _work_error(
 
 
 def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
-    """Return the columns of a table; raise a SceneError unless they are finite and equally long."""
+    """Return columns of a load history as arrays; raise a SceneError for invalid ones."""
     raw = measured if isinstance(measured, Mapping) else _read(Path(measured))
     unknown = [name for name in raw if name not in _COLUMNS]
     if unknown:
@@ -339,7 +339,7 @@ def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[st
 
 
 def _read(path: Path, max_bytes: int = 2**29) -> dict[str, list[float]]:
-    """Read a CSV file of at most `max_bytes` bytes (about 20 million rows): columns by name."""
+    """Return the columns of a CSV file, by name; files above `max_bytes` are refused."""
     try:
         text = input_file.read_text(path, max_bytes, "utf-8-sig")
         lines = [(n, row) for n, row in enumerate(csv.reader(StringIO(text)), 1) if row]
@@ -366,7 +366,7 @@ def _read(path: Path, max_bytes: int = 2**29) -> dict[str, list[float]]:
 
 
 def _read_numbers(names: list[str], row: list[str]) -> list[float] | None:
-    """Return the numbers of a line, one for each name; None if it has other entries."""
+    """Return the numbers in a row of a CSV file; None if an entry is no number."""
     try:
         return [float(text) for _, text in zip(names, row, strict=True)]
     except ValueError:

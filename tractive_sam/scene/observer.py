@@ -10,7 +10,7 @@ from tractive_sam.schema import Fault, LawTable, NamedLaw, ValidEntries, allow_l
 
 
 class ObserverTable(LawTable):
-    """An [[observer]] table: an observer that computes further quantities of each record.
+    """Observer class that computes further quantities of each record.
 
     The name is a subclass of `Observer` in an installed package, or an entry point of this package
     in the group "tractive_sam.laws". Further keys are parameters of the class.
@@ -26,13 +26,13 @@ class ObserverTable(LawTable):
 
     @classmethod
     def describe_array(cls, observers: Sequence[Any], scene: Any) -> Iterator[Row]:
-        """Yield a row for each observer with its name."""
+        """Yield a row with the name of each observer, for reports of a scene."""
         for observer in observers:
             yield Row("observer", str(observer.name))
 
 
 def check_observers(entries: ValidEntries) -> Iterator[Fault]:
-    """Report observers that a scene names twice."""
+    """Report observers that are named twice in a scene."""
     names = [observer.name.name for observer in entries["observer"]]
     for k, name in enumerate(names):
         if name in names[:k]:

@@ -21,7 +21,7 @@ from .wear_laws import BY_COEFFICIENT
 
 
 def parse_settings(settings: Iterable[str]) -> dict[str, Any]:
-    """Read settings ``table.key=value`` with values as in TOML; a word needs no quotes.
+    """Return values by dotted key from texts "table.key=value"; values are written as in TOML.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def parse_settings(settings: Iterable[str]) -> dict[str, Any]:
 
 
 def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return new tables with the changes made.
+    """Return tables changed by values at dotted keys; alternatives of a new key are removed.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
 
 
 def _shorten_save(tables: dict[str, Any]) -> None:
-    """Remove the stored revolutions beyond the last one."""
+    """Remove stored revolutions beyond the last one from the tables of a scene, in place."""
     match tables:
         case {"wear": {"revolutions": last, "save": (list() | tuple()) as save} as wear}:
             # The checks of the scene report values that are not integers.

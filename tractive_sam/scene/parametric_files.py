@@ -18,7 +18,7 @@ FILE_KEYS = (
 
 
 def resolve_parametric_files(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-    """Return the tables of a study with relative paths in them starting from a folder."""
+    """Let relative paths in the tables of a study start from a folder; return the tables."""
     match tables:
         case {"scene": str(name)} if (folder / name).is_file():
             tables["scene"] = str(folder / name)
@@ -32,7 +32,7 @@ def resolve_parametric_files(folder: Path, tables: dict[str, Any]) -> dict[str, 
 
 
 def _axes_with_zipped(axes: Any) -> Iterator[Any]:
-    """Yield the axes and the entries zipped with them."""
+    """Yield each axis of a study, followed by the axes zipped with it."""
     for axis in axes if isinstance(axes, list | tuple) else ():
         yield axis
         match axis:

@@ -9,7 +9,7 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane x, y or z = number; its text, as in ``y=0.75a``, is `str(plane)`.
+    """Plane x, y or z = number below the contact, with the text form ``y=0.75a``.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Plane:
 
     @classmethod
     def parse(cls, text: object) -> Plane:
-        """Read ``<axis>=<number>[a|b]``; a plane is returned unchanged.
+        """Return the plane that a text ``<axis>=<number>[a|b]`` describes.
 
         Raises
         ------

@@ -37,7 +37,7 @@ from .readings import (
 
 @dataclass(frozen=True)
 class Rule:
-    """A range of implausible values: more than `above` and less than `below`.
+    """Rule with a range of implausible values of an entry, and the note that it causes.
 
     Attributes
     ----------
@@ -68,12 +68,12 @@ class Rule:
     below: float = math.inf
 
     def notes(self, subject: Any) -> Iterator[tuple[str, str]]:
-        """Yield the key and the note of each implausible value."""
+        """Yield (key, note) for each implausible value in a scene, pair or result."""
         if not self.needs or subject.has(self.needs):
             yield from self.judge(self.read(subject))
 
     def judge(self, readings: Iterable[Reading]) -> Iterator[tuple[str, str]]:
-        """Yield the key and the note of each implausible reading."""
+        """Yield (key, note) for each reading whose value is in the implausible range."""
         for reading in readings:
             if self.above < reading.value < self.below:
                 details = {"above": self.above, "below": self.below, **reading.details}
@@ -228,26 +228,26 @@ RULES = (
 
 
 def _judge(kind: str, subject: Any) -> Iterator[tuple[str, str]]:
-    """Yield the key and the note of each implausible value of a subject of a kind."""
+    """Yield (key, note) of all rules of a kind for its subject (bodies, scene or result)."""
     for rule in RULES:
         if rule.subject == kind:
             yield from rule.notes(subject)
 
 
 def pair_notes(pair: Pair) -> Iterator[str]:
-    """Yield a note for each implausible entry of the bodies and of the load."""
+    """Yield a note for each implausible property of two bodies and their load."""
     for kind in ("bodies", "contact"):
         yield from (f"{key}: {note}" for key, note in _judge(kind, pair))
 
 
 def edge_notes(scene: Any, width: float) -> Iterator[str]:
-    """Yield a note for each body that is hardly wider than a contact of a given width, mm."""
+    """Yield a note for each body that is hardly wider than a contact of this width, mm."""
     (rule,) = (rule for rule in RULES if rule.read is read_widths)
     yield from (note for _, note in rule.judge(read_width_ratios(scene, width)))
 
 
 def conformity_notes(angle: float) -> Iterator[str]:
-    """Yield a note if the contact angle varies by too many degrees over a patch."""
+    """Yield a note if the contact angle varies by many degrees (`angle`) over a patch."""
     (rule,) = (rule for rule in RULES if rule.read is read_contact_angles)
     yield from (note for _, note in rule.judge([Reading("wheelset", angle)]))
 

@@ -25,14 +25,14 @@ from .transient_checks import REVOLUTION_KEYS
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:
-    """Report stored values of the coordinate beyond its end."""
+    """Report values of the coordinate to be stored that lie beyond its end."""
     save, end = entries["save"], entries["end"]
     if save and save[-1] > end:
         yield Fault("save", str(list(save)), f"values of the coordinate up to end, {end:g}")
 
 
 class ProcessTable(LawTable):
-    """The [process] table: the sequence of the contacts of a scene.
+    """Process class that determines the sequence of contacts.
 
     The name is a subclass of `Process` in an installed package, or an entry point of this package
     in the group "tractive_sam.laws". Further keys are parameters of the class.
@@ -55,11 +55,11 @@ class ProcessTable(LawTable):
 
     @property
     def schedule(self) -> Schedule:
-        """Schedule of the process."""
+        """Schedule of the named process: end and values of its coordinate to store."""
         return NamedSchedule(self.end, self.save)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         yield Row("name", str(self.name))
         yield Row(
             "end",

@@ -18,7 +18,7 @@ from .wear_laws import PER_INTENSITY
 
 @dataclass(frozen=True)
 class Reading:
-    """A value that a rule judges.
+    """Value of a scene or result that a plausibility rule judges, with its key.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Reading:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two bodies and their Hertz contact.
+    """Two bodies with their Hertz contact, the subject of plausibility rules.
 
     Attributes
     ----------
@@ -58,12 +58,12 @@ class Pair:
 
     @classmethod
     def from_tables(cls, bodies: Bodies, load: Load) -> Pair:
-        """Return the pair of bodies under a load."""
+        """Return the pair of two bodies under a load, with its Hertz contact."""
         return cls(bodies, bodies.hertz(load), f"load.{load.prescribed_key}")
 
     @classmethod
     def from_scene(cls, scene: Any) -> Pair:
-        """Return the bodies of a scene, under the largest load of its [transient]."""
+        """Return the pair of a scene's bodies, under the largest load of its [transient]."""
         hertz, key = scene.hertz, f"load.{scene.load.prescribed_key}"
         courses = scene.schedule.courses
         for name in ("normal", "approach"):
@@ -76,7 +76,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest computed pressure, MPa, its place as text, and the materials of the bodies."""
+    """Largest computed pressure, its place as text, and the materials: a subject of rules."""
 
     pressure: float
     place: str
@@ -84,7 +84,7 @@ class Peak:
 
 
 def read_moduli(lower: float, upper: float) -> Callable[[Pair], Iterator[Reading]]:
-    """Return a reader of Young's moduli, MPa, for bodies with a Poisson's ratio in a range.
+    """Return a function that yields Young's moduli of bodies with a Poisson's ratio in a range.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from .tables import Mesh
 
 @dataclass(frozen=True)
 class FewestElements:
-    """Smallest number of elements across a contact.
+    """Smallest numbers of elements across a contact that resolve contact and slip.
 
     Attributes
     ----------
@@ -29,7 +29,7 @@ class FewestElements:
 
 
 def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float = 1.15) -> None:
-    """Warn of a grid that is too coarse to resolve the contact, once for all directions.
+    """Issue a warning if a grid is too coarse to resolve the Hertz contact.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ from .wheel_tables import RailTable, WheelsetTable, WheelTable
 
 
 class Scene(Document):
-    """Two bodies, their load and motion, and the quantities to compute.
+    """Scene: two bodies, their load and motion, and the quantities to compute.
 
     A scene is built from keywords, from TOML, or from a built-in scene, and cannot be changed.
     Tables may be given as objects or as dictionaries.
@@ -112,7 +112,7 @@ class Scene(Document):
     )
 
     def check_complete(self) -> None:
-        """Check the finished table, and issue its warnings."""
+        """Check the blocks of a scene, and issue its warnings; called once it is complete."""
         if self.duty:
             self._check_blocks()
         for note in scene_notes(self):
@@ -128,17 +128,17 @@ class Scene(Document):
 
     @classmethod
     def unfold(cls, tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return the tables with the blocks of a load history."""
+        """Return tables with what follows from them: blocks of a load history, wheel contact."""
         return add_wheel_contact(add_blocks(tables))
 
     def entries(self) -> dict[str, Any]:
-        """Return the given entries, without those that follow from the wheel."""
+        """Return the given entries as nested tables, without those computed from the wheel."""
         entries = super().entries()
         return entries if self.wheelset is None else without_wheel_contact(entries, self.wheel_rail)
 
     @cached_property
     def wheel_rail(self) -> WheelRail:
-        """Geometry of a scene with [wheel], [rail] and [wheelset].
+        """Geometry of wheel and rail; for scenes with [wheel], [rail] and [wheelset] only.
 
         Raises
         ------
@@ -149,17 +149,17 @@ class Scene(Document):
 
     @property
     def has_gap(self) -> bool:
-        """Whether the bodies differ from ellipsoids, so that Hertz's contact does not apply."""
+        """Whether the undeformed surfaces differ from the radii, so that Hertz does not apply."""
         return self.gap is not None or self.wheel is not None
 
     @property
     def _unequal_turns(self) -> str:
-        """Note on bodies that do not turn equally often; empty if there is none."""
+        """Note on bodies that turn unequally often; empty if there is none."""
         revolves = self.wear and self.schedule.revolves and self.wheel is None
         return unequal_turns(self.body, self.wear) if revolves and self.wear else ""
 
     def _check_blocks(self) -> None:
-        """Raise the faults of the blocks, and issue the warnings that concern only them."""
+        """Raise an error with all faults of the blocks, and issue their warnings."""
         with warnings.catch_warnings(record=True) as raised:
             warnings.simplefilter("always")
             faults = [*check_blocks_on_mesh(self, self.blocks)]
@@ -174,27 +174,27 @@ class Scene(Document):
 
     @property
     def blocks(self) -> tuple[Scene, ...]:
-        """The scene of each block of [[duty]], in order; without [[duty]] the scene itself."""
+        """Scene of each block of [[duty]], in order; without [[duty]] the scene itself."""
         return self._blocks if self.duty else (self,)
 
     @cached_property
     def _blocks(self) -> tuple[Scene, ...]:
-        """Scenes of the blocks of [[duty]], in order."""
+        """Scene of each block of [[duty]], in order; empty without [[duty]]."""
         return block_scenes(self)
 
     @property
     def without_blocks(self) -> Scene:
-        """The scene without [[duty]]."""
+        """Copy of the scene without [[duty]]."""
         return self.replace(duty=None, load_history=None) if self.duty else self
 
     @cached_property
     def spectrum(self) -> Spectrum | None:
-        """The different blocks of [[duty]]; None without [[duty]]."""
+        """Load spectrum (different blocks and their revolutions); None without [[duty]]."""
         return Spectrum.from_blocks(self.duty, self.blocks) if self.duty else None
 
     @classmethod
     def from_name(cls, name: str) -> Scene:
-        """Read a scene file or a built-in scene, given by its path or its name.
+        """Return a scene from a file, given its path, or a built-in one, given its name.
 
         Raises
         ------
@@ -205,7 +205,7 @@ class Scene(Document):
 
     @classmethod
     def builtin(cls, name: str) -> Scene:
-        """Build a built-in scene, one of `builtin_names`.
+        """Return a built-in scene, by one of the names of `builtin_names`.
 
         Raises
         ------
@@ -259,7 +259,7 @@ class Scene(Document):
 
     @property
     def thermal(self) -> dict[str, Thermal]:
-        """Thermal properties of the bodies "A" and "B"; the default is steel."""
+        """Thermal properties of the bodies "A" and "B", by default those of steel."""
         return {name: getattr(self.body, name).thermal or STEEL for name in "AB"}
 
     @property
@@ -274,25 +274,25 @@ class Scene(Document):
 
     @property
     def wear_share(self) -> dict[str, float]:
-        """Share of each body in the worn depth: from its coefficient, or from its hardness."""
+        """Share of each body in the wear depth: from its coefficient, or from its hardness."""
         share = None if self.wear is None else self.wear.share
         return self.body.wear_share if share is None else share
 
     @property
     def turns(self) -> Turns:
-        """Turns of each body in a revolution that [wear] and [fatigue] count."""
+        """Turns of each body in a counted revolution, by which wear and damage add up."""
         if self.wear is not None and self.wear.turns == "equal":
             return Turns.equal(self.wear_share)
         return Turns.from_radii(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
     @property
     def under_largest_load(self) -> Scene:
-        """The scene under the largest load of a [transient], which gives the contact size."""
+        """Steady scene under the largest load of a [transient], from which the mesh follows."""
         return self.schedule.under_largest_load(self)
 
     @property
     def has_prescribed_force(self) -> tuple[bool, bool]:
-        """Whether the tangential forces Q_x and Q_y are prescribed in place of creepages."""
+        """Whether Q_x and Q_y, respectively, are prescribed instead of creepages."""
         load, courses = self.load, self.schedule.courses
         return (
             load.force_x is not None or "load.force_x" in courses,
@@ -306,17 +306,17 @@ class Scene(Document):
 
     @property
     def has_fixed_domain(self) -> bool:
-        """Whether [grid] gives the domain; otherwise it is chosen, and grows with the contact."""
+        """Whether [grid] fixes the domain; else it is chosen, and grows with the contact."""
         return self.grid is not None and self.grid.half_length is not None
 
     @cached_property
     def schedule(self) -> Schedule:
-        """Coordinate along which the scene is solved, its end, and values to store fields at."""
+        """Schedule of the records: their coordinate, its end, and values to store fields at."""
         tables = (self.process, self.transient, self.wear, self.wheelset)
         return next((table.schedule for table in tables if table is not None), Schedule())
 
     def has(self, key: str) -> bool:
-        """Return whether a table or an entry is given, or a property is true, by dotted key."""
+        """Return whether a table, an entry or a true property exists under a dotted key."""
         value: Any = self
         for name in key.split("."):
             value = getattr(value, name, None)
@@ -334,7 +334,7 @@ class Scene(Document):
 
     @property
     def contact_type(self) -> PointContact:
-        """Units, motions and constants of a point or a line contact."""
+        """Object with the units and motions of a point contact or of a line contact."""
         return LineContact() if self.line else PointContact()
 
     @property
@@ -354,7 +354,7 @@ class Scene(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables with relative paths in them starting from a folder."""
+        """Let relative paths in the tables of a scene start from a folder; return the tables."""
         for name in ("gap", "load_history"):
             match tables.get(name):
                 case {"file": str(file)}:

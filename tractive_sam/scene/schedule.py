@@ -15,7 +15,7 @@ from .gap import Gap
 
 @dataclass(frozen=True)
 class Schedule:
-    """Schedule of a single contact, and the base class of all schedules.
+    """When a computation ends and stores fields: of one contact, and base class of all.
 
     Attributes
     ----------
@@ -65,25 +65,25 @@ class Schedule:
         return tuple(sorted({*self.save, self.end}))
 
     def under_largest_load(self, scene: Any) -> Any:
-        """Return the scene under its largest load, which gives the contact size."""
+        """Return the scene under its largest load, from which the mesh follows: itself."""
         return scene
 
 
 class RevolutionSchedule(Schedule):
-    """Schedule of a scene with [wear]."""
+    """Schedule of a scene with [wear], over revolutions."""
 
     message_start = "revolution {}: "
 
 
 class Distance(Schedule):
-    """Schedule of a [transient] that rolls."""
+    """Schedule of a [transient] that rolls, over the distance in mm."""
 
     save_key, end_key = "transient.save", "transient.distance"
     revolves = False
     message_start = "after {:g} mm: "
 
     def under_largest_load(self, scene: Any) -> Any:
-        """Return the scene under its largest load, which gives the contact size."""
+        """Return the steady scene under the largest load of its courses."""
         loads = {
             key: max(self.courses.get(key, (0.0,))) for key in ("load.normal", "load.approach")
         }
@@ -92,14 +92,14 @@ class Distance(Schedule):
 
 
 class Shifts(Distance):
-    """Schedule of a [transient] in which the bodies shift, over a parameter."""
+    """Schedule of a [transient] without rolling, over the parameter of the shifts."""
 
     rolls, shifts = False, True
     message_start = "after {:g} of the parameter: "
 
 
 class PatchSchedule(Schedule):
-    """Schedule of the patches of a wheel, by increasing load."""
+    """Schedule over the patches of a wheel on a rail, by increasing load."""
 
     save_key = end_key = "wheelset"
     revolves = ends_there = False
@@ -107,7 +107,7 @@ class PatchSchedule(Schedule):
 
 
 class NamedSchedule(Schedule):
-    """Schedule of a process of another package."""
+    """Schedule of a user-defined process, over its coordinate."""
 
     save_key, end_key = "process.save", "process.end"
     revolves = False

@@ -35,14 +35,14 @@ Item = TypeVar("Item")
 
 
 def check_distinct(items: tuple[Item, ...]) -> tuple[Item, ...]:
-    """Return the items; raise a ValueError if an item occurs twice."""
+    """Return items unchanged; raise a ValueError if one occurs twice."""
     if len(set(items)) < len(items):
         raise ValueError("each item once")
     return items
 
 
 class Load(Table):
-    """Load that presses the bodies together, and prescribed tangential forces.
+    """Normal load, approach or pressure, and prescribed tangential forces.
 
     In a line contact (both bodies with ``radius_y = inf``), forces are given per unit length, N/mm.
 
@@ -70,7 +70,7 @@ class Load(Table):
     renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table.
+        """Return the rows (label, text) that describe the table in reports of a scene.
 
         They describe the load and the peak pressure.
 
@@ -95,13 +95,13 @@ class Load(Table):
 
     @property
     def prescribed_key(self) -> str:
-        """Key that gives the load: normal, approach or pressure."""
+        """Which key gives the load: "normal", "approach" or "pressure"."""
         keys = (key for key in ("pressure", "approach") if getattr(self, key) is not None)
         return next(keys, "normal")
 
 
 class Creepage(Table):
-    """Creepages of the rigid bodies; a negative longitudinal creepage drives body A.
+    """Creepages, spin and rolling speed of the rigid bodies.
 
     Examples
     --------
@@ -118,7 +118,7 @@ class Creepage(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table.
+        """Return the rows (label, text) that describe the table in reports of a scene.
 
         They list creepages other than zero, and forces prescribed in their place.
 
@@ -155,14 +155,14 @@ MAX_ELEMENTS = 5 * 10**7
 
 
 def _check_number_of_elements(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a grid that no machine has the memory for."""
+    """Report a grid with more elements than any machine has memory for."""
     elements = entries["elements"]
     if elements is not None and math.prod(elements) > MAX_ELEMENTS:
         yield Fault("elements", str(elements), f"at most {MAX_ELEMENTS:.0e} elements in all")
 
 
 def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Iterator[Fault]:
-    """Report elements so long that their influence coefficients lose all digits.
+    """Report elements whose influence coefficients lose all digits, as they are so long.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Ite
 
 
 def _check_centre_of_domain(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a centre of the grid without half lengths, or with another number of directions."""
+    """Report a grid centre without half lengths, or with another number of directions."""
     centre, half_length = entries["centre"], entries["half_length"]
     if centre is None:
         return
@@ -199,7 +199,7 @@ def _check_grid_is_not_empty(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Mesh(Table):
-    """The [grid] table: a rectangle of equal elements, around the origin or another centre.
+    """Rectangle of equal elements around the origin or another centre.
 
     In a line contact, each pair is a single number, the value in x. Without `half_length`, the
     domain follows from the contact, as in a scene without [grid]. It grows with the contact; the
@@ -236,20 +236,20 @@ class Mesh(Table):
 
     @property
     def place(self) -> tuple[float, float]:
-        """Centre of the domain, mm."""
+        """Centre (x, y) of the mesh, mm; the origin by default."""
         x, y = (*(self.centre or ()), 0.0, 0.0)[:2]
         return x, y
 
     @property
     def origin(self) -> str:
-        """Describe which part of the mesh the scene gives."""
+        """Text that says which part of the mesh is given, and which is chosen."""
         if self.half_length is None:
             return "given, the domain chosen from the contact"
         return "given" if self.elements else "chosen from the contact, the domain given"
 
 
 class Accuracy(Table):
-    """Requested accuracy, from which the mesh and all tolerances follow.
+    """Requested relative error, from which mesh and tolerances follow.
 
     The mesh is refined until the error bars of the forces, the moment and the wear depth are within
     the tolerance. For unworn bodies, this criterion also includes the peak contact pressure. The
@@ -267,7 +267,7 @@ class Accuracy(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         yield Row(
             "requested",
             f"{self.tolerance:g}, relative: the mesh is refined until the error bars are within "
@@ -277,7 +277,7 @@ class Accuracy(Table):
 
 
 class Subsurface(Table):
-    """Planes, depths and bodies for which the subsurface stress is computed.
+    """Planes, depths and bodies for which stress is computed.
 
     Examples
     --------
@@ -298,7 +298,7 @@ class Subsurface(Table):
     effect: ClassVar[str] = "stress"
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         hertz = scene.hertz
         deepest = f"{self.depth:g} a" if hertz is None else f"{self.depth * hertz.a:.4g} mm"
         yield Row("bodies", ", ".join(self.bodies))
@@ -307,7 +307,7 @@ class Subsurface(Table):
 
 
 class ElasticBodies(LawTable):
-    """The [elasticity] table: homogeneous half-spaces, or a law of another package.
+    """Homogeneous half-spaces, or a user-defined elastic law.
 
     The parameters of a law of another package are further keys. If the law has parameters `A` and
     `B`, it receives the materials of the bodies. The mesh and the units follow from the Hertz
@@ -327,13 +327,13 @@ class ElasticBodies(LawTable):
     law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         if self.named_law:
             yield Row("elasticity", f"{self.named_law}, in place of half-spaces", brief=True)
 
 
 class Solver(Table):
-    """Methods and tolerance of the solution of the contact problem.
+    """Methods and tolerance of the solution of the contact.
 
     Examples
     --------

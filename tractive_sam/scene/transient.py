@@ -35,7 +35,7 @@ from .schedule import Distance, Schedule, Shifts
 
 
 def _check_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses with another number of values than knots, and a distance of 0."""
+    """Report courses whose number of values differs from the knots, and a distance of 0."""
     knots = entries["distance"]
     if knots[0] == knots[-1]:
         yield Fault("distance", str(list(knots)), "a last knot above the first one")
@@ -52,7 +52,7 @@ def _check_courses(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:
-    """Report stored distances outside the knots."""
+    """Report distances to be stored that lie outside the knots."""
     knots, save = entries["distance"], entries["save"]
     if save and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
         cure = f"distances from the first knot to the last, {knots[0]:g} to {knots[-1]:g}"
@@ -60,7 +60,7 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_cycle_start(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a stress history that does not begin within the knots."""
+    """Report a start of the load cycle (cycle_start) outside the knots."""
     knots, start = entries["distance"], entries["cycle_start"]
     if start is not None and not knots[0] <= start < knots[-1]:
         cure = f"a distance from {knots[0]:g} to below {knots[-1]:g}, within the knots"
@@ -68,7 +68,7 @@ def _check_cycle_start(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Transient(Table):
-    """Courses of load, creepage and friction over the rolling distance, and the steps.
+    """Courses of load, creepage and friction over distance, and steps.
 
     Values change linearly between the knots; a key without a course has the value of its table.
     With ``start = "shift"``, the bodies do not roll: the distance is a parameter, and the creepages
@@ -131,7 +131,7 @@ class Transient(Table):
 
     @classmethod
     def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return keys with a dot, for example ``"creepage.longitudinal"``, as tables."""
+        """Return entries with dotted keys, as ``"creepage.longitudinal"``, as nested tables."""
         tables: dict[Any, Any] = {}
         for key, value in entries.items():
             table, dot, name = str(key).partition(".")
@@ -146,7 +146,7 @@ class Transient(Table):
         return tables
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         start = {
             "rest": "bodies pressed together, without traction",
             "steady": "steady rolling with the values of the first knot",
@@ -170,19 +170,19 @@ class Transient(Table):
 
     @property
     def schedule(self) -> Schedule:
-        """Schedule of the courses."""
+        """Schedule of the transient: its end, distances to store, and courses."""
         kind = Distance if self.rolls else Shifts
         profiles = self.profile.by_table
         return kind(self.distance[-1], self.save, courses=self.courses, profiles=profiles)
 
     @property
     def rolls(self) -> bool:
-        """Whether the bodies roll; otherwise they shift."""
+        """Whether the bodies roll; otherwise they are shifted without rolling."""
         return self.start != "shift"
 
     @property
     def jumps(self) -> list[tuple[float, str]]:
-        """Knots at which loads, forces or friction jump, mm, with the keys that jump."""
+        """(Distance in mm, keys) of each knot at which loads, forces or friction jump."""
         jumps = []
         for k, (first, last) in enumerate(pairwise(self.distance)):
             keys = [
@@ -196,7 +196,7 @@ class Transient(Table):
 
     @property
     def courses(self) -> dict[str, tuple[float, ...]]:
-        """The courses, by the dotted keys that they set."""
+        """Values of each course at the knots, by the dotted key that the course sets."""
         tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
         return {
             f"{name}.{key}": values

@@ -97,7 +97,7 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses of loads without the key itself, and of a creepage with its force."""
+    """Report courses of a load without its key in [load], and of a creepage with its force."""
     if entries["transient"] is None:
         return
     for key in ("normal", "approach"):

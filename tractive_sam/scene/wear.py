@@ -44,21 +44,21 @@ from .wear_laws import (
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:
-    """Report stored revolutions beyond the last one."""
+    """Report revolutions to be stored that lie beyond the last one."""
     save, last = entries["save"], entries["revolutions"]
     if save[-1] > last:
         yield Fault("save", str(save[-1]), f"at most {last}, the number of revolutions")
 
 
 def _check_ascending(save: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the revolutions; raise a ValueError unless they ascend."""
+    """Return revolutions unchanged; raise a ValueError unless they ascend."""
     if any(late <= early for early, late in pairwise(save)):
         raise ValueError("a list of ascending integers, each once: the revolutions to store")
     return save
 
 
 class Wear(LawTable):
-    """Wear: the law, its coefficients, and the revolutions to roll.
+    """Wear law, its coefficients, and the revolutions to roll.
 
     The law is Archard's law, or a law based on frictional work or on measured wear regimes. With
     [transient], the bodies wear over the rolling distance of the transient.
@@ -157,12 +157,12 @@ class Wear(LawTable):
 
     @property
     def schedule(self) -> Schedule:
-        """Schedule of the revolutions."""
+        """Schedule over the revolutions: last one, ones to store, and kind of steps."""
         adaptive, fixed = self.stepping == "adaptive", self.stepping == "saved"
         return RevolutionSchedule(self.revolutions, self.save, adaptive, fixed)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table.
+        """Return the rows (label, text) that describe the table in reports of a scene.
 
         They list coefficients, law, revolutions, and the share of each body.
 
@@ -172,14 +172,14 @@ class Wear(LawTable):
         counted = f"; {self.revolutions} revolutions" if self.revolutions else ""
         yield Row("wear", rates + counted, brief=True)
         yield Row("law", self._describe_law(scene.solver.slip))
-        yield Row("worn depth", self._describe_share(scene), brief=True)
+        yield Row("wear depth", self._describe_share(scene), brief=True)
         yield from self._describe_course(scene)
         yield Row("density", describe_densities(scene.body), brief=True)
         if scene.solver.slip == "upwind":
             yield Row("slip", "the upwind difference of the paper: frictional work is too small")
 
     def _describe_course(self, scene: Any) -> Iterator[Row]:
-        """Yield the rows about revolutions, or about the distance of a [transient]."""
+        """Yield rows on the revolutions to roll, or on the wear of a [transient]."""
         if not self.revolutions:
             place = "material" if scene.schedule.rolls else "place, as nothing rolls"
             yield Row("depth", f"remains at its {place}, and is part of the gap of the next step")
@@ -196,11 +196,11 @@ class Wear(LawTable):
 
     @property
     def largest_step(self) -> float:
-        """The `step_depth`, by default 0.01 mm: half of it changes the worn section by 1 %."""
+        """Largest wear depth of an implicit step on profiles, mm: `step_depth`, or 0.01."""
         return 0.01 if self.step_depth is None else self.step_depth
 
     def _describe_rates(self) -> str:
-        """Describe the coefficients, and whether they apply to both bodies together."""
+        """Describe the wear coefficients, and whether they apply to both bodies together."""
         if self.named_law:
             return str(self.named_law)
         if not self.together:
@@ -217,7 +217,7 @@ class Wear(LawTable):
         return f"{both}, sum of both bodies"
 
     def _describe_body(self, body: str) -> str:
-        """Describe the law of one body."""
+        """Describe the wear law and coefficients of one body."""
         law, name = self.laws[body], self.sets[body]
         if law in BY_COEFFICIENT:
             k = f"k = {getattr(self.coefficient, body):g}"
@@ -243,7 +243,7 @@ class Wear(LawTable):
         return "a separate law for each body"
 
     def _describe_share(self, scene: Any) -> str:
-        """Describe the share of each body in the worn depth, and its reason."""
+        """Describe the share of each body in the wear depth, and its reason."""
         if not self.together:
             return "computed for each body from its law"
         share, bodies = scene.wear_share, scene.body
@@ -256,17 +256,17 @@ class Wear(LawTable):
 
     @property
     def laws(self) -> dict[str, str | None]:
-        """Name of the law of each body; None for a body that does not wear."""
+        """Name of the wear law of each body; None for a body that does not wear."""
         return laws_of_bodies(self.law)
 
     @property
     def together(self) -> bool:
-        """Whether one law gives the depth of both bodies, which they share."""
+        """Whether one wear law gives the depth of both bodies, which they then share."""
         return self.law in BY_COEFFICIENT or self.named_law is not None
 
     @property
     def sets(self) -> dict[str, str | None]:
-        """Name of the set of coefficients of each body; None if its law has no sets."""
+        """Name of each body's set of published coefficients; None if its law has no sets."""
         names: dict[str, str | None] = {}
         for body, law in self.laws.items():
             name = getattr(self.set, body) if isinstance(self.set, Sets) else self.set
@@ -276,7 +276,7 @@ class Wear(LawTable):
 
     @property
     def intensities(self) -> tuple[float, float]:
-        """Wear intensities (i1, i2), sum of both bodies, 1/MPa, from intensity or coefficient."""
+        """Wear intensities along both axes, 1/MPa, sum of both bodies."""
         if self.intensity is not None:
             return self.intensity
         k = self.coefficient
@@ -286,7 +286,7 @@ class Wear(LawTable):
         return (k[0] / PER_INTENSITY, k[1] / PER_INTENSITY)
 
     def per_work(self, mu: tuple[float, float]) -> tuple[float, float] | None:
-        """Return depth over frictional work per area along the axes, 1/MPa; None for other laws."""
+        """Return wear depth per frictional work and area along both axes, 1/MPa, or None."""
         if self.law not in BY_COEFFICIENT:
             return None
         i = self.intensities
@@ -294,7 +294,7 @@ class Wear(LawTable):
 
     @property
     def share(self) -> dict[str, float] | None:
-        """Share of each body in the worn depth; None if it follows from the hardness."""
+        """Share of each body in the wear depth by its coefficient; None if by its hardness."""
         k = self.coefficient
         if not (isinstance(k, Coefficients) and self.together):
             return None

@@ -7,7 +7,7 @@ from typing import Any
 
 
 def describe_stepping(wear: Any, scene: Any) -> str:
-    """Describe the steps of [wear] from revolution to revolution."""
+    """Describe how [wear] proceeds: each revolution, adaptive jumps, or stored ones only."""
     if wear.stepping == "every-revolution":
         return "one by one"
     if wear.stepping == "saved":

@@ -26,7 +26,7 @@ PER_INTENSITY = 1e3
 
 
 class Coefficients(Table):
-    """Specific wear rate of each body, in place of the sum of both bodies.
+    """Specific wear rate of each body, mm3/(N m), instead of the sum of both bodies.
 
     Examples
     --------
@@ -59,7 +59,7 @@ BY_COEFFICIENT = ("archard", "energy")
 
 
 def _check_points(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
-    """Return the points of a law; raise a ValueError unless W ascends, without wear at W = 0."""
+    """Return points (W, rate) of a wear law; raise a ValueError unless W ascends from 0."""
     works = [work for work, _ in points]
     if not any(works) or any(late <= early for early, late in pairwise(works)):
         raise ValueError("pairs [W, rate] with ascending W")
@@ -69,7 +69,7 @@ def _check_points(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float,
 
 
 def _check_table_of_rates(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a missing table of wear rates, which A or B = "table" needs, and an unused one."""
+    """Report a table of wear rates that is missing or unused."""
     table, bodies = entries["table"], (entries["A"], entries["B"])
     if table is None and bodies == (None, None):
         yield Fault("table", "nothing", "a table, or laws A and B of the bodies")
@@ -80,7 +80,7 @@ def _check_table_of_rates(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class WearLaws(Table):
-    """A user-defined wear law given by points, or a separate law for each body.
+    """Wear law given by points (T-gamma/A, rate), or a separate law for each body.
 
     Examples
     --------
@@ -109,7 +109,7 @@ class WearLaws(Table):
 
 
 class Sets(Table):
-    """Name of the set of coefficients for each body.
+    """Name of the set of published wear coefficients for each body.
 
     Examples
     --------
@@ -122,7 +122,7 @@ class Sets(Table):
 
 
 def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
-    """Return the name of the law of each body; None for a body that does not wear."""
+    """Return the name of each body's wear law; None for a body that does not wear."""
     if not isinstance(law, WearLaws):
         return {"A": str(law), "B": str(law)}
     both = "table" if law.A is None and law.B is None else None
@@ -130,7 +130,7 @@ def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:
 
 
 def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
-    """Report coefficients that are missing, or that the wear laws do not use."""
+    """Report wear coefficients that are missing, or that the wear laws do not use."""
     if isinstance(entries["law"], NamedLaw):
         return
     laws = laws_of_bodies(entries["law"])
@@ -169,7 +169,7 @@ def check_coefficients(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def check_sets(entries: ValidEntries) -> Iterator[Fault]:
-    """Report names of sets of coefficients that do not exist."""
+    """Report names of coefficient sets that do not exist."""
     laws, chosen = laws_of_bodies(entries["law"]), entries["set"]
     for body in "AB" if chosen is not None else ():
         name = chosen if isinstance(chosen, str) else getattr(chosen, body)

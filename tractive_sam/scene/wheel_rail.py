@@ -40,7 +40,7 @@ TABLES: Mapping[str, type[Table]] = {
 
 @dataclass(frozen=True)
 class WheelRail:
-    """A wheel on a rail: the geometry of a scene with [wheel], [rail] and [wheelset].
+    """Wheel placed on a rail: both profiles, the motion, and the contact patches.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class WheelRail:
     def from_tables(
         cls, wheel: WheelTable, rail: RailTable, wheelset: WheelsetTable, e_star: float
     ) -> WheelRail:
-        """Find the patches of a scene.
+        """Place the wheel of three tables on the rail, and find its contact patches.
 
         Raises
         ------
@@ -73,14 +73,14 @@ class WheelRail:
 
     @classmethod
     def from_scene(cls, scene: Any) -> WheelRail:
-        """Find the patches of a scene; a ValueError reports one without a wheel."""
+        """Place the wheel of a scene on its rail, and find its contact patches."""
         if scene.wheelset is None:
             raise ValueError("the scene has no [wheel], [rail] and [wheelset]")
         return cls.from_tables(scene.wheel, scene.rail, scene.wheelset, scene.material.E_star)
 
     @classmethod
     def of_profiles(cls, scene: Any, wheel: Profile, rail: Profile) -> WheelRail:
-        """Find the patches of other profiles at the position of a scene.
+        """Place other profiles at the wheelset position of a scene, and find their patches.
 
         Parameters
         ----------
@@ -93,18 +93,18 @@ class WheelRail:
 
     @property
     def equivalent_radii(self) -> tuple[float, float]:
-        """R_x and R_y of the ellipsoid on a plane that overlaps like the first patch, mm."""
+        """Radii R_x, R_y, mm, of an ellipsoid on a plane that stands for the first patch."""
         first = self.patches[0]
         long, wide = first.half_length
         return first.radius_x, first.radius_x * (wide / long) ** 2
 
     @property
     def creepages(self) -> tuple[float, float, float]:
-        """Creepages and spin of the first patch."""
+        """Longitudinal and lateral creepage and spin (1/mm) of the first patch."""
         return self.patches[0].creepages(self.pitch)
 
     def is_motion(self, creepage: Creepage) -> bool:
-        """Return whether creepages follow from the motion of the wheelset."""
+        """Return whether given creepages equal those of the wheelset's motion."""
         return tuple(getattr(creepage, key) for key in _MOTIONS) == self.creepages
 
 
@@ -112,7 +112,7 @@ class WheelRail:
 def _find(
     profile: Profile, radius: float, rail: Profile, wheelset: WheelsetTable, e_star: float
 ) -> WheelRail:
-    """Place a wheel on a rail, and find its patches under the load; cached."""
+    """Place a wheel on a rail, and find its patches under the load; results are cached."""
     placed = Wheel(profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw)
     free = wheelset.roll == "free"
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
@@ -128,7 +128,7 @@ def _find(
 
 
 def contact_locus(scene: Any, positions: Any) -> ContactLocus:
-    """Return the contact locus of a scene with [wheel], [rail] and [wheelset].
+    """Return the contact points of wheel and rail over lateral positions of the wheelset.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
 
 
 def add_wheel_contact(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """Return the tables of a scene with radii, load and creepages that follow from its wheel.
+    """Return tables with the radii, load and creepages that follow from the wheel.
 
     The bodies get the radii of the ellipsoid on a plane that overlaps like the first patch: units
     and mesh follow from its Hertz contact. Keys that are given stay, and are checked later.
@@ -184,14 +184,14 @@ _MOTIONS = ("longitudinal", "lateral", "spin")
 
 
 def _plain(table: Any) -> Mapping[Any, Any]:
-    """Return the entries of a table that is given in any form; none of what is no table."""
+    """Return a table in any form as a mapping; empty for other values."""
     if isinstance(table, Table):
         return table.entries()
     return table if isinstance(table, Mapping) else {}
 
 
 def _try_contact(tables: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRail | None:
-    """Return the geometry of a scene that is given, None if it is not valid."""
+    """Return the wheel-rail geometry of tables; None if they are not valid."""
     try:
         wheel, rail, wheelset = (kind(**_plain(tables.get(name))) for name, kind in TABLES.items())
         pair = []
@@ -209,7 +209,7 @@ def _try_contact(tables: Mapping[Any, Any], body: Mapping[str, Any]) -> WheelRai
 
 
 def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
-    """Report some of the three tables without the others, and tables that they replace."""
+    """Report missing tables among [wheel], [rail], [wheelset], and tables that they exclude."""
     names = [name for name in TABLES if name in entries.given]
     if not names:
         return
@@ -222,7 +222,7 @@ def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
-    """Report keys that only wear of profiles uses, and keys and tables that it does not allow."""
+    """Report keys that only wear of profiles uses, and tables that it excludes."""
     wears, wheel = entries["wear"] is not None, entries["wheel"] is not None
     if "wear.step_depth" in entries.given and not wheel:
         yield Fault(
@@ -243,7 +243,7 @@ def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a wheel that does not rest on its rail, and keys that follow from its contact."""
+    """Report a wheel that cannot rest on its rail, and entries that follow from its contact."""
     if entries["wheelset"] is None or entries["wheel"] is None or entries["rail"] is None:
         return
     wheel, rail, wheelset = (entries[name] for name in TABLES)
@@ -271,7 +271,7 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _describe_possible_place(entries: ValidEntries, halvings: int = 5) -> str:
-    """Describe places of a wheelset whose wheel rests on the rail, for the message of a fault."""
+    """Return text that suggests a lateral position at which the wheel rests on the rail."""
     wheel, rail, wheelset = (entries[name] for name in TABLES)
     text = "a place in which the tread or the face of the flange rests on the rail"
     for y in (*(wheelset.y / 2**k for k in range(1, halvings + 1)), 0.0):
@@ -283,7 +283,7 @@ def _describe_possible_place(entries: ValidEntries, halvings: int = 5) -> str:
 
 
 def _profile_faults(**tables: Any) -> Iterator[Fault]:
-    """Report profiles that cannot be used."""
+    """Yield a fault for each profile that cannot be used."""
     for name, table in tables.items():
         try:
             _ = table.curve
@@ -300,7 +300,7 @@ WHEEL_CHECKS: tuple[Check, ...] = (
 
 
 def resolve_profiles(folder: Path, tables: dict[str, Any]) -> None:
-    """Let relative paths of profile files start from a folder."""
+    """Let relative paths of profile files start from a folder; the tables are changed."""
     for name in ("wheel", "rail"):
         match tables.get(name):
             case {"profile": str(profile)} if profile not in BUILTIN:
@@ -308,7 +308,7 @@ def resolve_profiles(folder: Path, tables: dict[str, Any]) -> None:
 
 
 def without_wheel_contact(entries: dict[str, Any], contact: WheelRail) -> dict[str, Any]:
-    """Return the entries of a scene without those that follow from its wheel."""
+    """Return the entries of a scene without radii, load and creepages of its wheel."""
     body = {
         name: {k: v for k, v in table.items() if not k.startswith("radius_")}
         for name, table in entries["body"].items()

@@ -19,7 +19,7 @@ from .schedule import PatchSchedule, Schedule
 
 
 def _check_profile(name: str, built_in: tuple[str, ...]) -> str:
-    """Return a built-in name, or the absolute path of a profile file, which must exist."""
+    """Return a built-in name unchanged, or the absolute path of an existing profile file."""
     if name in built_in:
         return name
     listed = " or ".join(built_in)
@@ -42,7 +42,7 @@ _FreeOrReal = Literal["free"] | Real
 
 
 class _ProfileTable(Table):
-    """Keys for the source of a profile."""
+    """Base class of [wheel] and [rail]: keys for the source of a profile."""
 
     unit: _Unit | None = entry(
         "unit of the profile file; by default, the unit in the file, or mm",
@@ -55,7 +55,7 @@ class _ProfileTable(Table):
     )
 
     def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Profile:
-        """Return a built-in profile, or one from a file, which is read again if it changes."""
+        """Return a built-in profile, or one from a file; a changed file is read again."""
         if profile in BUILTIN:
             return builtin_profile(profile)
         changed = os.stat(profile).st_mtime_ns if os.path.isfile(profile) else 0
@@ -66,12 +66,12 @@ class _ProfileTable(Table):
 def _read_once(
     path: str, kind: Any, unit: str | None, smoothing: float | None, changed: int
 ) -> Profile:
-    """Read a profile file once for each time at which it changed."""
+    """Return the profile in a file, cached until the file changes (`changed`, its time)."""
     return read_profile(path, kind, unit, smoothing)
 
 
 class WheelTable(_ProfileTable):
-    """The [wheel] table: body A is a wheel with this profile.
+    """Body A is a wheel with this profile.
 
     Examples
     --------
@@ -86,16 +86,16 @@ class WheelTable(_ProfileTable):
 
     @property
     def curve(self) -> Profile:
-        """The profile."""
+        """Profile of the wheel as a curve."""
         return self._read(self.profile, "wheel")
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         yield Row("wheel", f"{Path(self.profile).name}, radius {self.radius:g} mm", brief=True)
 
 
 class RailTable(_ProfileTable):
-    """The [rail] table: body B is a rail with this profile.
+    """Body B is a rail with this profile.
 
     Examples
     --------
@@ -122,21 +122,21 @@ class RailTable(_ProfileTable):
 
     @property
     def curve(self) -> Profile:
-        """The right rail in the track frame."""
+        """Profile of the right rail, placed in the track frame."""
         return _placed(self.unplaced_curve, self.inclination, self.gauge)
 
     @property
     def passes_per_revolution(self) -> float:
-        """The `passes`, by default 1."""
+        """Passes of wheels over a point of the rail per revolution of the wheel, by default 1."""
         return 1.0 if self.passes is None else self.passes
 
     @property
     def unplaced_curve(self) -> Profile:
-        """The profile in its own frame."""
+        """Profile of the rail in its own frame."""
         return self._read(self.profile, "rail")
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         text = f"{Path(self.profile).name}, 1:{self.inclination:g}, gauge {self.gauge:g} mm"
         yield Row("rail", text, brief=True)
 
@@ -145,7 +145,7 @@ _placed = lru_cache(maxsize=32)(place_rail)
 
 
 class WheelsetTable(Table):
-    """The [wheelset] table: position of a wheelset on the track, and load of the wheel.
+    """Position of the wheelset on the track, and load of the wheel.
 
     Examples
     --------
@@ -177,11 +177,11 @@ class WheelsetTable(Table):
 
     @property
     def schedule(self) -> Schedule:
-        """Schedule of the patches: as many as there may be."""
+        """Schedule over the contact patches, as many as there may be."""
         return PatchSchedule(self.max_patches, tuple(range(1, self.max_patches + 1)))
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         contact = scene.wheel_rail
         load = f"{self.load:g} N vertical" if self.load else f"{self.normal_load:g} N normal"
         place = f"y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"

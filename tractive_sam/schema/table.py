@@ -110,7 +110,7 @@ class Table(TableBase, metaclass=_TableType):
         cls.__doc__ = docstring_with_keys(cls)
 
     def describe(self, scene: Any) -> Iterable[Row]:
-        """Return the rows that describe the table.
+        """Return the rows (label, text) that describe the table in reports of a scene.
 
         Parameters
         ----------
