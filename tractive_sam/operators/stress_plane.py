@@ -63,7 +63,9 @@ class StressPlane:
         rows = extent(np.any(loaded, axis=1))
         jumps = np.diff(tractions[:, rows], axis=1, prepend=0.0, append=0.0)
         # Plane minus edge, in elements.
-        offsets = _snapped((position - across[rows.start]) / step + 0.5) - np.arange(jumps.shape[1])
+        offsets = _round_to_half((position - across[rows.start]) / step + 0.5) - np.arange(
+            jumps.shape[1]
+        )
         distances, group = np.unique(np.abs(offsets), return_inverse=True)
         loads = np.zeros((2, 3, distances.size, self._points))
         for edge, k in enumerate(group):
@@ -95,8 +97,8 @@ class StressPlane:
         return stresses[:, self.exchanged] if self._exchanged else stresses
 
 
-def _snapped(place: float) -> float:
-    """Round a coordinate, in elements, to a centre or edge if it is closer than 1e-9 to it."""
+def _round_to_half(place: float) -> float:
+    """Round a coordinate in elements to a multiple of 0.5 if it is within 1e-9 of it."""
     # Distance, in elements, below which a plane lies on a row of centres or of edges.
     coincident = 1e-9
     nearest = 0.5 * round(2.0 * place)

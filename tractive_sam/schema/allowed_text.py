@@ -14,7 +14,7 @@ from .field_types import number_to_pair
 
 
 def describe_allowed(kind: Any, constraints: Iterable[Any] = ()) -> str:
-    """Describe the values that a type with constraints allows.
+    """Return text that describes the values that a type with constraints allows.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def list_names(names: Iterable[str], last: str = "or") -> str:
 
 
 def _bounds(constraints: Iterable[Any]) -> dict[str, Any]:
-    """Return the bounds gt, ge, lt and le among the constraints."""
+    """Return those of the bounds gt, ge, lt, le that constraints contain, by name."""
     bounds: dict[str, Any] = {}
     for check in constraints:
         metadata = check.metadata if isinstance(check, FieldInfo) else [check]
@@ -81,7 +81,7 @@ def _bounds(constraints: Iterable[Any]) -> dict[str, Any]:
 
 
 def _describe_bounds(bounds: dict[str, Any]) -> str:
-    """Describe an interval, with a leading space; empty without bounds."""
+    """Describe an interval as text with a leading space; empty without bounds."""
     lower, upper = bounds.get("ge"), bounds.get("le")
     if lower is not None and upper is not None:
         return f" from {_format_bound(lower)} to {_format_bound(upper)}"

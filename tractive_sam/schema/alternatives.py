@@ -10,7 +10,7 @@ from .valid_entries import ValidEntries
 
 
 def exactly_one(*keys: str) -> Check:
-    """Return the check that exactly one of some entries of a table is given."""
+    """Return a check that reports a fault unless exactly one of some keys is given."""
 
     def check(entries: ValidEntries) -> Iterator[Fault]:
         if not entries.given.intersection(keys):
@@ -21,7 +21,7 @@ def exactly_one(*keys: str) -> Check:
 
 
 def not_both(*keys: str) -> Check:
-    """Return the check that at most one of some entries is given."""
+    """Return a check that reports a fault if more than one of some keys is given."""
 
     def check(entries: ValidEntries) -> Iterator[Fault]:
         first, *further = [key for key in keys if key in entries.given] or [""]

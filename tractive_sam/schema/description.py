@@ -12,7 +12,7 @@ from tractive_sam.description import Row
 
 
 def describe_tables(document: Any) -> dict[str, list[Row]]:
-    """Return the rows of each table of a document by its key, also for absent tables."""
+    """Return the rows (label, text) that describe each table of a document, by its key."""
     kinds = {key: document.table_class(info) for key, info in type(document).model_fields.items()}
     return {
         key: _describe_entry(kind, key, getattr(document, key), document)
@@ -22,7 +22,7 @@ def describe_tables(document: Any) -> dict[str, list[Row]]:
 
 
 def _describe_entry(kind: Any, key: str, value: Any, document: Any) -> list[Row]:
-    """Return the rows of an entry, or the effect of leaving its table out."""
+    """Return the rows that describe a table; of a missing one, what is left out."""
     if isinstance(value, tuple):
         return [*kind.describe_array(value, document)]
     if value is not None:

@@ -12,13 +12,13 @@ from .table import Table
 
 
 class Document(Table):
-    """A table that is read from a TOML file, and written to one."""
+    """Base class of tables that are read from TOML files and written to them."""
 
     internal: ClassVar[frozenset[str]] = frozenset(("read_tables", "resolve_files"))
 
     @classmethod
     def from_toml(cls, path: str | PathLike[str]) -> Self:
-        """Read a file; relative paths in it start from its folder.
+        """Read a TOML file and check it; relative paths in it start from its folder.
 
         Raises
         ------
@@ -34,7 +34,7 @@ class Document(Table):
 
     @classmethod
     def from_toml_text(cls, text: str) -> Self:
-        """Read TOML text; relative paths in it start from the working folder.
+        """Read TOML text and check it; relative paths in it start from the working folder.
 
         Raises
         ------
@@ -49,7 +49,7 @@ class Document(Table):
 
     @staticmethod
     def read_tables(path: str | PathLike[str]) -> dict[str, Any]:
-        """Return the tables of a TOML file, valid or not.
+        """Return the tables of a TOML file as dictionaries, without checking them.
 
         Raises
         ------
@@ -60,5 +60,5 @@ class Document(Table):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables with relative paths in them starting from a folder."""
+        """Let relative paths in the tables start from a folder; return the tables."""
         return tables

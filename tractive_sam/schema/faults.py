@@ -16,7 +16,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault of a scene.
+    """Fault of a scene: its key, the given value, and what is allowed.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ class Fault:
         return f"{self.key}: given {self.given}; allowed: {self.allowed}"
 
     def under(self, table: str) -> Fault:
-        """Return the fault with the name of the outer table before its key.
+        """Return the fault with its key prefixed by the name of an outer table.
 
         A fault of a document as a whole becomes one of the table that names the document.
         """
@@ -49,12 +49,12 @@ class Fault:
         )
 
     def at(self, array: str, place: int) -> Fault:
-        """Return the fault of an entry under `array` with its place in this array of tables."""
+        """Return the fault with an index after the name of an array: ``duty[0]`` for ``duty``."""
         return replace(self, key=self.key.replace(array, f"{array}[{place}]", 1))
 
 
 class SceneError(Exception):
-    """A scene that cannot be modelled, with every fault that was found.
+    """Error that lists every fault of a scene that cannot be modelled.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ class SceneError(Exception):
 
 
 class SceneWarning(UserWarning):
-    """A scene that can be modelled, but probably differs from what was meant.
+    """Warning of a scene that can be modelled, but probably differs from what was meant.
 
     Examples
     --------
@@ -98,11 +98,11 @@ class SceneWarning(UserWarning):
 
 
 class PlausibilityWarning(SceneWarning):
-    """A scene with a value that is probably in another unit, or that is missing."""
+    """Warning of a value that is probably in another unit, or missing."""
 
 
 def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
-    """Issue a warning at the line outside of this package that called it."""
+    """Issue a warning that points to the line outside of the package from which it was called."""
     # Modules of this package, and modules that wrap its functions.
     inside = (f"{__name__.partition('.')[0]}.", "contextlib", "functools")
     level, frame = 1, inspect.currentframe()
@@ -112,7 +112,7 @@ def warn(text: str, category: type[SceneWarning] = SceneWarning) -> None:
 
 
 def shorten(value: object, max_length: int = 60) -> str:
-    """Return a short text of a value, for a message."""
+    """Return a value as text of at most `max_length` characters, for a message."""
     short = reprlib.Repr()
     short.maxstring = short.maxother = max_length
     try:
@@ -145,7 +145,7 @@ def suggest_name(name: str, names: Iterable[str], meanings: Mapping[str, str] = 
 
 
 def required(value: Value | None, key: str) -> Value:
-    """Return an optional part of a scene that a computation needs.
+    """Return a value unchanged; raise a SceneError that names its key if it is None.
 
     Parameters
     ----------

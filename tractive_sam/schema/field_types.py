@@ -18,48 +18,48 @@ SMALLEST, LARGEST = 1e-30, 1e30
 
 
 def _check_magnitude(value: float) -> float:
-    """Return a number; raise an error if it is too large or not finite."""
+    """Return a number unchanged; raise a ValueError if it is too large or not finite."""
     if abs(value) <= LARGEST:
         return value
     raise ValueError(f"a finite number, at most {LARGEST:g} in magnitude")
 
 
 def _check_not_tiny(value: float) -> float:
-    """Return a number; raise an error if it is too small."""
+    """Return a number unchanged; raise a ValueError if it is too small."""
     if value >= SMALLEST:
         return value
     raise ValueError(f"a number of at least {SMALLEST:g}")
 
 
 def _check_radius(value: float) -> float:
-    """Return a radius; raise an error for 0 or a magnitude out of range."""
+    """Return a radius unchanged; raise a ValueError for 0 or a magnitude out of range."""
     if value == math.inf or SMALLEST <= abs(value) <= LARGEST:
         return value
     raise ValueError("a number other than 0, mm (negative: concave), or inf (flat)")
 
 
 def _is_number(value: Any) -> bool:
-    """Return whether a value is a number, and no bool."""
+    """Return whether a value is a number and not a bool."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def number_to_pair(value: Any) -> Any:
-    """Return a pair of equal numbers for a number, which applies to both directions."""
+    """Return (x, x) for a number x, which applies to both directions; other values unchanged."""
     return (value, value) if _is_number(value) else value
 
 
 def number_to_tuple(value: Any) -> Any:
-    """Return a tuple for a number, which applies to x only."""
+    """Return (x,) for a number x, which applies to x only; other values unchanged."""
     return (value,) if _is_number(value) else value
 
 
 def _read_integer(value: Any) -> Any:
-    """Return the integer for a number without fraction that is written as 1e4."""
+    """Return an integer for a float without fraction, such as 1e4; other values unchanged."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
 def _read_path(value: Any) -> Any:
-    """Return a text as a path; other values unchanged."""
+    """Return text as a path; other values unchanged."""
     return Path(value) if isinstance(value, str) else value
 
 
@@ -107,7 +107,7 @@ else:
 
 
 def entry(meaning: str, allowed: str | None = None, default: Any = ..., **bounds: Any) -> Any:
-    """Define a field by its meaning and its constraints.
+    """Define a field of a table: meaning, allowed values, default and bounds.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ from .field_types import number_to_pair, number_to_tuple
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table.
+    """Description of a key of a table: name, meaning, allowed values and default.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Key:
 
 @dataclass(frozen=True)
 class KeyGroup:
-    """A table, or several tables with equal keys.
+    """Keys of a table class, with the names of all tables of this class.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def join_key(path: Iterable[str | int]) -> str:
 
 
 def key_groups(table: Any, *names: str) -> Iterator[KeyGroup]:
-    """Yield the keys of a table class and of its inner tables; tables of one class are one group.
+    """Yield a `KeyGroup` for a table class and for each class of its inner tables.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def key_groups(table: Any, *names: str) -> Iterator[KeyGroup]:
 
 
 def _keys(table: type[BaseModel]) -> Iterator[Key]:
-    """Yield the keys of a table class, without those that can only be tables."""
+    """Yield the description of each key of a table class, without keys of inner tables."""
     for name, info in table.model_fields.items():
         if info.description:
             yield Key(name, str(info.title), info.description, _format_default(info))

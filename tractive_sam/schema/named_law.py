@@ -35,7 +35,7 @@ from .table_base import to_python
 
 @dataclass(frozen=True)
 class NamedLaw:
-    """A law of another package.
+    """Name ("module:class") and parameters of a user-defined law, as a scene gives them.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class NamedLaw:
 
 
 class LawTable(Table):
-    """A table that names a built-in law, or a law class of another package with its parameters."""
+    """Base class of tables that name a built-in law or a user-defined law class."""
 
     law_key: ClassVar[str] = "law"
     """Key that names the law."""
@@ -68,7 +68,7 @@ class LawTable(Table):
 
     @classmethod
     def unfold(cls, table: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return the entries with a law of another package and its parameters in one entry."""
+        """Return entries in which a user-defined law and its parameters are one `NamedLaw`."""
         text = table.get(cls.law_key)
         if not isinstance(text, str) or text in cls.law_names or not (name := _full_name(text)):
             return table
@@ -83,7 +83,7 @@ class LawTable(Table):
 
     @classmethod
     def find_parameter(cls, name: str) -> FieldInfo | None:
-        """Return the field of a parameter of a law, a key that the table does not define.
+        """Return a field for a further key, a parameter of a user-defined law; else None.
 
         A name with the letters of a key of the table in another order is a spelling mistake.
         """
@@ -94,33 +94,33 @@ class LawTable(Table):
 
     @property
     def named_law(self) -> NamedLaw | None:
-        """The law of another package; None for the laws of this package."""
+        """User-defined law that the table names; None for a built-in law."""
         law = getattr(self, self.law_key)
         return law if isinstance(law, NamedLaw) else None
 
     def entries(self) -> dict[str, Any]:
-        """Return the given entries, see `Table.entries`."""
+        """Return the given entries, with the parameters of a user-defined law."""
         return self._with_parameters(super().entries())
 
     def settings(self) -> dict[str, Any]:
-        """Return all settings, see `Table.settings`."""
+        """Return all entries with defaults, with the parameters of a user-defined law."""
         return self._with_parameters(super().settings())
 
     def _with_parameters(self, entries: dict[str, Any]) -> dict[str, Any]:
-        """Return entries with the law and its parameters."""
+        """Return entries in which a `NamedLaw` is replaced by its name and its parameters."""
         if (law := self.named_law) is None:
             return entries
         return {**entries, self.law_key: law.name, **law.parameters}
 
 
 def allow_laws(names: tuple[str, ...]) -> str:
-    """Describe the values of a key that names a law: laws of this and of other packages."""
+    """Return text for the allowed values of a key: built-in names or ``module:class``."""
     another = '"module:name" of an installed package'
     return f"{list_names(names)}, or {another}" if names else another
 
 
 def _full_name(text: str) -> str | None:
-    """Return ``module:name`` of a law, or of an entry point; None for any other text."""
+    """Return "module:class" for such a text or for an entry point's name; else None."""
     if ":" in text:
         identifier = r"[^\W\d]\w*"
         return text if re.fullmatch(rf"{identifier}(\.{identifier})*:{identifier}", text) else None
@@ -131,7 +131,7 @@ def _full_name(text: str) -> str | None:
 def build_law(
     key: str, law: NamedLaw, base: type[Any], provided: Mapping[str, Any] | None = None
 ) -> Any:
-    """Return the law that a scene names, of an installed package.
+    """Return an instance of the user-defined law that a scene names, checked for its base.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def build_law(
 
 
 def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
-    """Return the class that a scene names, of an installed package.
+    """Import and return the user-defined class that a scene names.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
 
 
 def _load(name: str) -> Any:
-    """Return the class of a name; a module that is not imported yet must be installed."""
+    """Import and return the class "module:class", whose module must be installed."""
     module, _, attribute = name.partition(":")
     if module not in sys.modules:
         _check_installed(module.partition(".")[0])
@@ -204,7 +204,7 @@ def _check_installed(root: str) -> None:
 
 
 def _is_installed(spec: ModuleSpec) -> bool:
-    """Return whether a module is in a folder of installed packages, not in the current folder."""
+    """Return whether a module lies in a folder of installed packages."""
     if spec.submodule_search_locations is not None:
         folders = [Path(location).parent for location in spec.submodule_search_locations]
     else:
@@ -234,7 +234,7 @@ def _source_folder(distribution: metadata.Distribution) -> Iterator[Path]:
 def _arguments(
     kind: type, values: Mapping[str, Any], provided: Mapping[str, Any], faults: list[Fault]
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the arguments of a class by name; add the faults of the given ones to `faults`."""
+    """Yield (name, value) of constructor arguments; collect faults of the given values."""
     parameters = inspect.signature(kind).parameters
     named = {
         name: parameter
@@ -269,7 +269,7 @@ def _parameter_types(kind: Any) -> dict[str, Any]:
 
 
 def _read_argument(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any:
-    """Return an argument of a type; add a fault if the value is of another type."""
+    """Return a value read as the type of an argument; append a fault if it does not fit."""
     if kind is np.ndarray:
         kind, value = Any, np.asarray(value)
         if value.dtype.kind not in "fiub":
@@ -288,7 +288,7 @@ def _read_argument(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any
 
 
 def _adapter(kind: Any) -> TypeAdapter[Any]:
-    """Return the validator of a type."""
+    """Return pydantic's validator of a type, cached."""
     try:
         return TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
     except PydanticUserError:  # records have a configuration already
@@ -296,7 +296,7 @@ def _adapter(kind: Any) -> TypeAdapter[Any]:
 
 
 def _describe_type(kind: Any) -> str:
-    """Describe the values of a type, for messages."""
+    """Return text that describes the values of a type, for messages."""
     if kind is Any:
         return "a value"
     return describe_allowed(kind) or f"a value of the type {inspect.formatannotation(kind)}"

@@ -10,7 +10,7 @@ from .keys import join_key, split_key
 
 
 def copy_tables(value: Any) -> Any:
-    """Return a copy of tables and of lists of tables; other values are not copied."""
+    """Return a copy of nested tables and their lists; the values within are shared."""
     if isinstance(value, Mapping):
         return {key: copy_tables(item) for key, item in value.items()}
     if isinstance(value, list | tuple) and any(isinstance(item, Mapping) for item in value):
@@ -19,7 +19,7 @@ def copy_tables(value: Any) -> Any:
 
 
 def set_key(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
-    """Set a value by dotted key; missing tables are added.
+    """Set a value by dotted key in nested tables, in place; return faults of the key.
 
     Returns
     -------
@@ -40,7 +40,7 @@ def set_key(tables: dict[str, Any], key: str, value: Any) -> list[Fault]:
 
 
 def _allowed_within(inner: Any, name: str | int, outer: str) -> str:
-    """Describe the names allowed in place of one that an entry cannot have; empty if it can."""
+    """Describe what is allowed instead of an index or name; empty if an entry can have it."""
     if isinstance(inner, list):
         within = isinstance(name, int) and name < len(inner)
         return "" if within else f"a place in the list: {outer}[0] to {outer}[{len(inner) - 1}]"
@@ -50,7 +50,7 @@ def _allowed_within(inner: Any, name: str | int, outer: str) -> str:
 
 
 def remove_key(tables: dict[str, Any], key: str) -> None:
-    """Remove an entry by dotted key, if there is one."""
+    """Remove an entry by dotted key from nested tables, in place, if it exists."""
     inner: Any = tables
     *path, last = split_key(key)
     for name in path:

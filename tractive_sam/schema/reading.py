@@ -23,7 +23,7 @@ from .valid_entries import InvalidEntryError, ValidEntries
 
 @dataclass
 class TableReading:
-    """Result of reading a table.
+    """Result of reading a table: valid values and faults.
 
     Attributes
     ----------
@@ -43,16 +43,16 @@ class TableReading:
     faults: list[Fault] = field(default_factory=list)
 
     def store(self, key: str, value: Any) -> None:
-        """Store a valid value."""
+        """Store a valid value under its key."""
         self.values[key] = self.entries[key] = value
 
     def add_fault(self, key: str, allowed: str) -> None:
-        """Add a fault: the value of this entry is not one of those allowed."""
+        """Add the fault that the given value of a key is not allowed."""
         self.faults.append(Fault(str(key), shorten(self.given[key]), allowed))
 
 
 def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> TableReading:
-    """Read the entries of a table of a class, and check them.
+    """Read and check the entries of a table class; return its values and faults.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> TableRea
 
 
 def _read_default(reading: TableReading, key: str, info: FieldInfo) -> None:
-    """Read the default of a key that is not given."""
+    """Store the default of a key that is not given, or a fault if it is required."""
     if info.is_required():
         reading.faults.append(Fault(key, "nothing", _describe_field(info)))
         return
@@ -103,7 +103,7 @@ def _read_default(reading: TableReading, key: str, info: FieldInfo) -> None:
 
 
 def _read_table(reading: TableReading, key: str, table: type[TableBase]) -> None:
-    """Read the entries of a nested table."""
+    """Read a nested table; store it, or add its faults."""
     value = reading.given[key]
     if isinstance(value, table):
         value = value.entries()
@@ -120,7 +120,7 @@ def _read_table(reading: TableReading, key: str, table: type[TableBase]) -> None
 def _read_array(
     reading: TableReading, key: str, table: type[TableBase], outer: type[TableBase]
 ) -> None:
-    """Read an array of tables: each table separately, and then their number."""
+    """Read an array of tables; store it, or add the faults of its tables and number."""
     value = reading.given[key]
     if not isinstance(value, list | tuple):
         reading.add_fault(key, f"a list of tables with the keys {', '.join(table.model_fields)}")
@@ -136,7 +136,7 @@ def _read_array(
 
 
 def _read_value(reading: TableReading, key: str, table: type[TableBase], value: Any) -> None:
-    """Read and check the value of a key."""
+    """Read the value of a key; store it, or add a fault."""
     adapter = _adapter(table, key)
     try:
         reading.store(key, adapter.validate_python(value))
@@ -150,7 +150,7 @@ def _read_value(reading: TableReading, key: str, table: type[TableBase], value: 
 
 
 def _suggest_number(adapter: TypeAdapter, value: Any) -> str:
-    """Return a hint for a text that is valid as a number."""
+    """Return a hint if a text would be valid as a number; else an empty text."""
     if not isinstance(value, str):
         return ""
     try:
@@ -161,7 +161,7 @@ def _suggest_number(adapter: TypeAdapter, value: Any) -> str:
 
 
 def _suggest_nearest_name(kind: Any, value: Any) -> str:
-    """Return a hint for a text that is like one of the allowed names."""
+    """Return a hint if a text is like an allowed name; else an empty text."""
     if not isinstance(value, str):
         return ""
     nearest = get_close_matches(value.casefold(), _allowed_names(kind), n=1)
@@ -169,14 +169,14 @@ def _suggest_nearest_name(kind: Any, value: Any) -> str:
 
 
 def _allowed_names(kind: Any) -> list[str]:
-    """Return the names that a type allows."""
+    """Return all names (literals) that a type allows."""
     if isinstance(kind, str):
         return [kind]
     return [name for part in get_args(kind) for name in _allowed_names(part)]
 
 
 def _describe_field(info: FieldInfo) -> str:
-    """Return what a field allows, with its meaning."""
+    """Return text for what a field allows, with its meaning."""
     inner = None if info.description else inner_table(info)
     allowed = (
         f"a table with the keys {', '.join(inner.model_fields)}" if inner else info.description
@@ -185,13 +185,13 @@ def _describe_field(info: FieldInfo) -> str:
 
 
 def _is_table(value: Any, info: FieldInfo) -> bool:
-    """Return whether an entry is to be read as a table: some fields also allow other values."""
+    """Return whether a value is to be read as a table, for fields that allow other values."""
     return not info.description or isinstance(value, Mapping | TableBase)
 
 
 @functools.cache
 def _adapter(table: type[TableBase], key: str) -> TypeAdapter[Any]:
-    """Return the pydantic adapter of a key."""
+    """Return pydantic's validator of the values of a key, cached."""
     info = table.model_fields[key]
     kind: Any = Annotated[info.annotation, key, *info.metadata]  # built at run time
     # A record has a configuration already.

@@ -21,16 +21,16 @@ _LIBRARY = set(dir(BaseModel))
 
 
 def _listed_names(cls: Any) -> list[str]:
-    """Return the names of a table class for help and completion, without pydantic's."""
+    """Return the names of a table class that help and completion list."""
     return [name for name in type(BaseModel).__dir__(cls) if name not in _LIBRARY]
 
 
 def _ignore_signature(cls: Any, of_library: Any) -> None:
-    """Keep the signature: the one that pydantic would set lists validators as types."""
+    """Do nothing when pydantic sets the signature of a table class."""
 
 
 def _construct(cls: Any, /, *unnamed: Any, **entries: Any) -> Any:
-    """Construct a table from keywords only, and complete it.
+    """Construct a table class from keywords, and call its `check_complete`.
 
     The class has no `__init__` for this purpose: type checkers take the keys from the fields.
     """
@@ -59,7 +59,7 @@ _TableType: Any = type(
 
 
 class Table(TableBase, metaclass=_TableType):
-    """A frozen table of a document.
+    """Base class of immutable tables whose keywords are the keys of a TOML table.
 
     Keywords are the keys of the TOML table; None stands for "not given".
 
@@ -95,7 +95,7 @@ class Table(TableBase, metaclass=_TableType):
         )
 
     def check_complete(self) -> None:
-        """Check the finished table, and issue its warnings; by default there are none.
+        """Check the constructed table and issue its warnings; does nothing by default.
 
         Raises
         ------

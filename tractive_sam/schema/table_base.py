@@ -18,7 +18,7 @@ Check = Callable[[ValidEntries], Iterable[Fault]]
 
 
 class TableBase(BaseModel):
-    """Keys of a table, as fields, and the checks between its entries."""
+    """Base class of tables: typed keys, checks between entries, and conversion to dictionaries."""
 
     # Entries are checked key by key (`reading`): a validator of the complete table is never built.
     model_config = ConfigDict(
@@ -31,7 +31,7 @@ class TableBase(BaseModel):
 
     @classmethod
     def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return the entries to read; a table may allow other forms of what is given.
+        """Return entries in their standard form; a table may allow other forms.
 
         Raises
         ------
@@ -42,12 +42,12 @@ class TableBase(BaseModel):
 
     @classmethod
     def find_parameter(cls, name: str) -> FieldInfo | None:
-        """Return the field of a key that is not a field of the table; None if it is not allowed."""
+        """Return a field for a key that is not defined by the class; None if it is not allowed."""
         return None
 
     @staticmethod
     def table_class(info: FieldInfo) -> type[TableBase] | None:
-        """Return the class of the tables that a field may contain, alone or in an array."""
+        """Return the class of the tables in a field (one or an array of them); None for values."""
         return inner_table(info) or array_item(info)
 
     def entries(self) -> dict[str, Any]:
@@ -68,7 +68,7 @@ class TableBase(BaseModel):
 
     @classmethod
     def find_field(cls, key: str) -> FieldInfo:
-        """Return the field of a dotted key: its title and what it allows.
+        """Return the field that a dotted key names; raise a SceneError if there is none.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class TableBase(BaseModel):
 
 
 def suggest_key(table: type[TableBase], name: str) -> str:
-    """Return a suggestion for a key that a table does not have, also from its inner tables."""
+    """Return text that suggests allowed keys for an unknown one, also from inner tables."""
     inner = [
         f"{outer}.{name}"
         for outer, info in table.model_fields.items()
@@ -110,7 +110,7 @@ def suggest_key(table: type[TableBase], name: str) -> str:
 
 
 def _to_plain(value: Any, convert: Callable[[Any], dict[str, Any]]) -> Any:
-    """Return a value with its tables as dictionaries."""
+    """Return a value in which tables are converted to dictionaries."""
     if isinstance(value, TableBase):
         return convert(value)
     if isinstance(value, tuple) and any(isinstance(item, TableBase) for item in value):
@@ -119,7 +119,7 @@ def _to_plain(value: Any, convert: Callable[[Any], dict[str, Any]]) -> Any:
 
 
 def array_item(info: FieldInfo) -> type[TableBase] | None:
-    """Return the class of the tables in a field that is an array of them; else None."""
+    """Return the table class of a field that is an array of tables; else None."""
     first = next(iter(get_args(info.annotation)), None)
     if get_origin(info.annotation) is tuple and isinstance(first, type):
         return first if issubclass(first, TableBase) else None
@@ -127,7 +127,7 @@ def array_item(info: FieldInfo) -> type[TableBase] | None:
 
 
 def inner_table(info: FieldInfo) -> type[TableBase] | None:
-    """Return the class of the table in a field, optional or not; else None."""
+    """Return the table class of a field that is a table, optional or not; else None."""
     if get_origin(info.annotation) is tuple:
         return None
     for kind in (info.annotation, *get_args(info.annotation)):

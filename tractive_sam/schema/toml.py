@@ -17,7 +17,7 @@ from .faults import Fault, SceneError, shorten
 
 
 def parse(text: str) -> dict[str, Any]:
-    """Read TOML.
+    """Return the nested tables of TOML text.
 
     Raises
     ------
@@ -31,7 +31,7 @@ def parse(text: str) -> dict[str, Any]:
 
 
 def parse_file(path: Path, max_bytes: int = 2**26) -> dict[str, Any]:
-    """Read a TOML file, UTF-8.
+    """Return the nested tables of a TOML file; files above `max_bytes` are refused.
 
     Parameters
     ----------
@@ -66,12 +66,12 @@ def parse_value(text: str) -> Any:
 
 
 def emit(tables: Mapping[str, Any]) -> str:
-    """Return nested tables as TOML; `parse` reads exactly these tables."""
+    """Return nested tables as TOML text."""
     return tomli_w.dumps(_to_toml_types(tables))
 
 
 def _to_toml_types(value: Any) -> Any:
-    """Return numbers, lists and tables; other values, as a path or a plane, become text."""
+    """Return a value as TOML types; paths and other objects become text."""
     match value:
         case Mapping():
             return {key: _to_toml_types(item) for key, item in value.items()}
@@ -85,7 +85,7 @@ def _to_toml_types(value: Any) -> Any:
 
 
 def _syntax_fault(text: str, message: str) -> Fault:
-    """Return the fault with its line; the parser's message ends in "(at line 3, column 5)"."""
+    """Return a fault with the line of a syntax error in TOML text."""
     reason, line = re.sub(r" \(at .*\)$", "", message), re.search(r"\(at line (\d+)", message)
     if not line:
         return Fault(Fault.FILE, "text that is not TOML", f"TOML ({reason})")

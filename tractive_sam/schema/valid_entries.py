@@ -6,11 +6,11 @@ from typing import Any
 
 
 class InvalidEntryError(LookupError):
-    """An entry that a check needs is invalid or missing: the check is left out."""
+    """Raised when a check reads an invalid or missing entry, so that the check is skipped."""
 
 
 class ValidEntries(dict[str, Any]):
-    """Valid entries and defaults by dotted key; a table is included if all its entries are valid.
+    """Valid entries of a table by dotted key; other keys raise `InvalidEntryError`.
 
     A look-up of any other key raises `InvalidEntryError`. `given` contains the keys that the scene
     gives, with valid or invalid values.

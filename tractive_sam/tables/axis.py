@@ -15,7 +15,7 @@ from tractive_sam.studies import Axis
 
 
 def _check_name(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault of an axis without a valid name."""
+    """Report an axis of a table whose name is not valid."""
     name = entries["name"] or _default_name(entries["key"])
     try:
         check_axis_name(name, further=True)
@@ -24,12 +24,12 @@ def _check_name(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _default_name(key: str) -> str:
-    """Return the last part of a key, but wheelset_y for wheelset.y, as y is reserved."""
+    """Return the name of an axis from its key: the last part (wheelset.y: wheelset_y)."""
     return "wheelset_y" if key == "wheelset.y" else key.rpartition(".")[2]
 
 
 def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of values without numeric positions along the axis."""
+    """Report an axis whose values have no numeric positions."""
     values, at = entries["values"], entries["at"]
     if values is None:  # a range of numbers
         return
@@ -37,33 +37,33 @@ def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
         if not all(map(_is_number, values)):
             needed = "a number for each of the values, ascending: their places along the axis"
             yield Fault("at", "nothing, with values that are not numbers", needed)
-        elif _falls(values):
+        elif _does_not_ascend(values):
             yield Fault("values", shorten(values), "ascending numbers, each once")
     elif len(at) != len(values):
         yield Fault("at", f"{len(at)} numbers", f"{len(values)}, as many as there are values")
 
 
 def _check_ascending(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of positions or ranges that do not ascend."""
+    """Report positions or ranges of an axis that do not ascend."""
     start, stop = entries["start"], entries["stop"]
-    if entries["at"] is not None and _falls(entries["at"]):
+    if entries["at"] is not None and _does_not_ascend(entries["at"]):
         yield Fault("at", shorten(entries["at"]), "ascending numbers, each once")
     if start is not None and stop is not None and stop < start:
         yield Fault("stop", shorten(stop), "more than start")
 
 
-def _falls(values: tuple[float, ...]) -> bool:
-    """Return whether values do not ascend."""
+def _does_not_ascend(values: tuple[float, ...]) -> bool:
+    """Return whether numbers do not ascend strictly."""
     return any(low >= high for low, high in pairwise(values))
 
 
 def _is_number(value: object) -> bool:
-    """Return whether a value is a number, and no bool."""
+    """Return whether a value is a number and not a bool."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 class TableAxis(Axis):
-    """An axis of a table: a key of the scene, and others that vary together with it.
+    """Axis of a creep-force table: a key of the scene, with others that vary together with it.
 
     Numbers, and lists of them, are interpolated, and nodes are added between them. Other values,
     for example files of gaps, are discrete.
@@ -97,16 +97,16 @@ class TableAxis(Axis):
 
     @property
     def nodes(self) -> np.ndarray:
-        """Positions of the values along the axis."""
+        """Positions of the values along the axis, the first nodes of the table."""
         return np.array(self.column() if self.at is None else self.at, float)
 
     @property
     def apart(self) -> bool:
-        """Whether its values are discrete, so that they are not interpolated."""
+        """Whether the values are discrete (such as files), so that none are interpolated."""
         return not all(map(_is_interpolated, self.dimension().columns.items()))
 
     def entries_at(self, x: float) -> dict[str, Any]:
-        """Return the values of the keys at a place along the axis."""
+        """Return the values of the scene keys at a position x along the axis, by key."""
         columns, nodes = self.dimension().columns, self.nodes
         near = int(np.abs(nodes - x).argmin())
         if nodes[near] == x or self.apart:
@@ -115,7 +115,7 @@ class TableAxis(Axis):
 
 
 def _is_interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
-    """Return whether the values of a key can be interpolated."""
+    """Return whether the values of a key, (key, values), can be interpolated."""
     key, column = item
     if Scene.find_field(key).annotation is int:
         return False
@@ -127,7 +127,7 @@ def _is_interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
 
 
 def _interpolate(x: float, nodes: np.ndarray, column: tuple[Any, ...]) -> Any:
-    """Interpolate the values of a key at a place along the axis."""
+    """Return the value of a key, a number or a list, interpolated at a position x."""
     if isinstance(column[0], list | tuple):
         return [float(np.interp(x, nodes, values)) for values in zip(*column, strict=True)]
     return float(np.interp(x, nodes, column))

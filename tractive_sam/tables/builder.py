@@ -24,7 +24,7 @@ from tractive_sam.tables.table_contacts import Point, TableContacts
 
 @dataclass(eq=False)
 class TableBuilder:
-    """The grid of a table while it is refined, with the contacts that are solved."""
+    """Adaptive construction of a creep-force table: its nodes, solved contacts and errors."""
 
     contacts: TableContacts
     middles: dict[tuple[int, float, float], list[Point]] = field(default_factory=dict)
@@ -41,7 +41,7 @@ class TableBuilder:
         self.anywhere = qmc.Halton(len(self.axes), rng=np.random.default_rng(design.seed))
 
     def build(self) -> CreepTable:
-        """Build the table of the design."""
+        """Refine the grid until errors are tolerated, and return the table."""
         while True:
             table = self.make_table([np.zeros((max(len(a) - 1, 0), 3)) for a in self.axes])
             between = self.interval_errors(table)
@@ -70,7 +70,7 @@ class TableBuilder:
                 raise TableError([fault])
 
     def update(self, previous: CreepTable) -> CreepTable:
-        """Return a table with the nodes of a previous one: solve rest again, check gradients."""
+        """Return a table rebuilt from the nodes of a previous one, with error bars of gradients."""
         self.axes, coefficients = list(previous.law.axes), previous.law.coefficients
         self.contacts.number = int(previous.about.get("contacts", 0))
         self.previous_seconds = float(previous.about.get("cpu_seconds", 0.0))
@@ -92,7 +92,7 @@ class TableBuilder:
         return np.sort(np.concatenate([nodes, middles]))
 
     def _measure_errors(self, between: list[np.ndarray]) -> CreepTable:
-        """Return the table with its errors at new check points anywhere."""
+        """Return the table with its errors at new random check points."""
         table = self.make_table(between)
         count = min(self.refinement.checks, table.nodes)
         points = self.points_at_shares(self.random.random((count, len(self.axes))))
@@ -121,7 +121,7 @@ class TableBuilder:
         return self.make_table([widening * errors for errors in between], about | checks, widening)
 
     def _with_gradient_bars(self, table: CreepTable) -> CreepTable:
-        """Return the table with error bars of its gradients, and its cost."""
+        """Return a table with error bars of its gradients, and its cost in contacts."""
         axis, lead = self.axes[-1], self.lead
         # A place needs about as many contacts as twenty nodes: at most a tenth of the work.
         number, random = np.clip(table.nodes // 200, 4, 24), np.random.default_rng(self.design.seed)
@@ -149,7 +149,7 @@ class TableBuilder:
     def _solve_gradients(
         self, points: list[Point], table: CreepTable, finer: bool = False
     ) -> GradientChecks:
-        """Return gradients that are solved at points, if `finer` on finer meshes than nodes."""
+        """Solve gradients at points, on finer meshes if `finer`, to compare the table with."""
         lead = self.lead
         contacts = self.contacts
         jobs = [replace(contacts.job(point[:lead], point[lead:]), finer=finer) for point in points]
@@ -168,7 +168,7 @@ class TableBuilder:
         about: Mapping[str, Any] | None = None,
         widening: float = 1.0,
     ) -> CreepTable:
-        """Return the table of the present nodes."""
+        """Return the table that interpolates the present nodes."""
         shape = tuple(map(len, self.axes))
         places = list(itertools.product(*map(range, shape)))
         points = [
@@ -194,13 +194,13 @@ class TableBuilder:
         )
 
     def _end_slopes(self, values: np.ndarray, slopes: np.ndarray) -> None:
-        """Set the slopes by u in full slip, by parabolas through the last two nodes and a slope."""
+        """Set the slopes by u at full slip, in place, from the last two nodes."""
         u = self.axes[-1]
         rise = (values[..., -1, :] - values[..., -2, :]) / (u[-1] - u[-2])
         slopes[..., -1, :, 2] = 2.0 * rise - slopes[..., -2, :, 2]
 
     def points_at_shares(self, shares: np.ndarray) -> list[Point]:
-        """Return points at shares of each axis; of a discrete axis at one of its nodes."""
+        """Return points at shares (0 to 1) of each axis; of a discrete axis at a node."""
         return [
             tuple(
                 float(axis[int(share * len(axis))] if k in self.discrete
@@ -211,12 +211,12 @@ class TableBuilder:
         ]  # fmt: skip
 
     def errors_at(self, table: CreepTable, points: list[Point]) -> np.ndarray:
-        """Return the errors of a table at points, shape (P, 3)."""
+        """Return the errors of a table's forces at solved points, over mu P, shape (P, 3)."""
         exact = self.contacts.forces(points, table.nodes)
         return table.law(list(np.array(points).T)).T - exact
 
     def interval_errors(self, table: CreepTable) -> list[np.ndarray]:
-        """Return the largest errors of interpolation in the middle of every interval, by axis.
+        """Return the largest error in the middle of each interval, one array for each axis.
 
         The points of an interval do not change between rounds: among new ones some would be worse.
         """
@@ -242,14 +242,14 @@ class TableBuilder:
         return largest
 
     def _random_point(self, axis: int, x: float) -> Point:
-        """Return a random node, moved along one axis to x."""
+        """Return a random node whose coordinate along one axis is replaced by x."""
         at = [float(self.random.choice(nodes)) for nodes in self.axes]
         if axis != len(self.axes) - 1:  # neither at rest nor in full slip
             at[-1] = float(self.random.choice(self.axes[-1][1:-1]))
         return (*at[:axis], x, *at[axis + 1 :])
 
     def _choose_splits(self, table: CreepTable) -> list[np.ndarray]:
-        """Return the intervals to divide because errors at points anywhere are too large.
+        """Return the intervals to divide along each axis, by errors at random points.
 
         These are the check points so far. If their errors are small, as many new ones follow, from
         the sequence of Halton, which leaves no gap in several dimensions. At a point anywhere the
@@ -280,7 +280,7 @@ class TableBuilder:
         return [np.array(sorted(some), int) for some in split]
 
     def _find_missed(self, table: CreepTable) -> list[Point]:
-        """Return the check points with too large errors."""
+        """Return random check points at which the errors of a table are too large."""
         if not self.check_points:
             return []
         errors = np.abs(self.errors_at(table, self.check_points)).max(axis=1)
@@ -292,6 +292,6 @@ class TableBuilder:
         ]
 
     def _symmetric_cells(self, axis: int, x: float) -> np.ndarray:
-        """Return the interval of an axis that contains x, with its images by symmetry."""
+        """Return the indices of the interval of an axis that contains x, and of its images."""
         nodes = self.axes[axis]
         return self.grid.alike(axis - self.lead, cell_of(nodes, np.array([x])), len(nodes) - 1)

@@ -74,8 +74,8 @@ def build_table(
     previous: CreepTable | None = None
     if not isinstance(design, TableDesign):
         previous = open_table(design) if is_table(design) else None
-        design = TableDesign.from_toml(design) if previous is None else _design_of(previous)
-    with _solver(design, scheduler, workers, say or (lambda _: None)) as solve:
+        design = TableDesign.from_toml(design) if previous is None else _read_design(previous)
+    with _open_solver(design, scheduler, workers, say or (lambda _: None)) as solve:
         contacts = TableContacts(design, solve, progress or (lambda _: None), Refinement())
         builder = TableBuilder(contacts)
         table = builder.build() if previous is None else builder.update(previous)
@@ -88,10 +88,10 @@ def build_table(
 
 
 @contextmanager
-def _solver(
+def _open_solver(
     design: TableDesign, scheduler: str | None, workers: int, log: Callable[[str], None]
 ) -> Iterator[Solve]:
-    """Yield a solver of contacts: this process, processes of this machine, or workers."""
+    """Yield a function that solves contacts: in this process, in several, or on a cluster."""
     chosen: AbstractContextManager = nullcontext((scheduler, None))
     if scheduler is not None or workers:
         check_installed()
@@ -104,8 +104,8 @@ def _solver(
         )
 
 
-def _design_of(table: CreepTable) -> TableDesign:
-    """Return the design from which a table was built."""
+def _read_design(table: CreepTable) -> TableDesign:
+    """Return the design from which a table was built, as stored in the table."""
     if "design" not in table.about:
         raise ResultsError(
             "design: the file of the table has none; build the table from a design (TOML)"

@@ -18,7 +18,7 @@ def coefficients(
     full_range: bool = False,
     apart: Sequence[int] = (),
 ) -> np.ndarray:
-    """Return the derivatives of `Hermite` at the nodes of a table.
+    """Return the mixed derivatives at the nodes of a table, for Hermite interpolation.
 
     Along axes other than creepages only values are known; slopes follow from the cubic spline
     through them. A mixed derivative is the mean of the differences of lower derivatives along each
@@ -67,7 +67,7 @@ def coefficients(
 
 
 def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_range: bool) -> None:
-    """Use the derivative by heading or tilt alone at the nodes that have it."""
+    """Replace mixed derivatives, in place, by exact ones at nodes at rest or at a pole."""
     for axis in (heading + HEADING, heading + TILT):
         if axis in parts:
             for place in _smooth_nodes(values.ndim, axis, heading, full_range):
@@ -76,7 +76,7 @@ def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_ran
 
 
 def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
-    """Use the slopes by u, which are known at rest, for mixed derivatives by u.
+    """Replace mixed derivatives by u at rest, in place, by differences of the slopes there.
 
     Derivatives by other axes are zero at rest: their differences along u are less accurate.
     """
@@ -86,7 +86,7 @@ def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
 
 
 def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[tuple]:
-    """Return nodes with values that are sums of 1, cos and sin: at rest, over heading at a pole."""
+    """Return indices of nodes, at rest or at a pole, where values follow from 1, cos and sin."""
     every = [slice(None)] * dims
     places = []
     for end_axis, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):
@@ -99,7 +99,7 @@ def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[
 
 
 def _subsets(count: int, size: int) -> list[frozenset[int]]:
-    """Return the subsets of that size of the first `count` axes."""
+    """Return all subsets of `size` of the first `count` axes."""
     every = (frozenset(k for k in range(count) if d >> k & 1) for d in range(2**count))
     return [some for some in every if len(some) == size]
 
@@ -111,7 +111,7 @@ def _slope(
     taken: frozenset[int],
     full_range: bool,
 ) -> np.ndarray:
-    """Return the derivative along an axis of values that are derivatives by `taken`."""
+    """Return the derivative along an axis of nodal values (derivatives by the axes `taken`)."""
     nodes, count = axes[axis], len(axes)
     kind = axis - (count - 3)
     if kind < 0:
@@ -140,7 +140,7 @@ Pair = tuple[np.ndarray, np.ndarray]
 
 
 def _beyond_quarter(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
-    """Return values before the first and after the last node with both symmetries."""
+    """Return values one node before and one behind an axis, by both symmetries of forces."""
     first, last = _ends(values, heading + kind)
     turned = -1.0 if heading in taken else 1.0
     if kind == HEADING:  # f(pi - heading) = REVERSED f(heading)
@@ -151,7 +151,7 @@ def _beyond_quarter(values: np.ndarray, kind: int, heading: int, taken: frozense
 
 
 def _beyond_full_range(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
-    """Return these values for all headings, a circle, and tilts: f(heading + pi) beyond a pole."""
+    """Return values one node before and one behind an axis that covers all directions."""
     first, last = _ends(values, heading + kind)
     if kind == HEADING:
         return last, first
@@ -161,5 +161,5 @@ def _beyond_full_range(values: np.ndarray, kind: int, heading: int, taken: froze
 
 
 def _ends(values: np.ndarray, axis: int) -> Pair:
-    """Return values at the second and at the last but one node."""
+    """Return values at the second and at the last but one node of an axis."""
     return np.take(values, [1], axis), np.take(values, [values.shape[axis] - 2], axis)

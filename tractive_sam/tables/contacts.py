@@ -22,7 +22,7 @@ YOUNG, MU, PRESSURE, RADIUS = 2e5, 0.3, 1e3, 1e3
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """Scaled results of a contact: forces over mu P, and the moment over mu P c.
+    """Solution at scaled creepages: scaled forces, their gradient, and error bars.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Solved:
 
 
 def required_hertz(scene: Scene) -> HertzContact | HertzLine:
-    """Return the Hertz contact of a scene: a table needs it."""
+    """Return the Hertz contact of a scene; raise an error without one, as tables need it."""
     if scene.hertz is None:
         raise SceneError(
             [Fault("body", "radii without a closed contact", "radii that close in x and y")]
@@ -52,12 +52,12 @@ def required_hertz(scene: Scene) -> HertzContact | HertzLine:
 
 
 def required_friction(scene: Scene) -> Friction:
-    """Return the friction of a scene: a table needs it."""
+    """Return the friction of a scene; raise an error without it, as tables need it."""
     return required(scene.friction, "friction")
 
 
 class Contacts:
-    """Contacts of one scene under any creepages.
+    """Solver of one scene at any scaled creepages, which stores models and last solutions.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Contacts:
     def solve(
         self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
     ) -> Solved:
-        """Solve on finer and finer meshes until the error bars are small enough.
+        """Solve at scaled creepages w on finer meshes until the error bars are small enough.
 
         At rest there are no forces; the gradient is extrapolated there.
 
@@ -112,7 +112,7 @@ class Contacts:
         return Solved(forces[-1], bar, *self.slopes_at_rest(rest_meshes(elements, finest, wanted)))
 
     def slopes_at_rest(self, meshes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the gradient at rest on an infinitely fine mesh and its error bars, both (3, 3).
+        """Return the gradient at zero creepage, extrapolated over meshes, and its error bars.
 
         Parameters
         ----------
@@ -134,7 +134,7 @@ class Contacts:
         return self._scaled(self._state(w, elements))
 
     def _model(self, elements: int) -> Model:
-        """Return the model on a mesh, which is stored."""
+        """Return the model with a number of elements across the contact, cached."""
         if elements not in self._models:
             scene = with_mesh(self.scene, elements, self._reach)
             self._models[elements] = Model(scene, read_measured_gap(scene))
@@ -142,7 +142,7 @@ class Contacts:
 
     @cached_property
     def _reach(self) -> tuple[float, float]:
-        """Largest distance of the contact from the middle in x and y, mm."""
+        """Largest distances in x and y of the contact from the centre, mm."""
         if not self.scene.has_gap:
             hertz = required_hertz(self.scene)
             return float(hertz.a), float(hertz.b)
@@ -156,12 +156,12 @@ class Contacts:
         return float(x.max() + 0.5 * grid.dx), float(y.max() + 0.5 * grid.dy)
 
     def _scaled(self, contact: State) -> np.ndarray:
-        """Return the scaled forces of a contact, shape (3,)."""
+        """Return Q_x/(mu P), Q_y/(mu P) and M_z/(mu P c) of a contact, shape (3,)."""
         # The load of the mesh equals the prescribed one, within the tolerance of the solver.
         return np.array([contact.Qx, contact.Qy, contact.Mz]) / self._unit
 
     def _excess_moments(self, contact: State, elements: int) -> np.ndarray:
-        """Return second moments of the covered area over the moments of Hertz's ellipse, minus 1.
+        """Return the relative error of the second moments of the meshed contact area, (2,).
 
         Shape (2,), x² first, or (0,) for contacts that are no ellipses.
         """
@@ -174,7 +174,7 @@ class Contacts:
         return moments * grid.dx * grid.dy / exact - 1.0
 
     def _state(self, w: np.ndarray, elements: int) -> State:
-        """Return the contact at scaled creepages, solved from the previous one on the mesh."""
+        """Return the solved contact at scaled creepages w on a mesh."""
         model = self._model(elements)
         creepages = dict(zip(self.keys, w * self._creepage, strict=True))
         _, contact = solve_from_nearby(with_creepages(model, creepages), self._last.get(elements))
@@ -204,7 +204,7 @@ def _error_bar(
     previous: float = 0.7,
     shared: float = 0.4,
 ) -> np.ndarray:
-    """Return the error bars of forces on three meshes, as in [accuracy], shape (3,).
+    """Return error bars of forces solved on three meshes, as with [accuracy], shape (3,).
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ def odd(number: float) -> int:
 
 @lru_cache(maxsize=64)
 def unit_scene(ratio: float, poisson: float) -> Scene:
-    """Return a contact of Hertz with this a/b, without a mesh."""
+    """Return the scene of a Hertz contact with a given a/b and Poisson's ratio, without mesh."""
     # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz`.
     curvatures = elliprd(0.0, 1.0 / ratio, ratio) / elliprd(0.0, ratio, 1.0 / ratio)
     body = {"young": YOUNG, "poisson": poisson}
@@ -253,7 +253,7 @@ def with_mesh(
     margin: int = 2,
     longest: float = 2.0,
 ) -> Scene:
-    """Return a scene with at least that many elements across the shorter side of its contact.
+    """Return a scene with a mesh of `elements` across the shorter side of its contact.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ from tractive_sam.tables.solving import NODE_SHARE
 
 
 def is_design(path: str | PathLike[str]) -> bool:
-    """Return whether a file is TOML with keys that only the design of a table has.
+    """Return whether a TOML file is certainly the design of a creep-force table.
 
     A file with a scene and axes alone may be a study as well, and is not regarded as a design.
     """
@@ -40,7 +40,7 @@ def is_design(path: str | PathLike[str]) -> bool:
 
 
 def explain_table(table: CreepTable) -> Description:
-    """Describe the content of a table, its errors, and an example of a call.
+    """Return sections that describe a creep-force table: axes, errors, example of a call.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def explain_table(table: CreepTable) -> Description:
 
 
 def explain_design(design: TableDesign) -> Description:
-    """Describe the table that a design requests.
+    """Return sections that describe the table that a design requests, and its work.
 
     Examples
     --------
@@ -77,7 +77,7 @@ def explain_design(design: TableDesign) -> Description:
 
 
 def _describe_work(design: TableDesign) -> list[tuple[str, str]]:
-    """Estimate the time of a table from two nodes that are solved here."""
+    """Return rows that estimate the time to build a table, by solving two nodes now."""
     contacts = design.contacts(tuple(float(nodes[0]) for nodes in design.first_nodes))
     wanted = NODE_SHARE * design.tolerance
     for w in ((0.5, 0.2, 0.1), (0.6, 0.2, 0.1)):  # the first one also loads kernels
@@ -95,7 +95,7 @@ def _describe_work(design: TableDesign) -> list[tuple[str, str]]:
 
 
 def table_as_dict(table: CreepTable) -> dict[str, Any]:
-    """Return the description of a table, its axes and interpolation errors, as for JSON."""
+    """Return the description of a table, its axes and errors as JSON types."""
     names = (*table.names, *NAMES)
     about = {k: v for k, v in table.about.items() if isinstance(v, str | int | float)}
     return about | {

@@ -29,7 +29,7 @@ from tractive_sam.tables.contacts import Contacts, required_friction, required_h
 
 
 class TableError(SceneError):
-    """A table of creep forces that cannot be built, with all of its faults.
+    """Error that lists every fault of a creep-force table that cannot be built.
 
     Examples
     --------
@@ -44,13 +44,13 @@ class TableError(SceneError):
 
 
 def _as_tuple(value: object) -> object:
-    """Return a single number as a tuple."""
+    """Return (x,) for a number x; other values unchanged."""
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return (value,) if number else value
 
 
 def _check_ascending(values: tuple[float, ...]) -> tuple[float, ...]:
-    """Return values; raise an error unless they ascend."""
+    """Return numbers unchanged; raise a ValueError unless they ascend."""
     if any(low >= high for low, high in pairwise(values)):
         raise ValueError("ascending numbers, each once")
     return values
@@ -71,14 +71,14 @@ Poissons = Annotated[
 
 
 def _check_finest(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault if the finest mesh is coarser than the usual one."""
+    """Report a finest mesh that is coarser than the first one."""
     if entries["finest"] < entries["elements"]:
         cure = f"at least {entries['elements']}, as elements is"
         yield Fault("finest", shorten(entries["finest"]), cure)
 
 
 def _check_keys(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of keys that a table of one scene cannot have."""
+    """Report ellipticity or Poisson's ratio in a table of one scene."""
     if entries["scene"] is not None:
         for key in ("ellipticity", "poisson"):
             if key in entries.given:
@@ -87,7 +87,7 @@ def _check_keys(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of axes with equal names or keys."""
+    """Report axes with equal names or keys."""
     for what in ("label", "key"):
         names = [getattr(axis, what) for axis in entries["axis"]]
         for name in {name for name in names if names.count(name) > 1}:
@@ -95,7 +95,7 @@ def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_axes_without_scene(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of axes other than those of friction in a table without a scene."""
+    """Report axes other than those of friction in a table without a scene."""
     # Keys that do not change the scaling of contacts of Hertz, by mu1 P.
     scaled = ("friction.mu", "friction.angle")
     if entries["scene"] is not None:
@@ -108,7 +108,7 @@ def _check_axes_without_scene(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of a scene that is not a single steady contact."""
+    """Report a scene that is not a single steady contact."""
     scene = entries["scene"]
     if scene is None:
         return
@@ -130,7 +130,7 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class TableDesign(Document):
-    """A table of creep forces: of any contact of Hertz of alike bodies, or of one scene.
+    """Design of a creep-force table: its scene or range of Hertz contacts, axes, tolerance.
 
     Raises
     ------
@@ -205,7 +205,7 @@ class TableDesign(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables with their relative files resolved from a folder."""
+        """Let relative paths in the tables start from a folder; return the tables."""
         return resolve_parametric_files(folder, tables)
 
     @property
@@ -216,7 +216,7 @@ class TableDesign(Document):
 
     @property
     def first_nodes(self) -> list[np.ndarray]:
-        """First nodes along the axes `names`."""
+        """First nodes along each of the axes `names`, before refinement."""
         further = [axis.nodes for axis in self.axis]
         if self.scene is not None:
             return further
@@ -229,7 +229,7 @@ class TableDesign(Document):
 
     @property
     def contact(self) -> dict[str, float] | None:
-        """Contact that scales the forces of the table of a scene."""
+        """Quantities (a, b, load, mu, shear) that scale a table of one scene; else None."""
         if self.scene is None:
             return None
         hertz, mu = required_hertz(self.scene), required_friction(self.scene).mu[0]
@@ -239,33 +239,33 @@ class TableDesign(Document):
 
     @cached_property
     def symmetries(self) -> tuple[bool, bool]:
-        """Whether forces are mirrored with creepages at y = 0, and reversed with them."""
+        """Whether forces mirror at y = 0 with creepages, and whether they reverse with them."""
         places = [
             sorted({*nodes, *(() if name in self.apart else 0.5 * (nodes[1:] + nodes[:-1]))})
             for name, nodes in zip(self.names, self.first_nodes, strict=True)
         ]
         scenes = [self.scene_at(place) for place in product(*places)]
-        return all(map(_mirrored, scenes)), all(map(_reversed, scenes))
+        return all(map(_is_mirror_symmetric, scenes)), all(map(_reverses_with_creepages, scenes))
 
     @property
     def closed_form(self) -> bool:
-        """Whether full slip has a closed form: contacts of Hertz with isotropic friction."""
+        """Whether forces at full slip have a closed form: Hertz, isotropic friction."""
         return self.scene is None and not self.axis
 
     def ratio(self, place: tuple[float, ...]) -> float:
-        """Return a/b at a place along the axes `names`."""
+        """Return a/b at a point of the axes `names`."""
         if self.scene is not None:
             hertz = required_hertz(self.scene)
             return float(hertz.a / hertz.b)
         return float(np.exp(place[0]))
 
     def contacts(self, place: tuple[float, ...]) -> Contacts:
-        """Return the contacts at a place along the axes `names`."""
+        """Return the solver of contacts at a point of the axes `names`."""
         scene = self.scene_at(place)
         return Contacts(scene, None if self.contact is None else tuple(self.contact.values()))
 
     def scene_at(self, place: tuple[float, ...]) -> Scene:
-        """Return the scene at a place along the axes `names`, without a mesh and creepages."""
+        """Return the scene at a point of the axes `names`, without mesh, at zero creepages."""
         further = place if self.scene is not None else place[2:]
         entries: dict[str, Any] = {}
         for axis, x in zip(self.axis, further, strict=True):
@@ -273,7 +273,7 @@ class TableDesign(Document):
         return self._scene_with(entries, place)
 
     def _scene_with(self, entries: dict[str, Any], place: tuple[float, ...] = (0.0, 0.3)) -> Scene:
-        """Return the scene of a contact of the table, with some entries changed."""
+        """Return the scene of the table at a point, with some entries changed."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its numbers may be of no steel
             if self.scene is None:
@@ -294,7 +294,7 @@ class TableDesign(Document):
         return scene
 
     def _each_entry(self) -> Iterator[dict[str, Any]]:
-        """Yield the keys of the scene with one axis at each value, others at the first."""
+        """Yield scene entries for each value of each axis, the other axes at their first value."""
         first: dict[str, Any] = {}
         for axis in self.axis:
             first |= axis.entries_at(axis.nodes[0])
@@ -304,12 +304,12 @@ class TableDesign(Document):
 
 
 def _move_faults(error: SceneError) -> list[Fault]:
-    """Return the faults of a scene as faults of the design."""
+    """Return the faults of a scene with the prefix "scene" of the design."""
     return [fault.under("scene") for fault in error.faults]
 
 
-def _mirrored(scene: Scene) -> bool:
-    """Return the scene mirrored at y = 0."""
+def _is_mirror_symmetric(scene: Scene) -> bool:
+    """Return whether the contact of a scene is symmetric about y = 0."""
     friction = required_friction(scene)
     mu1, mu2 = friction.mu
     aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
@@ -317,12 +317,12 @@ def _mirrored(scene: Scene) -> bool:
     return aligned and not uneven and not _has_named_law(scene)
 
 
-def _reversed(scene: Scene) -> bool:
-    """Return the scene with reversed creepages."""
+def _reverses_with_creepages(scene: Scene) -> bool:
+    """Return whether the forces of a scene reverse with reversed creepages."""
     return bool(scene.material.coupling == 0.0) and not _has_named_law(scene)
 
 
 def _has_named_law(scene: Scene) -> bool:
-    """Return whether the scene has a law of another package: its symmetry is unknown."""
+    """Return whether a scene has a user-defined law, whose symmetry is unknown."""
     tables = (scene.friction, scene.elasticity)
     return any(table is not None and table.named_law is not None for table in tables)

@@ -11,7 +11,7 @@ from tractive_sam.store import TABLE_FORMAT, versions, write_netcdf
 
 
 def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
-    """Write a table; an existing file is replaced."""
+    """Write a creep-force table to a netCDF file; an existing file is replaced."""
     symmetries = "; (w_1, -w_2, -w_3) gives (Qx, -Qy, -Mz), (-w_1, w_2, w_3) gives (-Qx, Qy, Mz)"
     scaling = "(Qx, Qy, Mz/c) / (mu P) over w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b)"
     meanings = {
@@ -48,12 +48,12 @@ Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
 
 
 def _variable(dims: tuple[str, ...], values: np.ndarray, meaning: str) -> Variable:
-    """Return a variable without a unit."""
+    """Return a netCDF variable without a unit."""
     return dims, values, {"long_name": meaning, "units": "1"}
 
 
 def _name_derivatives(axes: tuple[str, ...]) -> list[str]:
-    """Return the names of all mixed first derivatives: each axis is a bit, the first the highest.
+    """Return names of all mixed first derivatives: "value", "tilt", "u", "u tilt", ...
 
     >>> _name_derivatives(("u", "tilt"))
     ['value', 'tilt', 'u', 'u tilt']
@@ -66,7 +66,7 @@ def _name_derivatives(axes: tuple[str, ...]) -> list[str]:
 
 
 def _node_variables(table: CreepTable, axes: tuple[str, ...]) -> dict[str, Variable]:
-    """Return the variables of the nodes, and of the intervals between them."""
+    """Return the netCDF variables of a table's nodes and intervals, by name."""
     variables = {
         "coefficients": _variable(
             (*axes, "derivative", "force"),
@@ -85,7 +85,7 @@ def _node_variables(table: CreepTable, axes: tuple[str, ...]) -> dict[str, Varia
 
 
 def _checked_errors(table: CreepTable) -> dict[str, Variable]:
-    """Return the variables of the check points, and of the error bars of gradients."""
+    """Return the netCDF variables of check points and gradient error bars, by name."""
     checks = {
         "check_points": "check points, by all axes",
         "check_errors": "errors of the table at the check points, over mu P",

@@ -26,7 +26,7 @@ from tractive_sam.tables.fmu_description import Description2, Description3, list
 
 @dataclass(frozen=True)
 class _FmiVersion:
-    """A version of FMI: its C headers, C source file, model description and platform names.
+    """Files and names that differ between FMI 2 and FMI 3, to write a unit (FMU).
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ VERSIONS = {
 
 
 def write_fmu(table: CreepTable, path: str | PathLike[str], fmi: Literal[2, 3] = 2) -> bool:
-    """Write a table as an FMU; the name of the file becomes the name of its model.
+    """Write a table as an FMU (zip); return whether it holds a binary for this machine.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def write_fmu(table: CreepTable, path: str | PathLike[str], fmi: Literal[2, 3] =
             (sources / file).write_text(text, encoding="ascii")
         for file, text in version.description(table, name, token).files.items():
             (root / file).write_text(text, encoding="utf-8")
-        compiled = _compiled(root, name, getattr(fmpy, version.platform), fmpy)
+        compiled = _compile(root, name, getattr(fmpy, version.platform), fmpy)
         content = [entry for entry in sorted(root.rglob("*")) if entry.is_file()]
         unit = root / path.name
         with zipfile.ZipFile(unit, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -126,8 +126,8 @@ def write_fmu(table: CreepTable, path: str | PathLike[str], fmi: Literal[2, 3] =
     return compiled
 
 
-def _compiled(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
-    """Compile the FMU for this machine; return whether there is a compiler."""
+def _compile(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
+    """Compile the FMU in a folder for this machine; return False without a compiler."""
     compiler = os.environ.get("CC") or "cc"
     if shutil.which(compiler) is None:
         return False
@@ -145,7 +145,7 @@ def _compiled(root: Path, name: str, platform: str, fmpy: ModuleType) -> bool:
 
 
 def _interface(table: CreepTable, name: str, token: str, version: _FmiVersion) -> dict[str, str]:
-    """Return the C code of the functions of the interface, by file name."""
+    """Return the C source of the FMI functions for a table, by file name."""
     inputs = list_inputs(table)
     values = {
         "NAME": name,

@@ -13,7 +13,7 @@ from tractive_sam.store import versions
 
 @dataclass(frozen=True)
 class FmuVariable:
-    """A variable of a unit.
+    """Input or output variable of an FMU: name, meaning, unit, start value and limits.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class FmuVariable:
 
     @property
     def kind(self) -> str:
-        """Causality and variability: an input with one value is a fixed parameter."""
+        """XML attributes of causality and variability; an input with one value is a parameter."""
         if self.start is None:
             return 'causality="output" variability="continuous" initial="calculated"'
         if self.is_fixed:
@@ -43,12 +43,12 @@ class FmuVariable:
 
     @property
     def is_fixed(self) -> bool:
-        """Whether it has one value."""
+        """Whether the variable has a single allowed value."""
         return self.low == self.high
 
     @property
     def numbers(self) -> str:
-        """Unit, limits and start (XML attributes)."""
+        """XML attributes of unit, limits and start value."""
         limits = f'unit={quoteattr(self.unit)} min="{self.low!r}" max="{self.high!r}"'
         return limits if self.start is None else f'{limits} start="{self.start!r}"'
 
@@ -69,7 +69,7 @@ _INPUTS = {
 
 
 def list_inputs(table: CreepTable) -> list[FmuVariable]:
-    """Return the inputs of the unit of a table, in the order of its function in C."""
+    """Return the input variables of the FMU of a table, in the order of its C function."""
     inputs = []
     for name in arguments_of(table):
         if name in table.names:
@@ -107,7 +107,7 @@ def list_outputs() -> list[FmuVariable]:
 
 
 class Description2:
-    """Description of a unit for FMI 2.0.
+    """XML description of the FMU of a table for FMI 2.0.
 
     Parameters
     ----------
@@ -138,12 +138,12 @@ class Description2:
 
     @property
     def files(self) -> dict[str, str]:
-        """Text of each XML file, by its path in the unit."""
+        """Content of each XML file, by its path in the FMU."""
         return {"modelDescription.xml": self.model}
 
     @property
     def units(self) -> str:
-        """Definitions of the units."""
+        """XML definitions of the units."""
         return "".join(
             f"<Unit name={quoteattr(unit)}><BaseUnit {base}/></Unit>"
             for unit, base in self.unit_texts.items()
@@ -151,12 +151,12 @@ class Description2:
 
     @property
     def varying(self) -> list[int]:
-        """Places of the inputs that vary, that is, are not parameters."""
+        """Indices of the inputs that are not fixed parameters."""
         return [k for k, variable in enumerate(self.inputs) if not variable.is_fixed]
 
     @property
     def model(self) -> str:
-        """Description of the model."""
+        """XML text of modelDescription.xml."""
         variables = "".join(
             f"<ScalarVariable name={quoteattr(variable.name)} "
             f"valueReference={quoteattr(str(place))} "
@@ -193,11 +193,11 @@ class Description2:
 
 
 class Description3(Description2):
-    """Description of a unit for FMI 3.0; see `Description2` for the parameters."""
+    """XML description of the FMU of a table for FMI 3.0 (parameters as `Description2`)."""
 
     @property
     def files(self) -> dict[str, str]:
-        """Text of each XML file, by its path in the unit.
+        """Content of each XML file, by its path in the FMU.
 
         A second file lists the sources.
         """
@@ -208,7 +208,7 @@ class Description3(Description2):
 
     @property
     def model(self) -> str:
-        """Description of the model (`Description2.model`)."""
+        """XML text of modelDescription.xml."""
         variables = "".join(
             f"<Float64 name={quoteattr(variable.name)} valueReference={quoteattr(str(place))} "
             f"description={quoteattr(variable.meaning)} {variable.kind} {variable.numbers}/>\n"
@@ -244,7 +244,7 @@ class Description3(Description2):
 
     @property
     def build(self) -> str:
-        """Description of the sources."""
+        """XML text that lists the C sources to compile (buildDescription.xml)."""
         files = "".join(f'<SourceFile name="{file}"/>' for file in self.sources)
         return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiBuildDescription fmiVersion="3.0">

@@ -11,7 +11,7 @@ from tractive_sam.lookup import Coordinates, CreepTable, cell_of, share_of_bar
 
 @dataclass(frozen=True, eq=False)
 class GradientChecks:
-    """Gradients at check points of a table.
+    """Solved gradients at check points, with which a table is compared.
 
     Attributes
     ----------
@@ -34,7 +34,7 @@ class GradientChecks:
     bars: np.ndarray
 
     def errors(self, table: CreepTable) -> np.ndarray:
-        """Return the errors of a table over sqrt(K_ii K_jj), shape (P, 3, 3), at least the bars."""
+        """Return the errors of a table's gradients, scaled by slopes at rest, (P, 3, 3)."""
         where = Coordinates.of(self.w.T, self.ratio, table.whole)
         points = (*self.points.T[: len(table.names)], *where.points)
         gradients = np.moveaxis(table.gradient_at(points, where), -1, 0)
@@ -45,7 +45,7 @@ class GradientChecks:
 
 @dataclass(frozen=True, eq=False)
 class GradientBars:
-    """Error bars of gradients, see `CreepTable.gradient_bars`, and a summary of their checks.
+    """Error bars of a table's gradients by interval of u, with statistics of their checks.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class GradientBars:
         inside: float = 0.98,
         shared: float = 0.05,
     ) -> GradientBars:
-        """Return root mean squares of each interval, times a factor that suits all checks.
+        """Return error bars that cover the share `inside` of the errors at check points.
 
         Each check is compared with the bars of the others. At rest contacts are solved on many
         meshes, and the bar is the largest error.
@@ -112,6 +112,6 @@ class GradientBars:
 
 
 def _spread(squares: np.ndarray, shared: float) -> np.ndarray:
-    """Return root mean squares (..., 3, 3), bounded below by a share of the largest one."""
+    """Return square roots of mean squares (..., 3, 3), at least a share of the largest."""
     roots = np.sqrt(squares)
     return np.maximum(roots, shared * roots.max(axis=(-2, -1), keepdims=True) + 1e-12)

@@ -13,7 +13,7 @@ HEADINGS, TILTS = 5, 4
 
 @dataclass(frozen=True)
 class CreepageGrid:
-    """Nodes along heading and tilt.
+    """Symmetric grid of heading and tilt (directions of creepage) of a table.
 
     Parameters
     ----------
@@ -31,12 +31,12 @@ class CreepageGrid:
 
     @property
     def full_range(self) -> bool:
-        """Whether the table contains all headings and tilts."""
+        """Whether the table covers all headings and tilts, or only a quarter by symmetry."""
         return not (self.mirrored and self.reversed)
 
     @property
     def first(self) -> list[np.ndarray]:
-        """First nodes along heading and tilt."""
+        """First nodes along heading and along tilt, radians, before refinement."""
         if self.full_range:
             return [
                 np.linspace(-math.pi, math.pi, 2 * HEADINGS - 1),
@@ -45,7 +45,7 @@ class CreepageGrid:
         return [np.linspace(-self.pole, self.pole, HEADINGS), np.linspace(0.0, self.pole, TILTS)]
 
     def alike(self, axis: int, intervals: np.ndarray, count: int) -> np.ndarray:
-        """Return intervals of heading (0) or tilt (1) with their images by symmetry."""
+        """Return indices of intervals of heading (0) or tilt (1) and of their mirror images."""
         if axis == 0 or (axis == 1 and self.full_range):
             intervals = np.union1d(intervals, count - 1 - intervals)
         if axis == 0 and self.full_range:
@@ -55,7 +55,7 @@ class CreepageGrid:
     def canonical(
         self, creepages: tuple[float, ...]
     ) -> tuple[tuple[float, float, float], np.ndarray]:
-        """Return the solved node among nodes of equal forces, and the signs between them."""
+        """Return the node to solve in place of one with symmetric forces, and the signs, (3,)."""
         heading, tilt, u = creepages
         # Digits of a heading, so that it does not depend on how it is mirrored or turned.
         digits, none = 12, np.ones(3)

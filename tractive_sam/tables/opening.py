@@ -13,7 +13,7 @@ from tractive_sam.store import DamagedError, read_creep_table
 
 
 def builtin_tables() -> dict[str, Path]:
-    """Return the files of the built-in tables by name."""
+    """Return the paths of the built-in creep-force tables, by name."""
     folder = files("tractive_sam.tables") / "builtin"
     names = sorted(file.name for file in folder.iterdir() if file.name.endswith(".nc"))
     return {name.removesuffix(".nc"): _path_of_builtin(name) for name in names}
@@ -21,7 +21,7 @@ def builtin_tables() -> dict[str, Path]:
 
 @cache
 def _path_of_builtin(name: str) -> Path:
-    """Return the path of a built-in file; from an archive it is extracted until the end."""
+    """Return the path of a built-in file, extracted until the process ends if zipped."""
     extraction = as_file(files("tractive_sam.tables") / "builtin" / name)
     path = extraction.__enter__()
     atexit.register(extraction.__exit__, None, None, None)
@@ -29,12 +29,12 @@ def _path_of_builtin(name: str) -> Path:
 
 
 def is_table(name: str | PathLike[str]) -> bool:
-    """Return whether a name belongs to a built-in table, or to a netCDF file."""
+    """Return whether a name is that of a built-in table or ends in .nc."""
     return str(name).endswith(".nc") or str(name) in builtin_tables()
 
 
 def open_table(name: str | PathLike[str]) -> CreepTable:
-    """Open a table of creep forces: a built-in one, or a file.
+    """Open a creep-force table, a built-in one by name or a netCDF file.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
 
 
 def _check_shapes(about: Mapping[str, Any], axes: int) -> None:
-    """Check the shapes of the check points and their errors."""
+    """Raise an error unless the arrays of check points and errors have fitting shapes."""
     places = about.get("check_points")
     for name, columns in (("check_points", axes), ("check_errors", 3), ("check_told", 3)):
         if places is not None and about[name].shape != (len(places), columns):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Refinement:
-    """Settings of the refinement of a table.
+    """Settings of the adaptive refinement of a creep-force table.
 
     Attributes
     ----------
@@ -46,13 +46,13 @@ class Refinement:
 
     @property
     def last_u(self) -> float:
-        """Largest u that is solved, at `full`."""
+        """Largest scaled creepage u that is solved to stand for full slip."""
         return self.full / (1.0 + self.full)
 
 
 @dataclass(frozen=True)
 class TableProgress:
-    """Progress of a table.
+    """Progress of the construction of a table: nodes, solved nodes, refinements.
 
     Attributes
     ----------

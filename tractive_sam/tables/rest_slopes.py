@@ -17,7 +17,7 @@ from scipy.stats import t as student
 def rest_meshes(
     elements: int, finest: int, wanted: float, *, number: int = 16, spread: float = 3.2
 ) -> np.ndarray:
-    """Return odd numbers of elements across the contact, shape (M,).
+    """Return the numbers of elements across the contact on which slopes at rest are solved.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def rest_meshes(
 def extrapolate_slopes(
     meshes: np.ndarray, slopes: np.ndarray, moments: np.ndarray, *, confidence: float = 0.95
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return slopes on an infinitely fine mesh, and their error bars.
+    """Extrapolate slopes at rest to an infinitely fine mesh; return (limit, error bar).
 
     Parameters
     ----------

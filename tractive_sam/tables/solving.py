@@ -23,7 +23,7 @@ Place = tuple[float, ...]
 
 @dataclass(frozen=True)
 class Job:
-    """A contact to solve.
+    """Contact to solve for a table: position along the axes, and scaled creepages.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Batch:
-    """Solutions of some jobs, the number of solved contacts, and the time of a core, s."""
+    """Solutions of some jobs, with the number of contacts solved and the CPU seconds."""
 
     solutions: list[Solved]
     contacts: int
@@ -57,7 +57,7 @@ Solve = Callable[[Sequence[Job]], Iterator[tuple[int, Batch]]]
 
 
 def solve_jobs(text: str, jobs: Sequence[Job]) -> Batch:
-    """Solve jobs at one place of a design, which is given as TOML."""
+    """Solve jobs with equal positions, for a design given as TOML text."""
     began = process_time()
     design, contacts = _contacts_at(text, jobs[0].place)
     before, wanted, solutions = contacts.solved, NODE_SHARE * design.tolerance, []
@@ -70,19 +70,19 @@ def solve_jobs(text: str, jobs: Sequence[Job]) -> Batch:
 
 @lru_cache(maxsize=1)
 def _design(text: str) -> TableDesign:
-    """Return the design of a text, which is read once."""
+    """Return the design in a TOML text, cached."""
     return TableDesign.from_toml_text(text)
 
 
 @lru_cache(maxsize=64)
 def _contacts_at(text: str, place: Place) -> tuple[TableDesign, Contacts]:
-    """Return the design of a text, and the contacts at a place."""
+    """Return the design in a TOML text, and its solver of contacts at a position."""
     design = _design(text)
     return design, design.contacts(place)
 
 
 def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequence[Job]]]:
-    """Divide jobs into parts of one place each, with the number of their first job.
+    """Divide jobs into groups of equal position; return (index of first job, group).
 
     A part has at most that many jobs: a worker that dies loses them.
     """
@@ -97,7 +97,7 @@ def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequ
 
 
 def solve_here(design: TableDesign) -> Solve:
-    """Return a function that solves jobs in this process."""
+    """Return a function that solves jobs in this process, batch by batch."""
     text = design.to_toml()
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
@@ -110,7 +110,7 @@ def solve_here(design: TableDesign) -> Solve:
 def solve_on_workers(
     design: TableDesign, address: str, security: Any, log: Callable[[str], None]
 ) -> Solve:
-    """Return a function that solves jobs on the workers of a scheduler."""
+    """Return a function that solves jobs on the workers of a Dask scheduler."""
     text = design.to_toml()
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:

@@ -23,7 +23,7 @@ Point: TypeAlias = tuple[float, ...]
 
 @dataclass(frozen=True, eq=False)
 class _Node:
-    """The contact of a node and the signs of its creepages: w = signs * w of the contact."""
+    """Solved contact that stands for a node, and the signs of its creepages and forces there."""
 
     job: Job
     signs: np.ndarray
@@ -31,7 +31,7 @@ class _Node:
 
 @dataclass(eq=False)
 class TableContacts:
-    """The contacts of a table that are solved, and its nodes.
+    """All solved contacts and nodes of a table under construction.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class TableContacts:
         self.lead = len(self.design.names)
 
     def solve_nodes(self, points: Sequence[Point]) -> list[Solved]:
-        """Return the nodes at points; those that are not known yet are solved."""
+        """Return the solutions at nodes; nodes without a solution yet are solved."""
         new = {point: self._canonical_node(point) for point in points if point not in self.nodes}
         self.solve([node.job for node in new.values() if node is not None], len(points))
         for point, node in new.items():
@@ -78,13 +78,13 @@ class TableContacts:
         return [self.nodes[point] for point in points]
 
     def forces(self, points: Sequence[Point], nodes: int) -> np.ndarray:
-        """Return the forces at points that need not be nodes, shape (P, 3)."""
+        """Solve scaled forces at points that need not be nodes; return them, shape (P, 3)."""
         jobs = [self.job(point[: self.lead], point[self.lead :], False) for point in points]
         self.solve(jobs, nodes)
         return np.array([self.solved[job].force for job in jobs])
 
     def _canonical_node(self, point: Point) -> _Node | None:
-        """Return the node of a contact; None if full slip has a closed form."""
+        """Return the contact to solve for a node; None if full slip has a closed form."""
         if point[-1] == 1.0 and self.design.closed_form:
             return None
         place = point[: self.lead]
@@ -92,13 +92,13 @@ class TableContacts:
         return _Node(self.job(place, creepages), signs)
 
     def job(self, place: Point, creepages: Point, gradient: bool = True) -> Job:
-        """Return the job to solve the contact at a place."""
+        """Return the job of a contact: position along the axes, heading, tilt and u."""
         heading, tilt, u = creepages
         w = creepages_at(self.design.ratio(place), heading, tilt, min(u, self.refinement.last_u))
         return Job(place, (float(w[0]), float(w[1]), float(w[2])), gradient)
 
     def _node(self, point: Point, node: _Node | None) -> Solved:
-        """Return a node with its gradient by heading, tilt and u."""
+        """Return the solution at a node, its gradient by heading, tilt and u."""
         ratio = self.design.ratio(point[: self.lead])
         heading, tilt, u = point[self.lead :]
         if node is None:
@@ -109,7 +109,7 @@ class TableContacts:
         return Solved(node.signs * solved.force, solved.bar, by)
 
     def solve(self, jobs: Iterable[Job], nodes: int) -> None:
-        """Solve the contacts that are not solved yet, neighbours one after another."""
+        """Solve those jobs that have no solution yet, and report the progress."""
         new = dict.fromkeys(job for job in jobs if job not in self.solved)
         unsolved = sorted(new, key=lambda job: job.place)
         done = 0
@@ -136,7 +136,7 @@ class TableContacts:
 
 
 def _full_slip_node(ratio: float, heading: float, tilt: float, step: float) -> Solved:
-    """Return the closed form of full slip, with its derivatives by differences."""
+    """Return the solution at full slip in closed form, its gradient by differences."""
 
     def force(heading: float, tilt: float) -> np.ndarray:
         w = creepages_at(ratio, heading, tilt, 1.0)
