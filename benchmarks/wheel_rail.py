@@ -9,12 +9,15 @@ Page: docs/theory/wheel-rail.md
 
 import math
 import warnings
+from dataclasses import dataclass, replace
 from time import process_time
 
 import numpy as np
 from timing import show, write
 
 import tractive_sam as ts
+from tractive_sam.contact import Model, solve_patches_on_fitted_mesh
+from tractive_sam.rail import Patch
 
 STEEL = {"shear": 82e3, "poisson": 0.28}
 TABLES = {
@@ -23,72 +26,173 @@ TABLES = {
     "rail": {"profile": "UIC60-manchester"},
     "friction": {"mu": 0.3},
 }
-# side, y mm, yaw mrad, roll mrad, contact y, creepages; P, p_max, approach, |Q_x|, |Q_y|
+
+
+@dataclass(frozen=True)
+class Position:
+    """A position of the wheelset (mm, mrad) and the values that CONTACT prints for it.
+
+    `point` and `angle` are x and y (mm) and angle (rad) of the contact plane, `creepages` the
+    longitudinal and lateral creepage and the spin (1/mm), `forces` are P, p_max, the approach and
+    the magnitudes of Q_x and Q_y. A right wheel counts as the mirror of a left one.
+    """
+
+    side: str
+    y: float
+    yaw: float
+    roll: float
+    point: tuple[float, float]
+    angle: float
+    creepages: tuple[float, float, float]
+    forces: tuple[float, float, float, float, float]
+    single_plane: bool = False
+
+    @property
+    def wheelset(self) -> dict[str, object]:
+        """The [wheelset] table."""
+        place = {"y": self.y, "yaw": self.yaw, "roll": self.roll}
+        return {"side": self.side, **place, "load": 1e4}
+
+    def creepages_at(self, patch: Patch, ahead: float) -> tuple[float, float, float]:
+        """Return the printed creepages at the origin of a patch, in the signs of this package.
+
+        Parameters
+        ----------
+        patch : Patch
+            The patch.
+        ahead : float
+            Distance along x from the centre of an element to the point at which CONTACT takes the
+            spin, mm.
+        """
+        longitudinal, lateral, spin = self.creepages
+        sign = 1.0 if self.side == "left" else -1.0
+        along = patch.origin[0] - self.point[0] + ahead
+        across = (patch.origin[1] - self.point[1]) / math.cos(patch.angle)
+        spin *= sign
+        return -longitudinal - spin * across, sign * lateral + spin * along, spin
+
+    def in_printed_plane(self, patch: Patch) -> Patch:
+        """Return a patch in the plane that CONTACT prints."""
+        x, y = self.point
+        z = float(patch.rail.height(np.array([y]))[0])
+        limits = tuple(
+            (patch.origin[1] - y + limit * math.cos(patch.angle)) / math.cos(self.angle)
+            for limit in patch.limits
+        )
+        return replace(patch, origin=np.array([x, y, z]), angle=self.angle, limits=limits)
+
+
 POSITIONS = (
-    ("right", 0.0, 0.0, 0.0, 751.8726, (-5.665e-5, 0.0, 6.302e-5),
-     (9997, 338.3, 0.01596, 0.28, 253.6)),
-    ("left", 1.5, 3.6, -0.08103, 755.9669, (-7.53e-4, 3.599e-3, -3.33e-5),
-     (10050, 446.5, 0.02007, 641.1, 2942)),
-    ("left", 4.5, 10.8, -0.2977, 757.799, (-1.591e-3, 1.079e-2, -2.049e-5),
-     (10030, 540.2, 0.02209, 440.6, 2976)),
-    ("right", 5.0, 12.0, -0.3554, 727.0855, (4.174e-3, 1.255e-2, 6.188e-4),
-     (9619, 1556, 0.02719, 763.3, 2738)),
-    ("right", 5.5, 13.2, -0.4777, 726.1169, (4.379e-3, 1.401e-2, 7.122e-4),
-     (9629, 1486, 0.02926, 850.2, 2759)),
-    ("right", 6.0, 14.4, -0.6272, 725.1371, (5.077e-3, 1.580e-2, 8.744e-4),
-     (9709, 1149, 0.02728, 880, 2775)),
+    Position("right", 0.0, 0.0, 0.0, (0.0, 751.8726), -0.0290, (-5.665e-5, 0.0, 6.302e-5),
+             (9997, 338.3, 0.01596, 0.28, 253.6)),
+    Position("left", 1.5, 3.6, -0.08103, (2.7017, 755.9669), -0.0152,
+             (-7.53e-4, 3.599e-3, -3.33e-5), (10050, 446.5, 0.02007, 641.1, 2942)),
+    Position("left", 4.5, 10.8, -0.2977, (8.1878, 757.799), -0.0091,
+             (-1.591e-3, 1.079e-2, -2.049e-5), (10030, 540.2, 0.02209, 440.6, 2976)),
+    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
+             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738)),
+    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
+             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), True),
+    Position("right", 5.5, 13.2, -0.4777, (-7.3700, 726.1169), -0.3363,
+             (4.379e-3, 1.401e-2, 7.122e-4), (9629, 1486, 0.02926, 850.2, 2759)),
+    Position("right", 6.0, 14.4, -0.6272, (-7.3822, 725.1371), -0.4176,
+             (5.077e-3, 1.580e-2, 8.744e-4), (9709, 1149, 0.02728, 880, 2775)),
+    Position("right", 6.5, 15.6, -4.376, (5.8010, 718.4931), -1.1591,
+             (1.828e-2, 3.905e-2, 1.937e-3), (15440, 2603, 0.03623, 1987, 4170)),
+    Position("right", 8.0, 19.2, -8.606, (-0.9036, 719.8316), -0.9501,
+             (2.127e-2, 3.300e-2, 1.701e-3), (12720, 2634, 0.03494, 2070, 3195)),
+    Position("right", 10.0, 24.0, -11.26431, (-5.2821, 721.0880), -0.7992,
+             (2.378e-2, 3.445e-2, 1.486e-3), (11440, 2643, 0.03411, 1947, 2820)),
 )  # fmt: skip
 
 
-def scene_of_position(row: tuple, element: float = 0.2, slip: str = "upwind") -> ts.Scene:
-    """Return the scene of a position with its printed creepages.
+def model_of_position(
+    position: Position, element: float = 0.2, slip: str = "upwind", ahead: float = 1.0 / 6.0
+) -> Model:
+    """Return the model of a position with its printed creepages.
 
-    With several patches the longitudinal creepage belongs to the first one, and determines the
-    angular velocity of the wheel; other creepages follow from the motion.
+    With several patches in separate planes, the longitudinal creepage belongs to the first one and
+    determines the angular velocity of the wheel; other creepages follow from the motion.
+
+    Parameters
+    ----------
+    position : Position
+        The position.
+    element : float
+        Size of the elements, mm.
+    slip : str
+        Scheme of the slip, as `solver.slip`.
+    ahead : float
+        Distance ahead of the centre of an element at which the spin is taken, in elements: 1/6 in
+        CONTACT (its input FACPHI), 0 in this package.
     """
-    side, y, yaw, roll, contact_y, printed, _ = row
-    wheelset = {"side": side, "y": y, "yaw": yaw, "roll": roll, "load": 1e4}
-    patches = ts.Scene(**TABLES, wheelset=wheelset).wheel_rail.patches
-    patch = patches[0]
-    sign = 1.0 if side == "left" else -1.0
-    spin = sign * printed[2]
-    across = (patch.origin[1] - contact_y) / math.cos(patch.angle)
-    creepage = (-printed[0] - spin * across, sign * printed[1], spin)
-    motion = {"creepage": dict(zip(("longitudinal", "lateral", "spin"), creepage, strict=True))}
-    if len(patches) > 1:
-        slow, fast = patch.creepages(0.0)[0], patch.creepages(1e-3)[0]  # linear in the pitch
-        motion = {}
+    wheelset, motion = position.wheelset, {}
+    own = ts.Scene(**TABLES, wheelset=wheelset).wheel_rail.patches
+    half = np.max([patch.half_length for patch in own], axis=0)
+    patches, separate = own, len(own) > 1 and not position.single_plane
+    if position.single_plane:
+        patches = tuple(position.in_printed_plane(patch) for patch in own)
+        ends = [abs(patch.origin[1] - position.point[1]) + patch.half_length[1] for patch in own]
+        half[1] = max(ends)
+    creepage = position.creepages_at(patches[0], ahead * element)
+    if separate:
+        slow, fast = (own[0].creepages(pitch)[0] for pitch in (0.0, 1e-3))  # linear in the pitch
         wheelset["pitch"] = 1e-3 * (creepage[0] - slow) / (fast - slow)
-    half = np.max([one.half_length for one in patches], axis=0)
+    else:
+        motion["creepage"] = dict(zip(("longitudinal", "lateral", "spin"), creepage, strict=True))
     elements = [2 * round(1.2 * length / element) + 1 for length in half]
     grid = {"half_length": [0.5 * element * n for n in elements], "elements": elements}
-    return ts.Scene(**TABLES, wheelset=wheelset, grid=grid, solver={"slip": slip}, **motion)
+    scene = ts.Scene(**TABLES, wheelset=wheelset, grid=grid, solver={"slip": slip}, **motion)
+    return Model(scene, wheel_rail=replace(scene.wheel_rail, patches=patches))
 
 
-def solve_position(row: tuple) -> dict[str, object]:
-    """Return one position: computed and printed forces of all patches, and the largest pressure."""
-    history = ts.roll(scene_of_position(row))
-    last = {
-        "P": sum(history["P"]),
-        "p_max": max(history["p_max"]),
-        "approach": max(history["approach"]),
+def solve_position(position: Position) -> dict[str, object]:
+    """Return one position: computed and printed forces of all patches, and the largest pressure.
+
+    The largest pressure is computed with elements of 0.1 mm as well.
+    """
+    model, contacts = solve_patches_on_fitted_mesh(model_of_position(position))
+    values = {"y": position.y, "plane": "CONTACT" if position.single_plane else "separate"}
+    first = max(range(len(contacts)), key=lambda k: contacts[k].P)
+    angle = math.degrees(model.wheel_rail.patches[first].angle)
+    values |= {"angle": angle, "patches": sum(bool(contact.touching.any()) for contact in contacts)}
+    computed = {
+        "P": sum(contact.P for contact in contacts),
+        "p_max": max(contact.p_max for contact in contacts),
+        "approach": contacts[first].approach,
+        "Qx": sum(contact.Qx for contact in contacts),
+        "Qy": sum(contact.Qy for contact in contacts),
     }
-    last |= {"Qx": sum(history["Qx"]), "Qy": sum(history["Qy"])}
-    values = {"y": row[1], "angle": float(history["contact_angle"][-1]), "patches": len(history)}
-    for (name, value), known in zip(last.items(), row[-1], strict=True):
-        values |= {name: abs(float(value)), f"{name} printed": known}
-    return values
+    for (name, value), printed in zip(computed.items(), position.forces, strict=True):
+        values |= {name: abs(float(value)), f"{name} printed": printed}
+    _, finer = solve_patches_on_fitted_mesh(model_of_position(position, 0.1))
+    return values | {"p_max fine": max(contact.p_max for contact in finer)}
 
 
-def refine_central_position() -> list[dict[str, object]]:
-    """Return lateral force and spin moment of the central position on finer meshes."""
-    rows = []
-    for element in (0.4, 0.2, 0.1):
-        values: dict[str, object] = {"element": element}
-        for order, slip in (("first", "upwind"), ("second", "auto")):
-            contact = ts.solve(scene_of_position(POSITIONS[0], element, slip))
-            values |= {f"Qy {order} order": abs(contact.Qy), f"Mz {order} order": abs(contact.Mz)}
-        rows.append(values)
+def vary_central_position() -> list[dict[str, object]]:
+    """Return lateral force and spin moment for different points of the spin, schemes and meshes.
+
+    In the middle position, in the plane of CONTACT and in the one of this package.
+    """
+    variants = [(True, 0.2, "upwind", 1.0 / 6.0), (True, 0.2, "upwind", 0.0)]
+    variants += [(False, e, "upwind", 0.0) for e in (0.4, 0.2, 0.1)]
+    variants += [(False, e, "auto", 0.0) for e in (0.4, 0.2, 0.1)]
+    rows: list[dict[str, object]] = []
+    for printed_plane, element, slip, ahead in variants:
+        position = replace(POSITIONS[0], single_plane=printed_plane)
+        _, (contact,) = solve_patches_on_fitted_mesh(
+            model_of_position(position, element, slip, ahead)
+        )
+        rows.append(
+            {
+                "plane": "CONTACT" if printed_plane else "separate",
+                "element": element,
+                "scheme": "first order" if slip == "upwind" else "second order",
+                "ahead": ahead * element,
+                "Qy": abs(contact.Qy),
+                "Mz": abs(contact.Mz),
+            }
+        )
     return rows
 
 
@@ -117,12 +221,12 @@ def measure_times() -> list[dict[str, object]]:
 if __name__ == "__main__":
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ts.SceneWarning)
-        rows = [solve_position(row) for row in POSITIONS]
-        meshes = refine_central_position()
+        rows = [solve_position(position) for position in POSITIONS]
+        spins = vary_central_position()
         times = measure_times()
     write("wheel_rail", rows)
-    write("wheel_rail_mesh", meshes)
+    write("wheel_rail_spin", spins)
     write("wheel_rail_times", times)
     show("Manchester benchmark, case A2.2", rows)
-    show("Central position on finer meshes", meshes)
+    show("Central position", spins)
     show("CPU time", times)

@@ -54,7 +54,7 @@ def large() -> str:
 def wheel_rail() -> str:
     """Return computed and printed results of positions of a wheelset."""
     columns = {"y, mm": ("y", number(".1f")), "contact angle, degrees": ("angle", number(".1f"))}
-    columns |= {"patches": ("patches", number(".0f"))}
+    columns |= {"patches": ("patches", number(".0f")), "planes": ("plane", str)}
     forms = {
         "P, N": ".0f",
         "p_max, MPa": ".1f",
@@ -68,18 +68,21 @@ def wheel_rail() -> str:
             heading: (name, number(form)),
             f"{heading}, CONTACT": (f"{name} printed", number(form)),
         }
+    columns |= {"p_max, MPa, elements of 0.1 mm": ("p_max fine", number(".1f"))}
     return format_columns(read_rows("wheel_rail.csv"), columns)
 
 
-def wheel_rail_mesh() -> str:
-    """Return forces of the central position of a wheelset on finer meshes."""
-    columns = {"element, mm": ("element", number(".1f"))}
-    for order in ("first", "second"):
-        columns |= {
-            f"Qy, N, {order} order": (f"Qy {order} order", number(".1f")),
-            f"Mz, N mm, {order} order": (f"Mz {order} order", number(".0f")),
-        }
-    return format_columns(read_rows("wheel_rail_mesh.csv"), columns)
+def wheel_rail_spin() -> str:
+    """Return forces of the central position of a wheelset for different points of the spin."""
+    columns = {
+        "plane": ("plane", str),
+        "element, mm": ("element", number(".1f")),
+        "scheme": ("scheme", str),
+        "spin taken ahead of the centre, mm": ("ahead", number(".3f")),
+        "Qy, N": ("Qy", number(".1f")),
+        "Mz, N mm": ("Mz", number(".0f")),
+    }
+    return format_columns(read_rows("wheel_rail_spin.csv"), columns)
 
 
 def normal() -> str:
@@ -831,7 +834,7 @@ TABLES = {
         large,
         normal,
         wheel_rail,
-        wheel_rail_mesh,
+        wheel_rail_spin,
         spheres,
         creep_forces,
         kalker,

@@ -147,7 +147,9 @@ def test_patches_share_one_approach():
 
 
 def test_openings_are_those_of_a_dense_sampling():
-    for patch in scene(4.92, yaw=11.8).wheel_rail.patches:
+    """Of a tread, of a flange root, and of the face of a flange."""
+    flange = scene(7.0).wheel_rail.patches
+    for patch in (*scene(4.92, yaw=11.8).wheel_rail.patches, *flange):
         least = patch.gap(np.linspace(-10.0, 10.0, 81), np.linspace(-2.0, 2.0, 401)).min()
         assert patch.opening <= least
         assert patch.opening == pytest.approx(least, abs=5e-5)  # samples 0.25 mm apart along x
@@ -207,12 +209,17 @@ MANCHESTER = {
                   (9629, 1486, 0.02926, -850.2, -2759)),
     "right 6.0": (6.0, 14.4, -0.6272, 725.1371, (5.077e-3, 1.580e-2, 8.744e-4),
                   (9709, 1149, 0.02728, -880, -2775)),
+    "right 8.0": (8.0, 19.2, -8.606, 719.8316, (2.127e-2, 3.3e-2, 1.701e-3),
+                  (12720, 2634, 0.03494, -2070, -3195)),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", MANCHESTER)
 def test_positions_of_the_manchester_benchmark(name):
-    """Printed by the reference program, case A2.2, mesh 0.2 mm, first-order slip."""
+    """Printed by the reference program, case A2.2, mesh 0.2 mm, first-order slip.
+
+    This program takes the spin a sixth of an element ahead of the centre.
+    """
     y, yaw, roll, contact_y, creepages, expected = MANCHESTER[name]
     left = name.startswith("left")
     place = {"yaw": yaw, "roll": roll, "side": "left" if left else "right"}
@@ -220,7 +227,7 @@ def test_positions_of_the_manchester_benchmark(name):
     sign = 1.0 if left else -1.0
     spin = sign * creepages[2]
     across = (patch.origin[1] - contact_y) / math.cos(patch.angle)
-    motion = (-creepages[0] - spin * across, sign * creepages[1], spin)
+    motion = (-creepages[0] - spin * across, sign * creepages[1] + spin * 0.2 / 6.0, spin)
     half = [1.15 * length for length in patch.half_length]
     elements = [2 * round(length / 0.2) + 1 for length in half]
     found = ts.solve(
@@ -237,12 +244,9 @@ def test_positions_of_the_manchester_benchmark(name):
     steep = abs(patch.angle) > math.radians(20.0)
     tolerance = 0.01 if steep else 0.005  # of the task; reached: 0.8 % and 0.4 %
     assert values[:3] == pytest.approx((P, p_max, approach), rel=tolerance)
-    # Printed with 4 digits. Spin alone: both programs take it at another point of the element.
-    if name == "both":
-        assert abs(values[4]) == pytest.approx(abs(Qy), rel=0.03)
-    else:
-        assert abs(values[3]) == pytest.approx(abs(Qx), rel=0.01 if steep else 0.005)
-        assert abs(values[4]) == pytest.approx(abs(Qy), rel=tolerance)
+    assert abs(values[4]) == pytest.approx(abs(Qy), rel=tolerance)
+    if name != "both":  # printed with 2 digits: it changes its sign over the patch
+        assert abs(values[3]) == pytest.approx(abs(Qx), rel=tolerance)
 
 
 def test_forces_change_little_over_small_displacements():

@@ -215,19 +215,23 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
     NoContactError
         See `find_contact_points`.
     """
-    wheel = wheel.at_contact(lowest_gap(wheel, rail))
+    touching = find_contact_points(wheel, rail)
+    wheel = wheel.at_contact(float(touching.gap[0]))
+    limit = 0.5 / float(np.cos(touching.angles[0, 0]))
     coarse = Clearance.measure(wheel, rail, wheel.profile.s)
-    clearance = coarse.refined(wheel, rail, window=0.6)
+    clearance = coarse.refined(wheel, rail, window=1.2 * limit)
 
     def excess(depth: float) -> float:
         return sum(overlap.force(e_star) for overlap in _overlaps(clearance, wheel, depth)) - load
 
     deepest = 1e-3
-    while excess(deepest) < 0.0 and deepest < 0.5:
+    while excess(deepest) < 0.0 and deepest < limit:
         deepest *= 2.0
     if excess(deepest) < 0.0:
         raise NoContactError(
-            f"the load of {load:g} N presses the wheel more than 0.5 mm deep; lower the load"
+            f"the load of {load:g} N presses the wheel more than 0.5 mm deep normal to the contact "
+            f"plane, at a contact angle of {np.degrees(touching.angles[0, 0]):.0f} degrees; lower "
+            "the load"
         )
     depth = float(scipy.optimize.brentq(excess, 1e-9, deepest, xtol=1e-9))
     overlaps = _overlaps(clearance, wheel, depth)

@@ -73,20 +73,23 @@ class Patch:
     def opening(self) -> float:
         """Least distance of wheel and rail normal to the plane, mm.
 
-        A prismatic rail is nearest to the wheel at a point of its silhouette. The interval around
-        the nearest node is divided again and again, down to 1e-5 mm.
+        A prismatic rail is nearest to the wheel at a point of its silhouette. The points around the
+        origin are searched, as far as the undeformed bodies overlap on either side: normals of a
+        steep plane also cross the back of the flange. The interval around the nearest point is
+        divided again and again, down to 1e-4 mm.
         """
-        s = self.wheel.profile.s
+        axes = np.stack((self.lateral, self.normal), axis=1)
+        around = 2.0 * self.half_length[1] * np.array([-1.0, 1.0])
+        first, last = np.clip(self.wheel_s + around, *self.wheel.profile.s[[0, -1]])
         for _ in range(4):
+            s = np.linspace(first, last, 33)
             points, _angles = self.wheel.silhouette(s)
-            place = (np.nan_to_num(points, nan=1e9) - self.origin) @ np.stack(
-                (self.lateral, self.normal), axis=1
-            )
-            y, height = place.T
-            inside = np.flatnonzero((np.abs(y) < 1e6) & (y > self.limits[0]) & (y < self.limits[1]))
-            gap = height[inside] - self.rail_profile(y[inside])[0]
-            k = int(inside[np.argmin(gap)])
-            s = np.linspace(s[max(k - 1, 0)], s[min(k + 1, s.size - 1)], 33)
+            y, height = ((np.nan_to_num(points, nan=1e9) - self.origin) @ axes).T
+            outside = (np.abs(y) > 1e6) | (y <= self.limits[0]) | (y >= self.limits[1])
+            gap = height - self.rail_profile(np.where(outside, 0.0, y))[0]
+            gap[outside] = np.inf
+            k = int(np.argmin(gap))
+            first, last = s[max(k - 1, 0)], s[min(k + 1, s.size - 1)]
         return float(gap.min())
 
     def rail_profile(self, y: Array) -> tuple[Array, Array]:
