@@ -28,7 +28,7 @@ from tractive_sam.store import read_gap
 
 
 def check_scene(scene: Scene) -> None:
-    """Raise an error unless the argument is a scene."""
+    """Raise a TypeError unless the argument is a scene."""
     if not isinstance(scene, Scene):
         cure = "Scene.builtin(name), Scene.from_toml(path) or Scene(...) makes one"
         raise TypeError(f"scene: must be a Scene, not {type(scene).__name__}; {cure}")
@@ -37,7 +37,7 @@ def check_scene(scene: Scene) -> None:
 def model_of(
     laws: Laws | None, solver: ProblemSolver | None, began: Worn | None = None
 ) -> Callable[..., Model]:
-    """Return a function that makes models with user-defined laws, solver and worn bodies."""
+    """Return a function that builds models with user-defined laws, solver and worn bodies."""
     if not isinstance(laws, Laws | None):
         cure = "Laws.of(scene).replace(friction=...) makes them"
         raise TypeError(f"laws: must be a Laws, not {type(laws).__name__}; {cure}")
@@ -48,7 +48,7 @@ def model_of(
 
 
 def check_columns(columns: Iterable[Quantity], laws: Laws | None = None) -> tuple[Quantity, ...]:
-    """Return user-defined columns; raise an error if they cannot be recorded."""
+    """Return user-defined columns as a tuple; raise an error if they cannot be recorded."""
     columns, taken = tuple(columns), _reserved_names(laws)
     for column in columns:
         _check_name("columns", column, taken)
@@ -91,7 +91,7 @@ def check_observer_columns(observers: Iterable[Observer], columns: Iterable[Quan
 
 
 def _reserved_names(laws: Laws | None) -> set[str]:
-    """Return the reserved names, which user-defined columns and fields cannot have.
+    """Return the names that user-defined columns and fields cannot have.
 
     `laws` add the columns of their stress criterion.
     """
@@ -112,7 +112,7 @@ def _reserved_names(laws: Laws | None) -> set[str]:
 
 
 def _check_name(where: str, quantity: Quantity, taken: set[str]) -> None:
-    """Raise an error if the name of a quantity is taken; otherwise add it to the taken names."""
+    """Raise an error if the name of a quantity is in `taken`; else add it there."""
     if not isinstance(quantity, Quantity):
         raise TypeError(f"{where}: must be a Quantity, not {type(quantity).__name__}")
     if not quantity.name.isidentifier() or quantity.name in taken:
@@ -127,19 +127,19 @@ def read_measured_gap(scene: Scene) -> Gap | None:
 
 
 def read_profiles(scene: Scene) -> tuple[Gap, ...]:
-    """Return the profiles that a [transient] fixes to the bodies, read from their files."""
+    """Return the moving profiles of a [transient], read from their files."""
     return tuple(read_gap(profile, key) for key, profile in scene.schedule.profiles.items())
 
 
 def hash_measurements(model: Model) -> str:
-    """Return the SHA-256 of the numbers of a model's measured gap and profiles; "" without them."""
+    """Return the SHA-256 of a model's measured gap and profiles; empty without them."""
     maps = [map_ for map_ in (model.measured, *model.profiles) if map_ is not None]
     numbers = b"".join(np.ascontiguousarray(part).tobytes() for map_ in maps for part in map_)
     return hashlib.sha256(numbers).hexdigest() if maps else ""
 
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
-    """Check wear depths given by the user, and return them as an array, mm."""
+    """Return wear depths given by a user as an array on the mesh, mm, after checks."""
     # Largest depth of wear, mm: beyond it rounding errors would exceed the gap.
     deepest = 1e6
     needed = f"wear: must be numbers up to {deepest:g} mm in the shape {grid.elements}"
@@ -159,7 +159,7 @@ def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
 
 
 def check_start(start: State, grid: Grid) -> None:
-    """Raise an error unless the initial guess is a contact on the mesh."""
+    """Raise an error unless an initial guess is a contact on this mesh."""
     if not isinstance(start, State):
         raise TypeError(f"start: must be a State (solve returns one), not {type(start).__name__}")
     if start.grid != grid:

@@ -27,7 +27,7 @@ from tractive_sam.schema import describe_tables
 
 @dataclass(frozen=True)
 class TypicalWork:
-    """Work of parts of a run, as the number of elastic responses that take as long.
+    """Typical work of stress, fatigue and other parts of a run, in units of elastic responses.
 
     Measured on the built-in scenes, and on `spheres` from 31 x 31 to 361 x 361 elements.
 
@@ -61,7 +61,7 @@ PROGRAM_MEMORY = 250
 
 
 def explain(scene: Scene) -> Description:
-    """Describe what will be modelled, on which mesh, and estimate memory and time.
+    """Return a description of what a scene models, on which mesh, with memory and time.
 
     The time is estimated from transforms measured on this machine.
 
@@ -127,7 +127,7 @@ SECTIONS = (
 
 
 def _model_of(scene: Scene) -> tuple[Model, RefinedContact | None]:
-    """Return the model of a scene; [accuracy] finds its mesh by refinement."""
+    """Return the model of a scene, and with [accuracy] the refinement that chose its mesh."""
     measured = read_measured_gap(scene)
     model = Model(scene, measured, profiles=read_profiles(scene))
     if scene.accuracy is None:
@@ -139,7 +139,7 @@ def _model_of(scene: Scene) -> tuple[Model, RefinedContact | None]:
 
 
 def _work(model: Model) -> Iterator[Row]:
-    """Yield rows on the memory and the time that a scene takes, also on finer meshes."""
+    """Yield rows on the memory and time that a scene takes, also on finer meshes."""
     yield Row("records", f"{expected_records(model)} expected")
     needed, free = memory.scene_bytes(model), available_memory()
     room = f"about {needed / 2**20:.0f} MiB, and {PROGRAM_MEMORY} MiB for programs"
@@ -158,7 +158,7 @@ def _work(model: Model) -> Iterator[Row]:
 
 
 def _describe_resolving_meshes(model: Model, seconds: float) -> Iterator[Row]:
-    """Yield a row on the mesh that resolves each map that this mesh does not resolve."""
+    """Yield a row on the finer mesh that each unresolved gap map would need."""
     grid = model.grid
     maps = rough_maps(model.scene, model.measured, model.profiles, grid.half_length)
     for table, roughness in maps:
@@ -174,12 +174,12 @@ def _describe_resolving_meshes(model: Model, seconds: float) -> Iterator[Row]:
 
 
 def expected_records(model: Model) -> int:
-    """Return the number of records that a scene is expected to have."""
+    """Return the number of records that the process of a model will probably write."""
     return process_type(model.scene).expected_records(model.scene, model.grid.dx)
 
 
 def expected_applications(model: Model) -> int:
-    """Return the number of elastic responses that a scene is expected to take.
+    """Return the work of a run, as a number of elastic responses.
 
     Work on stress and fatigue counts as the number of responses that take as long.
     """
@@ -197,7 +197,7 @@ def expected_applications(model: Model) -> int:
 
 
 def _fatigue_applications(model: Model) -> float:
-    """Return the number of elastic responses that take as long as the fatigue of one record."""
+    """Return the work of the fatigue of one record, as a number of elastic responses."""
     work, fatigue = TypicalWork(), model.scene.fatigue
     if fatigue is None:
         return 0.0
@@ -208,7 +208,7 @@ def _fatigue_applications(model: Model) -> float:
 
 
 def seconds_per_application(model: Model, max_elements: int = 2**18, enough: float = 0.02) -> float:
-    """Measure the CPU time of one elastic response and of the work around it, in seconds.
+    """Measure and return the CPU time of one elastic response with the work around it, s.
 
     A mesh of at most `max_elements` elements stands for a larger one; its time is scaled by the
     work of the transforms. Measuring takes about `enough` seconds. Other programs do not change CPU
@@ -229,13 +229,13 @@ def seconds_per_application(model: Model, max_elements: int = 2**18, enough: flo
 
 
 def transform_work(shape: tuple[int, int]) -> float:
-    """Return a measure of the work of a transform on a mesh, n log2(4 n)."""
+    """Return the relative work of an FFT on a mesh, n log2(4 n)."""
     elements = float(np.prod(shape))
     return elements * np.log2(4.0 * elements)
 
 
 def timed_shape(shape: tuple[int, int], max_elements: int) -> tuple[int, int]:
-    """Return the shape of the part of a mesh that is timed: similar sides, few elements."""
+    """Return the shape of a smaller mesh, with sides as similar, on which work is timed."""
     share = np.sqrt(min(1.0, max_elements / np.prod(shape, dtype=float)))
     nx, ny = (min(n, max(3, round(share * n))) for n in shape)
     return min(nx, max(3, max_elements // ny)), min(ny, max(3, max_elements // nx))

@@ -142,7 +142,7 @@ def export_surface(
 
 
 def _surface_fields(state: State) -> dict[str, np.ndarray]:
-    """Return the fields of a contact on the surface."""
+    """Return the surface fields of a contact by name: pressure, traction, slip, wear, gap."""
     interrupt.raise_if_interrupted()
     return {
         "pressure": state.pressure,
@@ -154,7 +154,7 @@ def _surface_fields(state: State) -> dict[str, np.ndarray]:
 
 
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
-    """Return equally spaced depths from 0, mm."""
+    """Return equally spaced depths from 0, mm, as given or by default."""
     # Depth and points for a scene without [subsurface].
     default = Subsurface(planes=(Plane("y", 0.0),))
     settings = source.scene.subsurface or default
@@ -169,7 +169,7 @@ def _depths(source: State, depth: float | None, elements: int | None) -> np.ndar
 
 
 def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
-    """Return the points of the volume, z ascending."""
+    """Return the grid of points of a volume below the contact."""
     lowest = 0.0 if body == "A" else -float(depths[-1])
     return Image(
         points=(*grid.elements, depths.size),
@@ -179,6 +179,6 @@ def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
 
 
 def _arrays(layers: Iterator[tuple[float, np.ndarray]]) -> Iterator[dict[str, np.ndarray]]:
-    """Yield the stress of each layer, and its criteria."""
+    """Yield the stress of each layer and its values by stress criteria, by name."""
     for _, stress in layers:
         yield {"stress": stress} | {name: invariant(stress) for name, invariant in CRITERIA.items()}

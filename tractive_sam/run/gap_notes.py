@@ -16,13 +16,13 @@ from tractive_sam.schema import warn
 
 
 def warn_of_gap(model: Model) -> None:
-    """Warn of maps that the mesh of a model does not resolve, and of maps that do not roll."""
+    """Issue warnings on gap maps that the mesh does not resolve, or that do not roll."""
     for note in gap_notes(model):
         warn(note)
 
 
 def gap_notes(model: Model) -> Iterator[str]:
-    """Yield the notes on the maps of a model: its [gap], and those that a [transient] moves."""
+    """Yield notes on the gap maps of a model: [gap], and moving profiles of a [transient]."""
     measured, grid = model.measured, model.grid
     short = [] if measured is None else uncovered_axes(measured, grid)
     if short:
@@ -44,7 +44,7 @@ def gap_notes(model: Model) -> Iterator[str]:
 
 
 def unresolved_note(model: Model, map_: Roughness) -> str:
-    """Describe the part of a map that the mesh does not resolve, and the cost to resolve it."""
+    """Describe the roughness that the mesh does not resolve, and the cost to resolve it."""
     grid, parts, finer = model.grid, map_.unresolved_parts(model.grid), map_.resolving(model.grid)
     axes = [k for k, n in enumerate(grid.elements) if n > 1]
     sides, shortest = (grid.dx, grid.dy), (finer.dx, finer.dy)

@@ -41,7 +41,7 @@ def solve_many(
     *,
     jacobian: bool = False,
 ) -> "xarray.Dataset":
-    """Solve one steady state for every combination of some entries of a scene.
+    """Solve a steady contact for every combination of values; return an xarray Dataset.
 
     Creepages cost least: a scene under other creepages is not checked again, shares mesh, gap and
     operators, and starts from the contact solved before it, which is a neighbour. For any other
@@ -108,7 +108,7 @@ def solve_many(
 
 
 class _CaseTable:
-    """The results of cases, by their places on axes.
+    """Arrays of results over the axes of `solve_many`, filled case by case.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ class _CaseTable:
         self.derivatives: dict[tuple[int, ...], xarray.DataArray] = {}
 
     def add(self, place: tuple[int, ...], contact: State) -> None:
-        """Add the contact of a case: its numbers if it was solved."""
+        """Store the values of a solved contact at the indices of its case."""
         self.texts["status"][place] = str(contact.status.value)
         self.texts["message"][place] = contact.message
         if not contact.converged:
@@ -138,7 +138,7 @@ class _CaseTable:
             self.numbers[name][place] = quantity.read(contact)
 
     def dataset(self, title: str) -> "xarray.Dataset":
-        """Return all results with their axes."""
+        """Return all results as an xarray Dataset over the axes."""
         dims = [axis.name for axis in self.axes]
         variables: dict[str, Any] = {
             name: (dims, values, _attributes(self.quantities[name]))
@@ -163,31 +163,31 @@ class _CaseTable:
 
 
 def _attributes(quantity: Quantity) -> dict[str, str]:
-    """Return the attributes of a variable from a quantity."""
+    """Return the attributes of a Dataset variable (unit, description) from a quantity."""
     return {"units": quantity.unit, "long_name": quantity.long_name}
 
 
 def _as_array(values: tuple[Any, ...]) -> np.ndarray:
-    """Return values as an array of numbers, or else of texts."""
+    """Return values as an array of numbers, or of texts if they are no numbers."""
     numbers = all(isinstance(v, int | float) and not isinstance(v, bool) for v in values)
     return np.array(values if numbers else [str(value) for value in values])
 
 
 @dataclass(frozen=True)
 class _Axis:
-    """Keys that vary together, and their values, row by row; `name` is the dimension."""
+    """Axis of `solve_many`: keys that vary together, with their rows of values."""
 
     name: str
     keys: tuple[str, ...]
     rows: tuple[tuple[Any, ...], ...]
 
     def changes(self, k: int) -> dict[str, Any]:
-        """Return the values of a row by key."""
+        """Return the values of row k by key."""
         return dict(zip(self.keys, self.rows[k], strict=True))
 
 
 def _check_values(scene: Scene, over: Values) -> list[_Axis]:
-    """Check each row of values with the first ones of the other axes, and return the axes."""
+    """Check all values in a scene, and return the axes."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
         raise SceneError([Fault("over", shorten(over), allowed)])
@@ -225,7 +225,7 @@ def _check_values(scene: Scene, over: Values) -> list[_Axis]:
 def _scenes_of_cases(
     scene: Scene, axes: Sequence[_Axis], cases: Sequence[Mapping[str, Any]]
 ) -> list[Scene]:
-    """Return the scene of each case; keys that a case does not set have their first value.
+    """Return the scene of each case; keys without a value have their first one.
 
     Raises
     ------
@@ -245,7 +245,7 @@ def _scenes_of_cases(
 
 
 def _add_values(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault) -> Fault:
-    """Add the other values that led to a fault; not if the case sets only the faulty key."""
+    """Return a fault that also names the other values of the case, unless one key is set."""
     if len(case) == 1 and any(key in fault.key for key in case):
         return fault
     further = {key: value for key, value in {**first, **case}.items() if key not in fault.key}
@@ -256,7 +256,7 @@ def _add_values(case: Mapping[str, Any], first: Mapping[str, Any], fault: Fault)
 def _solve_cases(
     scene: Scene, axes: Sequence[_Axis], jacobian: bool
 ) -> Iterator[tuple[tuple[int, ...], Model, State]]:
-    """Yield every case: its place, model and contact; neighbours follow one another."""
+    """Yield (indices, model, contact) of every case, in an order of neighbours."""
     # Entries that change the rigid slip alone: operators are made, and a scene is checked, once.
     creepages = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
     moving = [axis for axis in axes if set(axis.keys) <= set(creepages)]
@@ -279,13 +279,13 @@ def _solve_cases(
 
 
 def _changes(axes: Sequence[_Axis], place: Sequence[int]) -> dict[str, Any]:
-    """Return the values of several axes at a place by key."""
+    """Return the values of all axes at the indices of a case, by key."""
     each = zip(axes, place, strict=True)
     return {key: value for axis, k in each for key, value in axis.changes(k).items()}
 
 
 def with_creepages(model: Model, creepages: Mapping[str, float]) -> Model:
-    """Return a model under other creepages, by their dotted keys; it shares the operators.
+    """Return a copy of a model under other creepages, by key; operators are shared.
 
     The values are not checked.
     """
@@ -297,7 +297,7 @@ def with_creepages(model: Model, creepages: Mapping[str, float]) -> Model:
 
 
 def _share_operators(model: Model, scene: Scene) -> Model:
-    """Return the model of a scene that differs only by its creepages, with shared operators."""
+    """Return a model for a scene with other creepages only, which shares operators."""
     # Parts of a model that are expensive and do not depend on the creepages.
     shared_names = ("undeformed_gap", "operators", "units")
     shared = Model(scene, model.measured, model.grid, model.laws)
@@ -307,7 +307,7 @@ def _share_operators(model: Model, scene: Scene) -> Model:
 
 
 def solve_from_nearby(model: Model, start: State | None) -> tuple[Model, State]:
-    """Solve from the contact of a similar model; without it if that does not converge.
+    """Solve a model from the contact of a similar one, or without it if that fails.
 
     Nor from it if there may be several solutions, since the initial guess would choose one.
     """
@@ -320,7 +320,7 @@ def solve_from_nearby(model: Model, start: State | None) -> tuple[Model, State]:
 
 
 def neighbouring_places(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Yield all indices of an array in an order in which successive ones are neighbours."""
+    """Yield all indices of an array so that successive ones are neighbours."""
     if not shape:
         yield ()
         return
@@ -330,7 +330,7 @@ def neighbouring_places(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
 
 
 class SequentialRuns:
-    """Rolls scenes in memory, one after another, each from the contact before it.
+    """Rolls scenes one after another in memory, each started from the contact before.
 
     Scenes that differ only by creepages share mesh, gap and operators. If the mesh does not change,
     the previous contact is the initial guess. Results agree with `roll` to the tolerance of the
@@ -344,7 +344,7 @@ class SequentialRuns:
 
     @single_blas_thread()
     def roll(self, scene: Scene) -> History:
-        """Return the history of a scene, as `roll` does without a file."""
+        """Return the history of a scene, computed in memory."""
         if not _is_steady(scene):
             return roll(scene, progress=False)
         began = perf_counter()
@@ -356,7 +356,7 @@ class SequentialRuns:
         return run.begin(process_of(model), start_passage(model, (contact,)))[0]
 
     def _model_with_last_operators(self, scene: Scene) -> Model:
-        """Return the model of a scene; it shares operators if only the creepages have changed."""
+        """Return the model of a scene, with operators of the last one if only creepages differ."""
         if self._model is not None:
             before = self._model.scene
             if scene == before.model_copy(update={"creepage": scene.creepage}):
@@ -365,6 +365,6 @@ class SequentialRuns:
 
 
 def _is_steady(scene: Scene) -> bool:
-    """Return whether nothing is rolled or refined."""
+    """Return whether a scene is a single contact, with neither rolling nor refinement."""
     tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum
     return all(table is None for table in tables)

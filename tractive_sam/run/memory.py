@@ -19,12 +19,12 @@ FITS = 0.9
 
 
 def fields_per_operator(model: Model) -> int:
-    """Return the number of fields that the elastic operator of a scene transforms at once."""
+    """Return the number of fields, 1 to 3, that the elastic operator of a model transforms."""
     return 3 if model.elasticity.coupled and model.transmits else 2 if model.transmits else 1
 
 
 def contact_bytes(model: Model) -> float:
-    """Return the memory that a solve takes, bytes."""
+    """Return the estimated memory of a contact's solution, bytes."""
     fields, lattice = fields_per_operator(model), model.operators.lattice
     # In doubles: spectra and buffers of the transforms, both in double and single precision, tables
     # from which they are made, and the Krylov space: on a large mesh in single precision, on others
@@ -38,7 +38,7 @@ def contact_bytes(model: Model) -> float:
 
 
 def stress_bytes(model: Model) -> float:
-    """Return the memory that the planes of [subsurface] take, bytes."""
+    """Return the estimated memory of the stress planes of [subsurface], bytes."""
     table, (nx, ny) = model.scene.subsurface, model.grid.elements
     if table is None:
         return 0.0
@@ -48,7 +48,7 @@ def stress_bytes(model: Model) -> float:
 
 
 def fatigue_bytes(model: Model) -> float:
-    """Return the memory that the layers and results of [fatigue] take, bytes."""
+    """Return the estimated memory of the layers and results of [fatigue], bytes."""
     table, (nx, ny) = model.scene.fatigue, model.grid.elements
     if table is None:
         return 0.0
@@ -59,19 +59,19 @@ def fatigue_bytes(model: Model) -> float:
 
 
 def records_bytes(model: Model) -> float:
-    """Return the memory that records take without a results file, bytes."""
+    """Return the estimated memory of the records of a roll without a results file, bytes."""
     saved = len(model.scene.schedule.save)
     blocks = max(1, len(model.scene.duty))
     return 8.0 * saved * blocks * len(FIELDS) * math.prod(model.grid.elements)
 
 
 def scene_bytes(model: Model) -> float:
-    """Return the memory that a scene takes while it is rolled into a file, bytes."""
+    """Return the estimated memory of a roll that writes its records to a file, bytes."""
     return contact_bytes(model) + stress_bytes(model) + fatigue_bytes(model)
 
 
 def check_solve(model: Model) -> None:
-    """Raise an error unless a solve fits into the memory, with [accuracy] on the largest mesh.
+    """Raise an error unless a solve probably fits into the memory.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def check_solve(model: Model) -> None:
 
 
 def check_roll(model: Model, in_memory: bool) -> None:
-    """Raise an error unless a roll fits into the memory, with its stress and its records.
+    """Raise an error unless a roll, with stress and records, probably fits into the memory.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def _check_accuracy(model: Model) -> None:
 
 
 def _check_mesh(model: Model, needed: float) -> None:
-    """Raise an error if the mesh does not fit into the memory."""
+    """Raise an error if a computation that needs these bytes does not fit into the memory."""
     free = available_memory()
     if needed <= free:
         return

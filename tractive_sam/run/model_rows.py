@@ -17,7 +17,7 @@ from tractive_sam.schema import required
 
 
 def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
-    """Yield rows on coupling and on the tangential problem."""
+    """Yield rows on the coupling of pressure and tractions, and on the tangential problem."""
     K = model.scene.material.coupling
     coupling = "none: tractions do not change the pressure, which is solved first"
     if model.elasticity.coupled and model.transmits:
@@ -40,7 +40,7 @@ def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
 
 
 def _describe_solver(table: Solver, model: Model) -> Iterator[Row]:
-    """Yield rows on the method and the slip."""
+    """Yield rows on the solution method and the discretisation of slip."""
     yield Row("method", f"{model.method.description}, to a residual of {table.tolerance:g}")
     if model.transmits:
         scheme = "towards the leading edge (upwind, the paper's): its error falls with their size"
@@ -56,12 +56,12 @@ def _describe_transient(_table: Any, model: Model) -> Iterator[Row]:
 
 
 def _describe_process(_table: Any, model: Model) -> Iterator[Row]:
-    """Yield the rows of the process."""
+    """Yield the rows of the model's process."""
     yield from process_of(model).describe()
 
 
 def _describe_heat(_table: Heat, model: Model) -> Iterator[Row]:
-    """Yield the Peclet number of each body."""
+    """Yield a row with the Peclet number of each body."""
     scene, dx = model.scene, model.grid.dx
     half = model.grid.half_length[0] if scene.hertz is None else scene.hertz.a
     for name, thermal in scene.thermal.items():
@@ -82,13 +82,13 @@ MODEL_ROWS: dict[str, Callable[[Any, Model], Iterable[Row]]] = {
 
 
 def describe_laws_of_packages(model: Model) -> Iterator[Row]:
-    """Yield the rows that laws of other packages give, see `Law.describe`."""
+    """Yield the rows with which user-defined laws describe themselves."""
     for name, law in model.laws.differences_from(model.scene).items():
         yield Row(name, law.text)
 
 
 def describe_refinement(refinement: RefinedContact) -> Iterator[Row]:
-    """Yield the error bars of the unworn bodies on the mesh found for [accuracy]."""
+    """Yield rows on the error bars of the unworn bodies, for [accuracy]."""
     contact = refinement.contact
     if refinement.missed:
         yield Row("not reached", refinement.missed)
@@ -117,7 +117,7 @@ def describe_mesh(model: Model, refinement: RefinedContact | None) -> Iterator[R
 
 
 def _describe_origin(model: Model) -> str:
-    """Describe the origin of the mesh, and whether it is refined for a measured map."""
+    """Describe why the mesh was chosen, and whether it is refined for a gap map."""
     scene, grid = model.scene, model.grid
     origin = "chosen from the contact" if scene.grid is None else scene.grid.origin
     if model.measured is None and not model.profiles:

@@ -52,7 +52,7 @@ def solve(
     jacobian: bool = False,
     progress: bool | None = None,
 ) -> State:
-    """Solve one steady state of a scene.
+    """Solve one steady state of a scene, and return the contact.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def solve(
 
 
 def _warn_or_raise(contact: State, throw: bool) -> State:
-    """Warn of an implausible pressure, and raise an error for a contact without solution."""
+    """Return a contact; warn of implausible pressure, raise an error if it is not solved."""
     x, y = contact.p_max_at
     for note in pressure_notes(contact.scene, contact.p_max, f" at ({x:.3g}, {y:.3g}) mm"):
         warn(f"p_max: {note}", PlausibilityWarning)
@@ -160,7 +160,7 @@ def roll(
     columns: Iterable[Quantity] = (),
     observers: Iterable[Observer] = (),
 ) -> History:
-    """Roll a scene through its revolutions; without [wear] only revolution 0, the unworn bodies.
+    """Roll a scene through its revolutions, steps or blocks, and return the history.
 
     Parameters
     ----------
@@ -254,7 +254,7 @@ def roll(
 
 
 def _begin(run: Recording) -> History:
-    """Roll from the first step."""
+    """Roll a run from its first step, and return the history."""
     model = run.model_of(run.scene, run.measured)
     memory.check_roll(model, in_memory=run.path is None)
     process = run.process_of(model)
@@ -264,7 +264,7 @@ def _begin(run: Recording) -> History:
 
 
 def _continue(run: Recording, last: Step, stored: StoredStep) -> History:
-    """Roll from the last step of a results file."""
+    """Roll a run from the last step of a results file, and return the history."""
     before, path = stored.history, required(run.path, "path")
     model = run.model_of(run.scene, run.measured, last.grid)
     memory.check_roll(model, in_memory=False)

@@ -12,7 +12,7 @@ from tractive_sam.schema import Fault, SceneError
 def wear_profiles(
     scene: Scene, path: str | PathLike[str] | None = None, **options: Any
 ) -> WornProfiles:
-    """Wear the profiles of a wheel and a rail over the positions of a duty.
+    """Roll a wheel on a rail with wear, and return the worn profiles of both.
 
     Material is removed along the normals of both profiles, without any smoothing. Each block of
     [[duty]] is a position of the wheelset with its share in the revolutions.
@@ -48,7 +48,7 @@ def wear_profiles(
 
 
 def require_wear(scene: Scene) -> None:
-    """Raise a SceneError unless a scene has profiles that wear."""
+    """Raise a SceneError unless a scene has [wheelset] and [wear]."""
     for name in ("wheelset", "wear"):
         if getattr(scene, name) is None:
             raise SceneError([Fault(name, "nothing", f"a [{name}] table, to wear profiles")])

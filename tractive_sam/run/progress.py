@@ -21,10 +21,10 @@ DELAY = 2.0
 
 
 class Bar(Protocol):
-    """A progress bar in a terminal or a notebook."""
+    """Protocol of a progress bar in a terminal or a notebook."""
 
     def show(self, text: str, done: float, total: float | None, remaining: str) -> None:
-        """Show how much is done of a total, if that is known, and the time left."""
+        """Show a text, the completed part of a total (if known), and the remaining time."""
 
     def close(self) -> None:
         """Remove the bar."""
@@ -36,7 +36,7 @@ def show_roll_progress(
     progress: bool | Callable[[Record], None] | None = None,
     terminal: Console | None = None,
 ) -> Iterator[Callable[[Record], None] | None]:
-    """Show the progress of a roll, and yield the function to call with each record.
+    """Show a progress bar in the block, and yield the function to call with each record.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def show_roll_progress(
 
 
 class _RollProgress:
-    """The bar of a roll."""
+    """Progress bar of a roll, with the forecast of the remaining time."""
 
     def __init__(self, scene: Scene, forecast: Forecast, bar: Bar, at_once: bool) -> None:
         self.scene, self.forecast, self.bar, self.at_once = scene, forecast, bar, at_once
@@ -79,12 +79,12 @@ class _RollProgress:
             self.first = "rolling on coarser meshes"
 
     def show_iteration(self, mesh: tuple[int, int], residual: float) -> None:
-        """Show the residual of the first contact."""
+        """Show mesh and residual while the first contact is solved."""
         if self.at_once and not self.forecast.done:
             self.bar.show(f"{self.first}, {_solving(mesh, residual)}", 0.0, None, "")
 
     def show_record(self, record: Record) -> None:
-        """Show how far the roll is, and the time left."""
+        """Update the bar after a record: coordinate, wear depth, remaining time."""
         forecast = self.forecast
         jump, solves, seconds = (
             float(record.values.get(name, 1.0)) for name in ("jump", "solves", "seconds")
@@ -106,7 +106,7 @@ class _RollProgress:
 
 @contextmanager
 def show_solving(progress: bool | None = None, terminal: Console | None = None) -> Iterator[None]:
-    """Show the progress of the contact that is solved in the block.
+    """Show a progress bar while a contact is solved in the block.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ def show_solving(progress: bool | None = None, terminal: Console | None = None) 
 
 
 def _solving(mesh: tuple[int, int], residual: float) -> str:
-    """Describe the mesh and the residual of a solve."""
+    """Describe the mesh and the residual of a running solve."""
     return f"{' x '.join(map(str, mesh))} elements, residual {residual:.1g}"
 
 
@@ -150,7 +150,7 @@ def format_remaining_time(seconds: float) -> str:
 
 
 def _bar(terminal: Console) -> Bar | None:
-    """Return a bar for the notebook or the terminal; None for any other output."""
+    """Return a new bar for the notebook or the terminal; None for other outputs."""
     if _in_notebook():
         return _Notebook()
     return _Terminal(terminal) if terminal.is_terminal else None
@@ -164,7 +164,7 @@ def _in_notebook() -> bool:
 
 
 class _Terminal:
-    """A progress bar in a terminal."""
+    """Progress bar in a terminal (rich)."""
 
     def __init__(self, terminal: Console) -> None:
         self._bar = Progress(
@@ -179,7 +179,7 @@ class _Terminal:
         self._task = self._bar.add_task("", total=None, left="")
 
     def show(self, text: str, done: float, total: float | None, duration: str) -> None:
-        """Update the bar: text, done and total work, and the remaining time as text."""
+        """Show a text, completed and total work, and the remaining time."""
         remaining = f"left {duration}" if duration else ""
         self._bar.update(self._task, description=text, completed=done, total=total, left=remaining)
         self._bar.start()
@@ -190,14 +190,14 @@ class _Terminal:
 
 
 class _Notebook:
-    """A line of HTML that is updated at most five times a second."""
+    """Progress bar in a notebook: a line of HTML, updated at most five times a second."""
 
     def __init__(self) -> None:
         self._shown: Any = None
         self._last = 0.0
 
     def show(self, text: str, done: float, total: float | None, remaining: str) -> None:
-        """Update the bar: text, done and total work, and the remaining time as text."""
+        """Show a text, completed and total work, and the remaining time."""
         if perf_counter() - self._last < 0.2:
             return
         self._last = perf_counter()
@@ -211,7 +211,7 @@ class _Notebook:
             self._put({"text/html": "", "text/plain": ""})
 
     def _put(self, bundle: dict[str, str]) -> None:
-        """Display a bundle of MIME types, or update the one on display."""
+        """Display a MIME bundle, or replace the displayed one."""
         from IPython.display import display  # noqa: PLC0415 - available inside a notebook
 
         if self._shown is None:

@@ -23,7 +23,7 @@ from tractive_sam.store import HistoryWriter, open_history
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """Rolls a scene and records its steps.
+    """A roll with its arguments: runs the process of a scene and records its steps.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Recording:
     observers: tuple[Observer, ...] = ()
 
     def process_of(self, model: Model, *further: Observer) -> Process[Any]:
-        """Return the process of a model, followed by all observers and further ones.
+        """Return the process of a model, with the observers of the roll and further ones.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class Recording:
         return process
 
     def begin(self, process: Process, start: Step) -> tuple[History, Step]:
-        """Roll from the first step; return the history and its last step."""
+        """Roll from the first step to the end; return the history and the last step."""
         model = process.model
         laws = model.laws.differences_from(model.scene)
         warn_of_gap(model)
@@ -96,7 +96,7 @@ class Recording:
         return self._record_steps(sink, process, start, (start,))
 
     def resume(self, process: Process, last: Step, before: History) -> tuple[History, Step]:
-        """Continue from the last record of a file that holds `before`; see `begin`."""
+        """Roll from the last step of a results file; return the history and the last step."""
         warn_of_gap(process.model)
         sink = HistoryWriter.reopen(required(self.path, "path"), self.scene, len(before))
         widest = np.nanmax([before[name] for name in self.half_widths], axis=1, initial=0.0)
@@ -110,7 +110,7 @@ class Recording:
         first: Iterable[Step],
         widest: np.ndarray | tuple[float, float] = (0.0, 0.0),
     ) -> tuple[History, Step]:
-        """Record a start and the steps after it; return the history and the last step."""
+        """Record steps to a file or in memory; return the history and the last step."""
         step, began = start, self.began
         recorder = Recorder(self.columns, self.measured)
         with sink:
@@ -133,7 +133,7 @@ class Recording:
 
 
 def _warn_beyond_tests(model: Model, start: Step) -> None:
-    """Warn if the first contacts lie outside the tests that gave the wear coefficients."""
+    """Warn of contacts beyond the range of tests from which wear coefficients stem."""
     for k, (block, contact) in enumerate(zip(model.blocks, start.contacts, strict=True)):
         if block.wear_law is not None and contact.converged:
             fields = contact.pressure, contact.traction, contact.slip
@@ -143,7 +143,7 @@ def _warn_beyond_tests(model: Model, start: Step) -> None:
 
 
 class _InMemory:
-    """Collects records in memory, with the interface of `HistoryWriter`."""
+    """Collector of records in memory, with the interface of `HistoryWriter`."""
 
     def __init__(self, scene: Scene, laws: Mapping[str, LawRecord], started: str) -> None:
         self._scene, self._laws, self._started = scene, laws, started
@@ -156,12 +156,12 @@ class _InMemory:
         """Do nothing: records in memory need no file to be closed."""
 
     def append(self, record: Record, grid: Grid, state: Mapping[str, np.ndarray] | None) -> None:
-        """Append a record and its mesh."""
+        """Store a record, and the mesh as the last one."""
         self._grid = grid
         self._records.append(record)
 
     def finish(self, status: str, message: str) -> None:
-        """Make the history of all records."""
+        """Build the history of all records, with its status."""
         self.history = History.of_records(
             self._records,
             self._scene,

@@ -16,7 +16,7 @@ from tractive_sam.store import ResultsError
 
 
 def solve_to_accuracy(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> State:
-    """Solve unworn bodies on the mesh that their accuracy needs (see `refine_unworn`)."""
+    """Solve unworn bodies on meshes refined to their accuracy; return the contact."""
     refinement = refine_unworn(set_tolerances(scene), measured, model_of)
     if not refinement.contact.converged or not refinement.missed:
         return refinement.contact
@@ -24,7 +24,7 @@ def solve_to_accuracy(scene: Scene, measured: Gap | None, model_of: Callable[...
 
 
 def roll_to_accuracy(run: Recording) -> History:
-    """Roll a scene from its unworn bodies."""
+    """Roll a scene with [accuracy] on meshes refined as needed; return the history."""
     scene = set_tolerances(run.scene)
     blocks = scene.spectrum.scenes if scene.spectrum else (scene,)
     refinements = [refine_unworn(block, run.measured, run.model_of) for block in blocks]
@@ -40,7 +40,7 @@ def roll_to_accuracy(run: Recording) -> History:
 
 
 def _rolled_from(run: Recording, scene: Scene, bars: ErrorBars, level: int) -> History:
-    """Roll on the mesh of a level, and on finer ones until the error bars are narrow enough."""
+    """Roll on the mesh of a level, and on finer ones while error bars are too wide."""
     levels = Levels(scene, run.measured)
     while True:
         model = run.model_of(scene, run.measured, levels.grid(level))
@@ -54,7 +54,7 @@ def _rolled_from(run: Recording, scene: Scene, bars: ErrorBars, level: int) -> H
 
 
 def resume_to_accuracy(run: Recording, last: Step, before: History) -> History:
-    """Continue on the mesh of a file; if that is too coarse, roll again on finer ones."""
+    """Resume on the mesh of a file, or roll again on finer ones; return the history."""
     scene, measured = set_tolerances(run.scene), run.measured
     levels, missed = Levels(scene, measured), describe_missed_accuracy(before, scene)
     model = run.model_of(scene, measured, last.contact.grid.shifted(0.0))

@@ -43,7 +43,7 @@ def last_step(
     columns: Iterable[Quantity] = (),
     measured: Gap | None = None,
 ) -> tuple[Step, StoredStep] | None:
-    """Return the last step of a results file from which to continue, and what is stored of it.
+    """Return the last step of a results file from which to resume, and its stored arrays.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def last_step(
 
 @contextmanager
 def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
-    """Raise a DamagedError if a part of a record is missing.
+    """Within the block, turn missing parts of a record into a DamagedError.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
 
 
 def describe_differences(before: Scene, requested: Scene) -> str:
-    """List the differences of two scenes that prevent resuming; return "" if there are none."""
+    """List entries of two scenes whose difference prevents resuming; "" if there are none."""
     # Number of differences of two scenes that a message lists.
     most_listed = 5
     stored, current = before.settings(), requested.settings()
@@ -123,7 +123,7 @@ def describe_differences(before: Scene, requested: Scene) -> str:
 
 
 def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> None:
-    """Raise an error if a file holds another scene."""
+    """Raise an error if a results file holds another scene."""
     if differences := describe_differences(history.scene, scene):
         raise ResultsError(
             f"{path} holds another scene ({differences}); resume with the scene of the file, or "
@@ -132,7 +132,7 @@ def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> N
 
 
 def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRecord]) -> None:
-    """Raise an error unless the laws equal the laws of the file."""
+    """Raise an error unless the given laws equal those of a results file."""
     stored, current = (
         {name: law.fingerprint for name, law in records.items()}
         for records in (history.law_records, laws)
@@ -184,7 +184,7 @@ def check_observers_in_file(
 
 
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
-    """Raise an error if a file has a different column with one of the names."""
+    """Raise an error if a results file has a different column of the same name."""
     for column in columns:
         current = column.with_units_of(history.scene)
         if history.columns.get(column.name, current) != current:
@@ -195,7 +195,7 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
 
 
 def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
-    """Return the dotted keys of entries that differ although they must not."""
+    """Return the dotted keys of entries that differ although resuming forbids it."""
     if key in FREE or _are_equal(before, after):
         return []
     if isinstance(before, dict) and isinstance(after, dict):
@@ -215,7 +215,7 @@ def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
 
 
 def _are_tables(value: Any) -> bool:
-    """Return whether a value is a list of tables."""
+    """Return whether a value is a list or tuple of tables."""
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 
@@ -231,7 +231,7 @@ def _are_equal(before: Any, after: Any) -> bool:
 
 
 def _format_entry(entries: dict[str, Any], key: str) -> str:
-    """Format the value of a dotted key in the settings of a scene."""
+    """Return the value of a dotted key in the settings of a scene as text."""
     value: Any = entries
     for name in key.replace("[", ".").replace("]", "").split("."):
         value = value[int(name)] if isinstance(value, tuple) else (value or {}).get(name)
@@ -241,7 +241,7 @@ def _format_entry(entries: dict[str, Any], key: str) -> str:
 
 
 def _move_to_grid(scene: Scene, measured: Gap | None, last: Step, path: str | PathLike) -> Step:
-    """Return the step on the scene's [grid], if the scene has one."""
+    """Return a step moved to the [grid] that the scene has now, if it has one."""
     before = last.grid
     if scene.grid is None:
         return last

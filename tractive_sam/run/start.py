@@ -13,7 +13,7 @@ from tractive_sam.store import ResultsError
 
 
 def worn_bodies(start: History | State, scene: Scene) -> Worn:
-    """Return the wear depths of both bodies from a history or a contact.
+    """Return the wear depths of both bodies from an earlier history or contact.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def worn_bodies(start: History | State, scene: Scene) -> Worn:
 
 
 def describe_origin(start: History | State) -> str:
-    """Describe the source of worn bodies in a line."""
+    """Describe in one line the history or contact from which worn bodies come."""
     scene = start.scene
     where = (
         f"revolution {start.revolution}"
@@ -59,14 +59,14 @@ def describe_origin(start: History | State) -> str:
 
 
 def _describe_last_record(history: History) -> str:
-    """Describe the last record of a history that was solved."""
+    """Describe the last solved record of a history."""
     row = _last_row(history)
     along = history.coordinate
     return f"{along.name} {history[along.name][row]:{along.format}}"
 
 
 def _last_row(history: History) -> int:
-    """Return the row of the last record that was solved."""
+    """Return the row of the last solved record of a history."""
     solved = np.flatnonzero(history["converged"] > 0.0)
     if not solved.size:
         raise ResultsError("start: the history holds no solved contact; give another one")
@@ -74,7 +74,7 @@ def _last_row(history: History) -> int:
 
 
 def worn_bodies_before(history: History) -> Worn | None:
-    """Return the worn bodies with which a history began; None if they were new."""
+    """Return the worn bodies with which a history began; None if they were unworn."""
     if not history.started:
         return None
     depths = np.stack([history[f"wear_profile_{body}"][0] for body in BODIES])
@@ -82,7 +82,7 @@ def worn_bodies_before(history: History) -> Worn | None:
 
 
 def check_start_of_file(history: History, path: str | PathLike, origin: str) -> Worn | None:
-    """Return the worn bodies with which a file began; `origin`, if not empty, must name them.
+    """Return the worn bodies with which a file began, after a check of their origin.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def check_start_of_file(history: History, path: str | PathLike, origin: str) -> 
 
 
 def _depths_from_history(history: History) -> Worn:
-    """Return the wear depths of both bodies from a history."""
+    """Return the wear depths of both bodies after the last solved record of a history."""
     row = _last_row(history)
     entering, leaving = (history[name][row] for name in ("entering_profile", "wear_profile"))
     began = worn_bodies_before(history)
@@ -114,7 +114,7 @@ def _depths_from_history(history: History) -> Worn:
 
 
 def _depths_from_state(state: State) -> Worn:
-    """Return the wear depths of both bodies from a contact."""
+    """Return the wear depths of both bodies after the revolution of a contact."""
     wear = state.scene.wear
     if wear is not None and not wear.together:
         raise ResultsError(
@@ -137,7 +137,7 @@ def _check_same_bodies(before: Scene, requested: Scene) -> None:
 
 
 def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
-    """Return the entries that define the bodies of a scene, by dotted key."""
+    """Return the entries of a scene that define its bodies, by dotted key."""
     of_wear = ("hardness", "density")
     # Tables of the scene in which the bodies must agree, except for entries of wear alone.
     same = ("body", "gap")
@@ -148,7 +148,7 @@ def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
 
 
 def _flatten(table: Mapping[str, Any], above: str = ""):
-    """Yield the entries of nested tables by dotted key."""
+    """Yield (dotted key, value) of all entries of nested tables."""
     for name, value in table.items():
         key = f"{above}.{name}".lstrip(".")
         if isinstance(value, Mapping):

@@ -11,7 +11,7 @@ from tractive_sam.solvers.projection import ProjectedMap, Projection, States
 
 @dataclass(frozen=True)
 class Anderson(Projection):
-    """Combines the last images so that their combined change is least.
+    """Anderson acceleration of the projected iteration: the last images are combined.
 
     Anderson (1965), J. ACM 12, 547-560; Walker & Ni (2011), SIAM J. Numer. Anal. 49, 1715-1735.
 
@@ -36,7 +36,7 @@ class Anderson(Projection):
     name: ClassVar[str] = "anderson"
 
     def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
-        """Yield the combined states of the iteration."""
+        """Yield (map, state) to evaluate, each state combined from the last images."""
         images: list[np.ndarray] = []
         changes: list[np.ndarray] = []
         best, smallest = state, np.inf
@@ -57,7 +57,7 @@ class Anderson(Projection):
 
 
 def combine_images(images: Sequence[np.ndarray], changes: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the affine combination of images with the smallest norm of the combined change."""
+    """Return the affine combination of images whose combined change has the smallest norm."""
     if len(images) == 1:
         return images[0]
     differences = np.stack([(changes[-1] - c).ravel() for c in changes[:-1]])

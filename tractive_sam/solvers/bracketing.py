@@ -19,12 +19,12 @@ from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
 class _NotSolvedError(Exception):
-    """Raised if a problem on the path was not solved, or no creepage gives the force."""
+    """Raised if an intermediate problem was not solved, or no creepage gives the force."""
 
 
 @dataclass(frozen=True)
 class Bracketing:
-    """Finds the creepage for the first prescribed force by bracketing; the solver finds the second.
+    """Solver that finds the creepage for the first prescribed force by bracketing.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Bracketing:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve between creepages; see `ProblemSolver`. Problems of given creepages are continued.
+        """Solve a problem whose first prescribed force is met by a search over its creepage.
 
         Returns
         -------
@@ -73,7 +73,7 @@ class Bracketing:
         return replace(outcome, trace=(note,))
 
     def _approach(self, search: "_Search", start: Start | Outcome | None) -> None:
-        """Solve under creepages until the force is close to the prescribed one."""
+        """Search creepages until the first force is close to its prescribed value."""
         here = 0.0 if start is None or start.creepage is None else float(start.creepage[0])
         before, missed = here, search.force_missed(here)
         side = np.sign(missed)
@@ -87,7 +87,7 @@ class Bracketing:
 
 
 class _Search:
-    """The problems solved under given creepages, each from the outcome of the one before.
+    """Force as a function of the creepage, each problem solved from the previous outcome.
 
     Attributes
     ----------
@@ -115,12 +115,12 @@ class _Search:
         self.known, self.taken = start, 0
 
     def add(self, outcome: Outcome) -> None:
-        """Add an outcome, which begins the next problem."""
+        """Store an outcome, with the cost of earlier ones, as the start of the next problem."""
         self.outcome = self.known = outcome.costing(self.outcome) if self.taken else outcome
         self.taken += 1
 
     def force_missed(self, creepage: float) -> float:
-        """Return the force above its target under a creepage; zero if it is close.
+        """Solve under a creepage; return the force minus its target, or 0.0 if it is close.
 
         Raises
         ------
@@ -148,7 +148,7 @@ class _Search:
         return float(missed) if abs(missed) > self.method.close * size else 0.0
 
     def check_creepage(self) -> None:
-        """Raise an error if the creepages run away: no creepage gives the force."""
+        """Raise an error if the creepage is so large that no creepage gives the force."""
         forces, last = self.problem.forces, self.outcome
         creepage, slip = (
             needed(last.creepage, "outcome.creepage"),

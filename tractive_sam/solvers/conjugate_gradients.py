@@ -17,7 +17,7 @@ from tractive_sam.solvers.problem import NormalProblem
 
 @dataclass(frozen=True)
 class ConjugateGradients:
-    """Conjugate gradients for the normal problem without tractions, for a load or an approach.
+    """Conjugate gradients for the normal problem without tractions, for load or approach.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class ConjugateGradients:
     def solve(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve the normal problem.
+        """Solve the normal problem to a tolerance, and return the outcome.
 
         Parameters
         ----------
@@ -65,7 +65,7 @@ class ConjugateGradients:
 
 
 class _Iteration:
-    """State of the iteration: a pressure with its lift, approach and gap, and the last search.
+    """State of the conjugate gradients: pressure, displacement, gap, approach, last direction.
 
     Attributes
     ----------
@@ -82,12 +82,12 @@ class _Iteration:
         self._set_pressure(pressure)
 
     def _set_pressure(self, pressure: np.ndarray) -> None:
-        """Begin at a pressure, which is scaled to the load."""
+        """Set the pressure, scaled to the load, and compute displacement and gap."""
         self.pressure = _scale_to_load(self.problem, pressure)
         self._set_lift(self._apply(self.pressure))
 
     def _set_lift(self, lift: np.ndarray) -> None:
-        """Set the lift by the pressure, and the approach and the gap that follow from it."""
+        """Set the displacement by the pressure, and compute the approach and the gap."""
         self._lift, self.approach = lift, self.problem.approach
         gap = self.problem.gap + lift
         if self.under_load:
@@ -96,7 +96,7 @@ class _Iteration:
         self.gap = gap - self.approach
 
     def advance(self) -> bool:
-        """Move to the least energy along a new direction; return whether this point exists."""
+        """Minimise the energy along a new direction; return False if that has no minimum."""
         active = (self.pressure > 0.0) | (self.gap < 0.0)
         unchanged = np.array_equal(active, self._active)
         self._active = active
@@ -118,7 +118,7 @@ class _Iteration:
         return self._minimise_along(direction)
 
     def _minimise_along(self, direction: np.ndarray) -> bool:
-        """Move to the least energy along a direction; return whether it has a curvature."""
+        """Minimise the energy along a direction; return False if that has no curvature."""
         change = self._apply(direction)
         # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
         if not (curvature := np.vdot(direction, change)) > 0.0:
@@ -133,23 +133,23 @@ class _Iteration:
         return True
 
     def _apply(self, field: np.ndarray) -> np.ndarray:
-        """Return the lift by a pressure."""
+        """Return the normal displacement by a pressure, and count the application."""
         self.applications += 1
         return self.problem.operators.normal(field[None])[0]
 
     def _precondition(self, gap: np.ndarray) -> np.ndarray:
-        """Return an approximate pressure of the active elements for their gap."""
+        """Return the approximate pressure of the active elements that causes a gap."""
         self.preconditionings += 1
         gap = np.where(self._active, gap, 0.0)
         return np.where(self._active, self.problem.operators.normal_inverse(gap[None])[0], 0.0)
 
     def _without_load(self, step: np.ndarray) -> np.ndarray:
-        """Return a step without the part that would change the load: it belongs to the approach."""
+        """Return a step of the pressure without the part that changes the load."""
         return step - self._response * (step.sum() / self._response.sum())
 
 
 class _Search(NamedTuple):
-    """A search direction, and the gap that it began at with its product with the step."""
+    """Last search direction, with the gap there and the product of gap and step."""
 
     direction: np.ndarray
     gap: np.ndarray
@@ -178,7 +178,7 @@ def _scale_to_load(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
 
 
 def _first_guess(problem: NormalProblem) -> np.ndarray:
-    """Return the initial pressure: the depth of the undeformed bodies below some level."""
+    """Return an initial pressure: the depth to which the undeformed bodies overlap."""
     level = problem.approach
     if problem.load is not None:
         level = np.quantile(problem.gap, 0.5)

@@ -14,7 +14,7 @@ from tractive_sam.solvers.problem import Problem
 
 @dataclass(frozen=True)
 class Continuation:
-    """Solver of a hard problem that lowers the creepages from full slip to the prescribed ones.
+    """Solver that follows a path of easier problems, from full slip to the given creepages.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Continuation:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem by a path of easier problems; see `ProblemSolver`.
+        """Solve a problem along a path of larger creepages that fall to the prescribed ones.
 
         Returns
         -------
@@ -54,7 +54,7 @@ class Continuation:
         return follow_path(outcome, solve, "creepage", self.first, self.shortest)
 
     def easier(self, problem: Problem, done: float) -> Problem:
-        """Return the problem at a part of the path, from 0 to 1."""
+        """Return the problem with larger creepages, at a point of the path from 0 to 1 (itself)."""
         return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
 
 
@@ -65,7 +65,7 @@ def follow_path(
     first: float,
     shortest: float,
 ) -> Outcome:
-    """Follow a path from 0 to 1: halve a stretch that fails, double the next after success.
+    """Solve problems along a path from 0 to 1 by steps that adapt; return the last outcome.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 @dataclass(frozen=True)
 class FromRest:
-    """Solves problems with friction that falls with sliding, from slow to fast rolling.
+    """Solver for friction that falls with sliding, by a path from slow or fast rolling.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class FromRest:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; see `ProblemSolver`. The outcome has the cost of all steps.
+        """Solve a problem, from a start nearby or along a path of rolling speeds.
 
         From a start nearby at once.
         """
@@ -72,7 +72,7 @@ class FromRest:
         return outcome
 
     def _continued(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
-        """Continue from slower or from faster rolling to the problem."""
+        """Solve problems at speeds from the one of `start` to that of the problem."""
         # Forces that one creepage has no more are beyond the top: no need to come quite near it.
         shortest = 0.5 * self.first if len(problem.forces) else self.shortest
 
@@ -84,7 +84,7 @@ class FromRest:
         return follow_path(start, solve, "speed", self.first, shortest)
 
     def _with_top(self, problem: Problem, outcome: Outcome, start: Outcome) -> Outcome:
-        """Return the outcome with the maximum of the traction curve of the first force."""
+        """Return an outcome with the maximum of the traction curve, if it is below the force."""
         forces = problem.forces
         vector, target = forces.vectors[0], forces.target[0]
         remaining = PrescribedForces(forces.vectors[1:], forces.target[1:])
@@ -111,7 +111,7 @@ class FromRest:
 
 
 class _Curve:
-    """A force as a function of its creepage; each problem starts from the previous solution."""
+    """Tangential force as a function of the creepage, each solved from the last solution."""
 
     def __init__(self, solver, problem, remaining, vector, start, tolerance):
         self._solver, self._problem, self._remaining = solver, problem, remaining
@@ -138,7 +138,7 @@ class _Curve:
 
 
 def _add_cost(outcome: Outcome, *earlier: Outcome) -> Outcome:
-    """Add the cost of earlier solves to the cost of the curve."""
+    """Return an outcome with the cost of earlier outcomes added."""
     for previous in earlier:
         outcome = outcome.costing(previous)
     return outcome

@@ -15,29 +15,29 @@ Map = Callable[[np.ndarray], np.ndarray]
 
 
 class LinearSystem(Protocol):
-    """A linear system with an elastic operator in its matrix."""
+    """Protocol of a linear system whose matrix contains an elastic operator."""
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the pressure and tractions in a vector."""
+        """Shape of the fields (pressure, tractions) in a vector of unknowns."""
 
     def right_hand_side(self) -> np.ndarray:
         """Return the right-hand side, shape (n,)."""
 
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
-        """Apply an approximate inverse of the matrix."""
+        """Apply an approximate inverse of the matrix to a vector."""
 
     def response(self, vector: np.ndarray) -> np.ndarray:
-        """Return the elastic gap and slip due to the pressure and tractions of a vector."""
+        """Return the elastic gap and slip due to the fields in a vector of unknowns."""
 
     def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Return the matrix times a vector with this response; overwritten by the next one."""
+        """Return the matrix times a vector with a known response; the next call overwrites it."""
 
 
 def gmres(
     operator: Map, preconditioner: Map, rhs: np.ndarray, tolerance: float, max_steps: int
 ) -> tuple[np.ndarray, int]:
-    """Solve ``operator(x) = rhs`` to a relative residual (Saad & Schultz 1986).
+    """Solve ``operator(x) = rhs`` by GMRES (Saad & Schultz 1986); return x and the steps.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndar
 def conjugate_residuals(
     system: LinearSystem, tolerance: float, max_steps: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Solve a linear system, and return the response to its solution as well.
+    """Solve a linear system; return the solution and its elastic response.
 
     The method of Eisenstat, Elman & Schultz (1983), SIAM J. Numer. Anal. 20, 345-357.
 

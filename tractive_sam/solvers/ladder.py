@@ -18,7 +18,7 @@ from tractive_sam.solvers.uzawa import Uzawa
 
 @dataclass(frozen=True)
 class Ladder:
-    """A sequence of methods that are tried one after the other until one converges.
+    """Solver that tries several methods one after the other until one converges.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Ladder:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; the outcome has the cost and trace of all rungs. See `ProblemSolver`."""
+        """Solve a problem by the first method that converges; costs of all methods are added."""
         rungs = self.rungs[: self.with_forces] if len(problem.forces) else self.rungs
         outcome = rungs[0].solve(problem, tolerance, start)
         for rung in rungs[1:]:
@@ -52,7 +52,7 @@ class Ladder:
 
 @dataclass(frozen=True)
 class Method:
-    """The solution method of a scene, for bodies of equal and of different material.
+    """Solvers of a scene for bodies of equal and of different material, with descriptions.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Method:
 
     @classmethod
     def of(cls, solver: ProblemSolver) -> "Method":
-        """Return a user-defined solver as a method for all bodies."""
+        """Return a method that uses a user-defined solver for all bodies."""
         return cls(solver, solver, repr(solver))
 
 
@@ -141,7 +141,7 @@ METHODS = {
 
 
 def falling_method(solver: ProblemSolver, sliding: bool) -> ProblemSolver:
-    """Return a method for friction that falls with sliding.
+    """Return a solver for friction that falls with sliding, built from another solver.
 
     Parameters
     ----------

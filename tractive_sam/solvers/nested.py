@@ -29,12 +29,12 @@ def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarray) -> np.ndarray:
-    """Interpolate tractions to a finer mesh by their share of the bound, which is smooth."""
+    """Interpolate tractions to a finer mesh by their smooth share of the traction bound."""
     return refine(shares(coarse, bound), fine_bound.shape) * fine_bound
 
 
 def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
-    """Return tractions (2, n_x, n_y) over their bound, extended one element beyond contact."""
+    """Return tractions over their bound, (2, n_x, n_y), extended one element beyond contact."""
     inside = bound > 0.0
     share = np.where(inside, traction, 0.0) / np.where(inside, bound, 1.0)
     sums: np.ndarray = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
@@ -46,7 +46,7 @@ def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
 
 
 def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Interpolate pressure to a finer mesh by a quantity that is smooth across the edge.
+    """Interpolate pressure to a finer mesh by its square, which the gap continues outside.
 
     At a distance d from the edge the pressure inside rises like d^1/2 and the gap outside like
     d^3/2, so p² continues as -gap^2/3. The factor is taken from a Hertzian line contact, with gap =
@@ -56,13 +56,13 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     if peak == 0.0:
         return np.zeros(shape)
     outside = np.cbrt(np.maximum(1.5 * gap / peak, 0.0)) ** 2
-    follow_path = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
-    return peak * np.sqrt(np.maximum(refine(follow_path, shape), 0.0))
+    squares = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
+    return peak * np.sqrt(np.maximum(refine(squares, shape), 0.0))
 
 
 @dataclass(frozen=True)
 class Nested:
-    """Solves on successively finer meshes, each started from the one before.
+    """Solver on successively finer meshes, each started from the solution on the coarser one.
 
     From a start that is given it solves on the finest mesh at once.
 
@@ -93,7 +93,7 @@ class Nested:
         tolerance: float,
         start: Start | Outcome | None = None,
     ) -> Outcome:
-        """Solve a normal or a tangential problem; see `ProblemSolver`."""
+        """Solve a normal or tangential problem on coarser meshes first, then on its own."""
         if start is not None:
             return (self.nearby or self.solver).solve(problem, tolerance, start)
         earlier, share = [], 1.0
@@ -117,7 +117,7 @@ class Nested:
 def refined(
     coarse: Outcome, coarse_problem: AnyProblem, problem: AnyProblem
 ) -> Start | Outcome | None:
-    """Return a start for a problem from the solution on a coarser mesh; None if it is no help.
+    """Return a start for a problem from the solution on a coarser mesh, or None.
 
     Tractions that did not converge still show which elements stick. Pressure and tractions of
     dissimilar bodies that did not converge are no help.
@@ -142,12 +142,12 @@ def refined(
 
 
 def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:
-    """Return the pressure of a coarser mesh on the mesh of a problem."""
+    """Return the pressure on a coarser mesh interpolated to the mesh of a problem."""
     pressure, gap = needed(coarse.pressure, "outcome.pressure"), needed(coarse.gap, "outcome.gap")
     return refine_pressure(pressure, gap, problem.gap.shape)
 
 
 def _shorter_side(problem: NormalProblem | Problem) -> int:
-    """Return the number of elements along the shorter side that can be coarsened."""
+    """Return the number of elements along the shorter side of the mesh (rows: only x)."""
     lattice = problem.operators.lattice
     return min(n for n, block in zip(lattice.shape, lattice.coarsening, strict=True) if block > 1)

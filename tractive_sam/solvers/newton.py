@@ -30,7 +30,7 @@ from tractive_sam.solvers.progress import report_progress
 
 @dataclass(frozen=True)
 class Newton:
-    """Semismooth Newton method with inexact linear solves and damping.
+    """Semismooth Newton solver with inexact linear solves and damping.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Newton:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem, with its pressure free or fixed.
+        """Solve a problem to a tolerance; its pressure may be free or fixed.
 
         Parameters
         ----------
@@ -149,7 +149,7 @@ class Newton:
         return _outcome(problem, at, status, taken, cost)
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
-        """Return the first iterate of a problem."""
+        """Return the first iterate of a problem, from a start or a rough normal solution."""
         cost, normal = Cost(), problem.normal
         if start is None and isinstance(normal, NormalProblem):
             outcome = ConjugateGradients().solve(normal, 1e-3)
@@ -176,7 +176,7 @@ class Newton:
         return at, cost + Cost(at.applications)
 
     def _with_smallest_slip(self, problem: Problem, at: Iterate) -> Iterate:
-        """Return an iterate with the creepages that minimise the slip of sticking elements."""
+        """Return an iterate with the creepages that minimise slip where elements stick."""
         sticks = np.hypot(*at.traction) < self.inside * at.bound.radius
         if not sticks.any():
             return at
@@ -193,7 +193,7 @@ class Newton:
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, Cost]:
-        """Return the iterate after a step with its linear system solved to a relative residual."""
+        """Return the iterate after one Newton step, and the cost of the step."""
         elements = at.pressure.size
         system = System(problem, at, self.precision(goal, at.residual, tolerance, elements))
         response: np.ndarray | None = None
@@ -220,7 +220,7 @@ class Newton:
         stalled: bool,
         bounded: bool,
     ) -> tuple[Iterate, int]:
-        """Return the iterate that a step leads to, and the operator applications that it took.
+        """Return the iterate after a damped step, and the operator applications it took.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class Newton:
         return self.damped(trial, at.merit_by(at.ratio), length, stalled), trials
 
     def forcing(self, residual: float, before: float, tolerance: float) -> float:
-        """Return the relative residual to which a linear system should be solved (inexact Newton).
+        """Return the relative tolerance of the next linear system (inexact Newton).
 
         It follows the gain of the previous step (Eisenstat & Walker 1996, SIAM J. Sci. Comput. 17,
         16-32, choice 2): loose while the stick and slip zones still move, sharp towards the end,
@@ -276,7 +276,7 @@ class Newton:
     def precision(
         self, goal: float, residual: float, tolerance: float, elements: int
     ) -> type[np.floating]:
-        """Return the type of numbers in which to solve a linear system to a relative residual.
+        """Return the number type, single or double precision, for solving a linear system.
 
         Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed
         over a Krylov space, and a step moves half the memory. A response that is stored must not
@@ -299,7 +299,7 @@ class Newton:
     def damped(
         self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool
     ) -> Iterate:
-        """Return the first trial, halving the length, whose merit is at most `rise` times `merit`.
+        """Return the iterate of the longest acceptable step, of a halved length if needed.
 
         The active sets of a step may be worse for some steps before the solution improves, so some
         rise is allowed. If no length is that good, the best one is taken. If the residual has

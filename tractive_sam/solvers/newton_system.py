@@ -14,7 +14,7 @@ from tractive_sam.solvers.problem import Problem
 
 
 class Iterate:
-    """An iterate (pressure, tractions, approach, creepages) and its contact conditions.
+    """Newton iterate: fields, approach and creepages, with the residual of contact conditions.
 
     Tractions may be tiny compared with the pressure. They and their slip are weighted by `ratio`,
     the size of the pressure over the size of the tractions, as in the merit.
@@ -50,7 +50,7 @@ class Iterate:
             self.traction = problem.project(traction, self.bound.radius, physical=True)
         self.approach, self.creepage = approach, creepage
         self.applications = 0
-        if response is None or self._project(pressure, traction):
+        if response is None or self._was_changed_from(pressure, traction):
             response, self.applications = problem.response(self.fields(fixed)), 1
         self.response = response
         self.slip = problem.rigid + response[-2:]
@@ -73,7 +73,7 @@ class Iterate:
         self.merit = self.merit_by(ratio)
 
     def _set_residual(self, problem: Problem) -> None:
-        """Set the residual, the resultants that are missed, and the sizes that weight them."""
+        """Compute the residual, missing load and forces, and their weights."""
         forces = problem.forces
         # Resultants, given and missed, count as if spread evenly over the contact.
         elements = max(int(np.count_nonzero(self.active)), 1)
@@ -101,8 +101,8 @@ class Iterate:
             self.residual = max(relative(np.sqrt(self._normal), size), self.residual)
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
 
-    def _project(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
-        """Return pressure and traction moved back into their admissible sets."""
+    def _was_changed_from(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
+        """Return whether the fields differ from given ones, as they were made admissible."""
         fields = ((self.traction, traction), (self.pressure, pressure))
         return any(new is not before and (new != before).any() for new, before in fields)
 
@@ -113,26 +113,26 @@ class Iterate:
 
     @property
     def is_admissible(self) -> bool:
-        """Return whether open gaps carry no pressure, and tractions are within the bound."""
+        """Return whether open gaps carry no pressure, and tractions are within their bound."""
         return self._bounded and not (self.pressure[~self.active] > 0.0).any()
 
     def within_bound(self, problem: Problem) -> "Iterate":
-        """Return the iterate without pressure on open gaps, and with tractions within the bound."""
+        """Return the iterate without pressure on open gaps, with tractions within their bound."""
         pressure = self.pressure if problem.is_pressure_fixed else closed(self.pressure, self.gap)
         return Iterate(problem, pressure, self.traction, self.approach, self.creepage)
 
     def fields(self, fixed: bool) -> np.ndarray:
-        """Return the unknown fields."""
+        """Return the unknown fields: tractions, preceded by the pressure unless it is fixed."""
         return self.traction if fixed else np.concatenate((self.pressure[None], self.traction))
 
     def merit_by(self, ratio: float) -> float:
-        """Return the size of the residual, with the part of the tractions weighted by `ratio`."""
+        """Return the norm of the residual, with its tangential part weighted by `ratio`."""
         # The ratio may be larger than what a square can be.
         return float(np.hypot(np.sqrt(self._normal), ratio * np.sqrt(self._tangential)))
 
 
 class System:
-    """The Newton system at an iterate; `kind` is its number type.
+    """Linear system of a Newton step at an iterate, in the number type `kind`.
 
     An element in contact asks that its gap close, one that has left that its pressure vanish, and
     the friction law for what `Linearisation` says. A slipping traction follows its bound along its
@@ -162,14 +162,14 @@ class System:
         self._rows_made = self.fields(self._out)
 
     def fields(self, vector: np.ndarray) -> np.ndarray:
-        """Return the pressure and tractions in a vector of unknowns, a view of its first part.
+        """Return pressure and tractions in a vector of unknowns, a view of its first part.
 
         The shape is (3, n_x, n_y); under a fixed pressure (2, n_x, n_y), the tractions only.
         """
         return vector[: self.size].reshape(self.shape)
 
     def _rows(self, step: np.ndarray, response: np.ndarray) -> np.ndarray:
-        """Return the linearised conditions for a step and its change of gap and slip.
+        """Return the linearised contact conditions for a step and its elastic response.
 
         They are the fields of the vector that `operator` returns, and overwritten by the next ones.
         """
@@ -186,12 +186,12 @@ class System:
         return rows
 
     def _resultants(self, step: np.ndarray) -> np.ndarray:
-        """Return the resultant force of a step."""
+        """Return load (if prescribed) and tangential forces of a step of the fields."""
         sums = self.at.ratio * self.vectors @ step[-2:].sum(axis=(1, 2))
         return np.concatenate(([step[0].sum()], sums)) if self.under_load else sums
 
     def _extended(self, response: np.ndarray, extra: np.ndarray) -> np.ndarray:
-        """Return a change of gap and slip with that by a change of approach and creepages."""
+        """Return a change of gap and slip plus that due to changed approach and creepages."""
         if extra.size:
             response = response.copy()
         if self.under_load:
@@ -201,7 +201,7 @@ class System:
         return response
 
     def right_hand_side(self) -> np.ndarray:
-        """Return the negative residual of the contact conditions."""
+        """Return the right-hand side: the negative residual of the contact conditions."""
         at = self.at
         rhs: np.ndarray = np.zeros(self.length, self.kind)
         rows = self.fields(rhs)
@@ -215,7 +215,7 @@ class System:
         return rhs
 
     def response(self, vector: np.ndarray) -> np.ndarray:
-        """Return the elastic gap and slip due to a vector of unknowns; one operator application."""
+        """Return the elastic gap and slip due to the fields in a vector of unknowns."""
         self.applications += 1
         return self.problem.response(self.fields(vector))
 
@@ -228,11 +228,11 @@ class System:
         return self._out
 
     def operator(self, vector: np.ndarray) -> np.ndarray:
-        """Apply the Newton matrix; the next call overwrites the result."""
+        """Return the Newton matrix times a vector; the next call overwrites the result."""
         return self.product(vector, self.response(vector))
 
     def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
-        """Apply the circulant inverse to the pressure, the upwind sweep to the tractions."""
+        """Return fields that approximately have the given rows, a block preconditioner."""
         at = self.at
         tangential = rows[-2:] if at.ratio == 1.0 else rows[-2:] / at.ratio
         step = self._inverse(tangential)
@@ -244,7 +244,7 @@ class System:
 
     @cached_property
     def _border(self) -> tuple[list[np.ndarray], np.ndarray]:
-        """Compute the columns of the unknown approach and creepages, and their Schur complement."""
+        """Preconditioned columns of approach and creepages, and their Schur complement."""
         count = self.length - self.size
         zero: np.ndarray = np.zeros(self.shape if count else (), self.kind)
         responses = [
@@ -255,7 +255,7 @@ class System:
         return responses, np.array(sums).T.reshape(count, count)
 
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
-        """Apply the approximate inverse, bordered by the resultants."""
+        """Apply the preconditioner: the approximate inverse bordered by load and forces."""
         step = self._approximate_inverse(self.fields(vector))
         out: np.ndarray = np.empty(self.length, self.kind)
         responses, schur = self._border

@@ -11,7 +11,7 @@ Part = TypeVar("Part")
 
 
 def needed(part: Part | None, name: str) -> Part:
-    """Return a part of an outcome, a start or a method that a computation needs.
+    """Return an optional value unchanged; raise a TypeError that names it if it is None.
 
     Raises
     ------
@@ -24,7 +24,7 @@ def needed(part: Part | None, name: str) -> Part:
 
 
 class ContactFields(NamedTuple):
-    """Fields of a solution, dimensionless; names as in `Outcome`."""
+    """Dimensionless fields of a solution: pressure, gap, traction, slip."""
 
     pressure: np.ndarray
     gap: np.ndarray
@@ -33,12 +33,12 @@ class ContactFields(NamedTuple):
 
 
 def relative(distance: float, size: float) -> float:
-    """Return a distance over a size; the distance if the size is zero."""
+    """Return a distance divided by a size; the distance itself if the size is zero."""
     return float(distance / size) if size > 0.0 else float(distance)
 
 
 def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
-    """Return the pressure of the elements in contact, and zero elsewhere.
+    """Return the pressure of elements in contact (pressure > gap), and zero elsewhere.
 
     An element is in contact if its pressure exceeds its gap, both dimensionless, so that the
     projection of the pressure, max(0, pressure - gap), is positive. Elsewhere an iteration leaves
@@ -54,7 +54,7 @@ def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Note:
-    """One stage of a solve: its method and mesh, how it ended, and how far it came.
+    """Entry of a solver's trace: method and mesh, how it ended, and further text.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Initial guess of a solver on the finest mesh; each attribute is as in `Outcome`.
+    """Initial guess of a solver: any of pressure, traction, approach, creepages, response.
 
     An `Outcome` will do as well. Two more things may be known: the response of the elastic operator
     to the tractions, of dissimilar bodies with the pressure (`response`, shape (2 or 3, n_x, n_y)),
@@ -93,7 +93,7 @@ class Start:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Result of a solver, dimensionless; fields that were not solved for are None.
+    """Result of a solver, dimensionless: fields, status, residual, cost and trace.
 
     Attributes
     ----------
@@ -156,19 +156,19 @@ class Outcome:
         )
 
     def costing(self, earlier: "Outcome", share: float = 1.0) -> "Outcome":
-        """Return the outcome with the cost of earlier work on a fraction of the elements."""
+        """Return the outcome with the cost of an earlier one added (times `share`)."""
         return replace(self, cost=self.cost + earlier.cost.scaled(share))
 
     def after(self, earlier: "Outcome") -> "Outcome":
-        """Return the outcome with the cost and trace of earlier work."""
+        """Return the outcome with the cost and the trace of an earlier one added."""
         return replace(self.costing(earlier), trace=earlier.trace + self.trace)
 
 
 class ProblemSolver(Protocol):
-    """Protocol of solvers: any object with this method, for example a frozen dataclass."""
+    """Protocol of solvers: objects with a method `solve`."""
 
     def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:
-        """Solve a problem.
+        """Solve a problem to a tolerance, from a start if given; return the outcome.
 
         Parameters
         ----------

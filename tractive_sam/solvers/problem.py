@@ -51,17 +51,17 @@ class NormalProblem:
     approach: float = 0.0
 
     def is_the_same_as(self, problem: "NormalProblem") -> bool:
-        """Return whether both problems have equal solutions."""
+        """Return whether two problems have equal gap and load or approach."""
         prescribed = self.load == problem.load and self.approach == problem.approach
         return prescribed and np.array_equal(self.gap, problem.gap)
 
     def within(self, box: Box) -> "NormalProblem":
-        """Return the problem on a rectangle of elements, without the others."""
+        """Return the problem restricted to a rectangle (box) of elements."""
         gap = np.ascontiguousarray(self.gap[box])
         return replace(self, operators=self.operators.part(gap.shape), gap=gap)
 
     def coarsened(self) -> "NormalProblem":
-        """Return the problem on elements of twice the size."""
+        """Return the problem on a mesh of elements of twice the size."""
         block = self.operators.lattice.coarsening
         return replace(
             self,
@@ -73,7 +73,7 @@ class NormalProblem:
 
 @dataclass(frozen=True, eq=False)
 class PrescribedForces:
-    """Prescribed tangential forces, and the creepages that become unknowns instead.
+    """Prescribed tangential forces, whose creepages are unknowns of the problem.
 
     A unit of the unknown zeta_k adds the constant slip v_k to every element, and the force k is the
     sum of v_k . pi_t over the elements: work per revolution is force times creepage.
@@ -94,7 +94,7 @@ class PrescribedForces:
 
     @property
     def minimum(self) -> float:
-        """Smallest sum of the sizes of tractions that gives the forces.
+        """Least sum of traction magnitudes that gives the forces, to compare with the bound.
 
         No more than the sum of the bound can be had, in any direction.
         """
@@ -103,13 +103,13 @@ class PrescribedForces:
         return float(np.linalg.norm(np.linalg.pinv(self.vectors) @ self.target))
 
     def elastic_slip(self, slip: np.ndarray, creepage: np.ndarray) -> float:
-        """Return the largest slip without the unknown creepages: creepages of its size matter."""
+        """Return the largest slip in magnitude without the part of the unknown creepages."""
         if not len(self):
             return 0.0
         return float(np.abs(slip - self.slip(creepage)).max())
 
     def trust_fraction(self, creepage: np.ndarray, change: np.ndarray, elastic: float) -> float:
-        """Return the longest part of a change that trusts its linearisation, at most 1.
+        """Return the fraction (at most 1) of a change of creepages that a step may take.
 
         If nearly everything slips the forces hardly depend on the creepages, and a Newton step
         would diverge. Full slip begins at a slip of order one, or of the `elastic` slip.
@@ -119,25 +119,25 @@ class PrescribedForces:
         return float(min(1.0, trusted / size)) if size > 0.0 else 1.0
 
     def diverged(self, creepage: np.ndarray, elastic: float) -> bool:
-        """Return whether the creepages diverge: the forces exceed what friction can carry."""
+        """Return whether creepages are so large that friction cannot carry the forces."""
         return bool(np.abs(creepage).max(initial=0.0) > 1e4 * (1.0 + elastic))
 
     def slip(self, creepage: np.ndarray) -> np.ndarray:
-        """Return the constant slip of the unknown creepages, shape (2, 1, 1)."""
+        """Return the constant slip that the unknown creepages cause, shape (2, 1, 1)."""
         return (creepage @ self.vectors)[:, None, None]
 
     def force(self, traction: np.ndarray) -> np.ndarray:
-        """Return the forces of a field of tractions, shape (m,)."""
+        """Return the tangential forces of a field of tractions, shape (m,)."""
         return self.vectors @ traction.sum(axis=(1, 2))
 
     def coarsened(self, block: tuple[int, int]) -> "PrescribedForces":
-        """Return the forces for elements that each combine a block."""
+        """Return the forces for a mesh whose elements combine `block` elements of this one."""
         return replace(self, target=self.target / math.prod(block))
 
 
 @dataclass(frozen=True, eq=False)
 class FixedPressure:
-    """A solved normal problem: its pressure and gap.
+    """Given pressure and gap, under which only the tractions are unknown.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class FixedPressure:
     gap: np.ndarray
 
     def coarsened(self) -> "FixedPressure":
-        """Return pressure and gap on elements of twice the size."""
+        """Return pressure and gap on a mesh of elements of twice the size."""
         block = self.operators.lattice.coarsening
         return FixedPressure(
             self.operators.coarsened,
@@ -164,7 +164,7 @@ class FixedPressure:
 @renamed_attributes(held="is_pressure_fixed", holding="with_pressure", eased="at_speed_ratio")
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Contact problem: find pi_n, pi_t within the bound of the friction law, and the slip sigma.
+    """Contact problem: find pressure, tractions and slip that meet the contact conditions.
 
     The normal conditions are those of `NormalProblem`, with the lift by tractions; in slip
     pi_t = -radius sigma/|sigma|, sigma = rigid + creepages + D_tn pi_n + D_tt pi_t. The kinematics
@@ -212,7 +212,7 @@ class Problem:
 
     @property
     def has_tangential_cause(self) -> bool:
-        """Whether anything causes slip: otherwise the tractions are zero."""
+        """Whether creepages, forces or coupling cause slip; otherwise tractions are zero."""
         return self.coupled or len(self.forces) > 0 or bool(self.rigid.any())
 
     @property
@@ -222,30 +222,30 @@ class Problem:
 
     @property
     def fixed_pressure(self) -> FixedPressure:
-        """The fixed normal block; raises a TypeError if the pressure is free."""
+        """Given pressure and gap; raises a TypeError if the pressure is unknown."""
         if isinstance(self.normal, NormalProblem):
             raise TypeError("problem.normal: must be a FixedPressure here")
         return self.normal
 
     @property
     def free_pressure(self) -> NormalProblem:
-        """The free normal block; raises a TypeError if the pressure is fixed."""
+        """Normal problem; raises a TypeError if the pressure is given."""
         if isinstance(self.normal, FixedPressure):
             raise TypeError("problem.normal: must be a NormalProblem here")
         return self.normal
 
     @property
     def load(self) -> float | None:
-        """Prescribed sum of the pressure; None for a prescribed approach or a fixed pressure."""
+        """Prescribed sum of the pressure; None for a prescribed approach or pressure."""
         return None if isinstance(self.normal, FixedPressure) else self.normal.load
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Shape of the fields."""
+        """Shape of the unknown fields: (3, n_x, n_y), or (2, n_x, n_y) under a fixed pressure."""
         return (2 if self.is_pressure_fixed else 3, *self.rigid.shape[1:])
 
     def with_pressure(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
-        """Return the tangential problem under a pressure and the gap that belongs to it."""
+        """Return the tangential problem under a given pressure and its gap."""
         rigid = self.rigid
         if self.coupled:
             fields = np.concatenate((pressure[None], np.zeros_like(rigid)))
@@ -255,7 +255,7 @@ class Problem:
         )
 
     def within(self, box: Box) -> Self:
-        """Return the tangential problem, of a fixed pressure, on a rectangle around the contact."""
+        """Return the tangential problem restricted to a rectangle (box) of elements."""
         friction, normal = self.friction, self.fixed_pressure
         # Contiguous, for the vector instructions of the kernels.
         pressure, gap = (
@@ -273,7 +273,7 @@ class Problem:
         )
 
     def coarsened(self) -> Self:
-        """Return the problem on elements of twice the size."""
+        """Return the problem on a mesh of elements of twice the size."""
         block = self.operators.lattice.coarsening
         friction, scale = self.friction, self.kinematics.slip_scale(block[0])
         friction = friction.on_elements(
@@ -300,7 +300,7 @@ class Problem:
         return self.kinematics.coupled(self.operators)
 
     def response(self, fields: np.ndarray) -> np.ndarray:
-        """Return the elastic part of gap and slip by fields; counts as one application."""
+        """Return the elastic gap and slip due to fields (pressure, tractions)."""
         if self.is_pressure_fixed:
             return self._tangential(fields)
         if self.coupled:
@@ -308,7 +308,7 @@ class Problem:
         return np.concatenate((self.operators.normal(fields[:1]), self._tangential(fields[1:])))
 
     def bound(self, pressure: np.ndarray) -> Bound:
-        """Return the bound of the friction law under a pressure."""
+        """Return the traction bound of the friction law under a pressure, at zero slip."""
         return self._fixed_bound if self.is_pressure_fixed else self.friction.bound(pressure)
 
     def bound_sliding(
@@ -319,40 +319,40 @@ class Problem:
         slip: np.ndarray,
         seen: FrictionSlip,
     ) -> Bound:
-        """Return the bound under the slip of the leading faces: `bound`, unless the law falls."""
+        """Return the traction bound under the slip of the leading faces."""
         if not self.friction.law.falls:
             return bound
         sticking = seen.sticking(slip, traction)
         return self.friction.bound_sliding(pressure, sticking, seen.bound, seen.staggered)
 
     def friction_slip(self, pressure: np.ndarray, gap: np.ndarray) -> FrictionSlip:
-        """Return the slip in the friction law as a function of leading faces, for a pressure."""
+        """Return the `FrictionSlip` (slip corrected at edges) under a pressure and a gap."""
         if self.is_pressure_fixed:
             return self._fixed_slip
         return self.kinematics.friction_slip(self.operators, pressure, gap)
 
     @cached_property
     def _fixed_bound(self) -> Bound:
-        """Bound of the friction law under the fixed pressure."""
+        """Traction bound of the friction law under the given pressure."""
         return self.friction.bound(self.fixed_pressure.pressure)
 
     @cached_property
     def _fixed_weight(self) -> float:
-        """Weight of slip under the bound of the fixed pressure."""
+        """Weight of slip relative to tractions under the given pressure."""
         return self.kinematics.slip_weight(self.operators, self._fixed_bound.radius)
 
     @cached_property
     def _fixed_slip(self) -> FrictionSlip:
-        """Slip in the friction law under the fixed pressure."""
+        """`FrictionSlip` (slip corrected at edges) under the given pressure."""
         normal = self.fixed_pressure
         return self.kinematics.friction_slip(self.operators, normal.pressure, normal.gap)
 
     def project(self, traction: np.ndarray, radius: np.ndarray, physical: bool) -> np.ndarray:
-        """Return the nearest tractions within the bound (`FrictionLaw.project`)."""
+        """Return the tractions within the traction bound that are nearest to given ones."""
         return self.friction.law.project(traction, radius, physical)
 
     def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:
-        """Return the slip that tractions oppose, computed from the slip of the leading faces."""
+        """Return the slip that tractions oppose in each element, from that of leading faces."""
         sticking = seen.sticking(slip, traction)
         return self.friction.law.opposed_slip(sticking, seen.bound, seen.staggered)
 
@@ -364,7 +364,7 @@ class Problem:
         seen: FrictionSlip,
         active: np.ndarray | None,
     ) -> Linearisation:
-        """Return the friction law linearised at tractions and the slip of the leading faces."""
+        """Return the friction law linearised at tractions and slip."""
         sticking = seen.sticking(slip, traction)
         if self.is_pressure_fixed:
             weight = self._fixed_weight
@@ -377,7 +377,7 @@ class Problem:
     def sliding(
         self, pressure: np.ndarray, gap: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> tuple[np.ndarray, Bound]:
-        """Return the elements that slide in a solution, and the bound of the tractions.
+        """Return a mask of the elements that slide in a solution, and the traction bound.
 
         Returns
         -------

@@ -12,7 +12,7 @@ _reporter: ContextVar[Reporter | None] = ContextVar("reporter", default=None)
 
 @contextmanager
 def report_to(reporter: Reporter) -> Iterator[None]:
-    """Send the progress of all solves in the block to a function."""
+    """Within the block, call a function with the mesh and residual of every iteration."""
     before = _reporter.set(reporter)
     try:
         yield
@@ -21,6 +21,6 @@ def report_to(reporter: Reporter) -> Iterator[None]:
 
 
 def report_progress(mesh: tuple[int, int], residual: float) -> None:
-    """Report the progress of a solve, if something shows it."""
+    """Call the function of `report_to`, if there is one, with a mesh and a residual."""
     if (reporter := _reporter.get()) is not None:
         reporter(mesh, residual)

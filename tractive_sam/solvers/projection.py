@@ -25,7 +25,7 @@ Array = np.ndarray
 
 
 def slip_step(operators: Operators, contact: Array) -> float:
-    """Return the largest stable step of the slip iteration on a contact area (see the module)."""
+    """Return the largest stable step length of the slip iteration on a contact area."""
     ones = np.where(contact, 1.0, 0.0)
     zero = np.zeros_like(ones)
     rows = (
@@ -36,13 +36,13 @@ def slip_step(operators: Operators, contact: Array) -> float:
 
 
 def gap_step(operators: Operators, contact: Array) -> float:
-    """Return the step of the gap iteration: an inverse bound of the eigenvalues of A_nn."""
+    """Return the step length of the gap iteration, a lower bound of 1 / eigenvalues of A_nn."""
     return 1.0 / operators.normal(np.where(contact, 1.0, 0.0)[None]).max()
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """One evaluation of the projected map.
+    """Result of one evaluation of the projected map: image, residual, gap and slip.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Evaluation:
 
 @dataclass(frozen=True, eq=False)
 class ProjectedMap:
-    """The map (pi_n, pi_t) -> projections of both (paper, eq. 13 and section 7.5, steps II-V).
+    """Projected fixed-point map of pressure and tractions (paper, eq. 13; section 7.5).
 
     States are fields of the problem; the approach is fixed.
 
@@ -79,22 +79,22 @@ class ProjectedMap:
 
     @classmethod
     def of(cls, problem: Problem, contact: Array, step_factor: float) -> "ProjectedMap":
-        """Return the map with steps for a contact area."""
+        """Return the map of a problem, with step lengths that are stable on a contact area."""
         slip = step_factor * slip_step(problem.operators, contact)
         gap = [] if problem.is_pressure_fixed else [gap_step(problem.operators, contact)]
         return cls(problem, np.array([*gap, slip, slip])[:, None, None])
 
     def shortened(self, factor: float) -> "ProjectedMap":
-        """Return the map with steps multiplied by a factor below one."""
+        """Return the map with step lengths multiplied by a factor below one."""
         return replace(self, steps=factor * self.steps)
 
     def _pressure(self, state: Array) -> Array:
-        """Return the pressure of a state."""
+        """Return the pressure of a state, or the fixed pressure of the problem."""
         fixed = self.problem.normal
         return fixed.pressure if isinstance(fixed, FixedPressure) else state[0]
 
     def admissible(self, state: Array) -> Array:
-        """Return a state with pressure at least 0 and tractions within their bound."""
+        """Return a state projected to pressure >= 0 and tractions within their bound."""
         problem = self.problem
         if problem.is_pressure_fixed:
             radius = problem.bound(problem.fixed_pressure.pressure).radius
@@ -138,7 +138,7 @@ class ProjectedMap:
 
 
 def missed(target: Array, state: Array) -> float:
-    """Return the relative distance of a state from its projection."""
+    """Return the relative distance between a state and its projection."""
     short = target - state
     return relative(sqrt(np.vdot(short, short)), sqrt(np.vdot(target, target)))
 
@@ -148,7 +148,7 @@ States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
 
 @dataclass(frozen=True)
 class Projection(ABC):
-    """Base of the projected iterations: their start, and the iteration of the load.
+    """Base class of projected iterations (Uzawa, Anderson), with the iteration of the load.
 
     Attributes
     ----------
@@ -167,12 +167,12 @@ class Projection(ABC):
 
     @abstractmethod
     def _states(self, mapping: ProjectedMap, state: Array) -> States:
-        """Yield the states to evaluate; stop if the iteration diverges."""
+        """Yield (map, state) to evaluate; end if the iteration diverges."""
 
     def iterate(
         self, mapping: ProjectedMap, tolerance: float, state: Array
     ) -> tuple[Outcome, ProjectedMap]:
-        """Solve for a given approach; also return the map, possibly with shorter steps."""
+        """Iterate at a fixed approach; return the outcome and the map, with its last steps."""
         states = self._states(mapping, mapping.admissible(state))
         mapping, state = next(states)
         again = 0
@@ -195,7 +195,7 @@ class Projection(ABC):
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem, with its pressure free or fixed.
+        """Solve a problem to a tolerance; its pressure may be free or fixed.
 
         Parameters
         ----------
@@ -245,7 +245,7 @@ class Projection(ABC):
     def _under_load(
         self, mapping: ProjectedMap, tolerance: float, state: Array, approach: float, load: float
     ) -> Outcome:
-        """Correct the approach until the load is met (paper, section 7.5, steps a.1 and a.2)."""
+        """Iterate at corrected approaches until the load is met (paper, section 7.5)."""
         problem, cost = mapping.problem, Cost()
         last: tuple[float, float] | None = None
         for _ in range(self.corrections):
@@ -283,7 +283,7 @@ class Projection(ABC):
         taken: int,
         again: int,
     ) -> Outcome:
-        """Return the outcome of the iterations and their cost."""
+        """Return the outcome of an iteration, with its cost."""
         normal = mapping.problem.normal
         return Outcome(
             status,

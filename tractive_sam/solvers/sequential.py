@@ -14,7 +14,7 @@ from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Proble
 
 @dataclass(frozen=True)
 class Sequential:
-    """Solves the normal problem without the effect of tractions, then the tangential one.
+    """Solver of the normal problem without tractions, then of the tangential problem.
 
     The tangential problem has the pressure found, on the rectangle around the contact.
 
@@ -49,7 +49,7 @@ class Sequential:
     def _normal(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
-        """Solve on the rectangle around a contact nearby; on the mesh if the contact exceeds it."""
+        """Solve the normal problem, first on a rectangle around a contact nearby."""
         if start is None:
             return self.normal.solve(problem, tolerance)
         if isinstance(start, Start) and start.gap is not None:
@@ -96,7 +96,7 @@ class Sequential:
 
 
 def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
-    """Return the tangential part of a start on a rectangle, by its share of the bound."""
+    """Return the start of a tangential problem on a rectangle, from a start on the mesh."""
     if start.traction is None:
         return Start(creepage=start.creepage)
     traction, response = start.traction[:, *box], getattr(start, "response", None)
@@ -113,7 +113,7 @@ def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
 
 @dataclass(frozen=True)
 class RoughSequential:
-    """Solves both problems in sequence, roughly and on the mesh: a start for coupled methods.
+    """Sequential solver with a low accuracy, whose outcome starts coupled methods.
 
     Attributes
     ----------
@@ -130,7 +130,7 @@ class RoughSequential:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem with free pressure, without a start; see `ProblemSolver`."""
+        """Solve a problem with free pressure approximately; tolerance and start are ignored."""
         normal = self.normal.solve(problem.normal, self.rough)
         pressure = needed(normal.pressure, "outcome.pressure")
         tangential = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))
@@ -145,12 +145,12 @@ class RoughSequential:
 
 
 def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
-    """Return a tangential outcome with the pressure of the normal one."""
+    """Return a tangential outcome with pressure, gap and approach of a normal outcome."""
     return replace(tangential, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
 
 
 def _beyond(problem: Problem, share: float) -> Outcome:
-    """Return the outcome for forces that exceed friction at any creepage."""
+    """Return an unconverged outcome: the prescribed forces exceed friction by `share`."""
     none = np.zeros_like(problem.rigid)
     note = Note(f"the forces take {share:.1%} of what friction can carry", Status.DIVERGED)
     creepage = np.zeros(len(problem.forces))
@@ -160,7 +160,7 @@ def _beyond(problem: Problem, share: float) -> Outcome:
 
 
 def rectangle(contact: np.ndarray, around: int = 0) -> Box:
-    """Return the contact, a row on both sides in x, and a number of elements around it.
+    """Return the box around a contact: a further row on both sides in x, and `around` elements.
 
     The slip at the centre of an element depends on the slip of the row behind it, the slip of a
     leading element on the gap ahead.
@@ -173,7 +173,7 @@ def rectangle(contact: np.ndarray, around: int = 0) -> Box:
 
 
 def _round_up(first: int, end: int, size: int) -> slice:
-    """Return at least these elements, a multiple of a step length if the mesh has as many.
+    """Return a slice that contains the elements first to end, of one of few lengths.
 
     Contacts that grow element by element then share their operators and plans, at the price of at
     most a sixteenth more elements, or three.
@@ -186,7 +186,7 @@ def _round_up(first: int, end: int, size: int) -> slice:
 
 
 def embed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
-    """Return a field on a rectangle as a field on the mesh, zero around it."""
+    """Return a field on a box as a field on the full mesh, zero outside the box."""
     full = np.zeros((*field.shape[:-2], *shape), field.dtype)
     full[..., *box] = field
     return full

@@ -69,7 +69,7 @@ def steepness(
 
 @dataclass(frozen=True)
 class UniqueSolution:
-    """Solves a step from the one before, and without this start if several solutions may exist.
+    """Solver that uses a start only if the solution is unique, else follows a path.
 
     So the result does not depend on the start of the search.
 
@@ -87,7 +87,7 @@ class UniqueSolution:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem; in steady rolling a start decides between solutions."""
+        """Solve a problem from a start, or without it if several solutions may exist."""
         if start is None or not problem.kinematics.joint:
             return self.path.solve(problem, tolerance, start)
         outcome = self.nearby.solve(problem, tolerance, start)
@@ -105,7 +105,7 @@ class UniqueSolution:
 def _joint_steepness(
     problem: Problem, traction: np.ndarray, slope: np.ndarray, iterations: int = 6
 ) -> float:
-    """Return the spectral radius of slopes times the displacement by tractions along themselves.
+    """Return the spectral radius that decides on uniqueness if elements act on each other.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def _secants(
     size: np.ndarray,
     samples: int,
 ) -> np.ndarray:
-    """Return the steepest secants of the bounds between stick and slip, shape (n_x, n_y).
+    """Return the steepest secants of falling friction between stick and slip, (n_x, n_y).
 
     The fall of a bound is summed up over slips from 1e-6 to 100 of full slip, of 96 each a fifth
     more than the one before, so that a memory counts only as far as the element itself fills it.

@@ -11,7 +11,7 @@ from tractive_sam.solvers.projection import ProjectedMap, Projection, States
 
 @dataclass(frozen=True)
 class Uzawa(Projection):
-    """Repeats the projected step until the contact conditions hold (paper, section 7.5).
+    """Solver of the paper: repeated projected steps (section 7.5).
 
     Departures from the paper: the paper stops on the change of the iterate, which is small also
     after a short step; here the residual of the contact conditions has to fall. The paper leaves
@@ -39,7 +39,7 @@ class Uzawa(Projection):
     name: ClassVar[str] = "uzawa"
 
     def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
-        """Yield the states of the iteration; shorten its steps if the residual stagnates."""
+        """Yield (map, state) to evaluate; shorten the steps if the residual stagnates."""
         best, smallest, since = state, np.inf, 0
         for taken in count():
             evaluation = yield mapping, state

@@ -20,7 +20,7 @@ from tractive_sam.schema import required
 
 @dataclass(frozen=True)
 class Assessment:
-    """Error bars of a contact, and a note if they are too wide.
+    """Error bars of one contact, and a note if they are wider than the tolerance.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Assessment:
 
 
 def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Assessment:
-    """Assess the accuracy of a contact by the contacts on coarser meshes.
+    """Estimate the error bars of a contact from its samples on coarser meshes.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def worst_error_bar(relative: Mapping[Name, float], peak: bool) -> tuple[float, 
 
 
 def describe_missed_accuracy(history: History, scene: Scene) -> str:
-    """Describe the last saved revolution that was not accurate enough, or return "".
+    """Describe the last stored revolution with too wide error bars; empty if there is none.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def describe_missed_accuracy(history: History, scene: Scene) -> str:
 
 
 def _add_advice(scene: Scene, note: str) -> str:
-    """Add to a note how to reach the accuracy."""
+    """Return a note followed by advice how to reach the requested accuracy."""
     accuracy = required(scene.accuracy, "accuracy")
     return (
         f"{note}; accuracy.tolerance is {accuracy.tolerance:.1e}, and accuracy.elements "

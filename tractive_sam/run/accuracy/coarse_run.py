@@ -20,7 +20,7 @@ from tractive_sam.schema import required
 
 @dataclass(frozen=True, eq=False)
 class CoarseRun:
-    """Samples of one contact over its revolutions on one mesh.
+    """Samples of one contact over the revolutions of a run on one mesh.
 
     Attributes
     ----------
@@ -34,11 +34,11 @@ class CoarseRun:
     samples: tuple[Sample, ...] = ()
 
     def with_sample(self, revolution: int, sample: Sample) -> "CoarseRun":
-        """Return the run with a later sample."""
+        """Return a copy of the run with the sample of a later revolution."""
         return CoarseRun((*self.revolutions, revolution), (*self.samples, sample))
 
     def at(self, revolution: int) -> Sample | None:
-        """Return the sample of a revolution; None beyond the last one.
+        """Return the sample at a revolution, interpolated; None beyond the last revolution.
 
         It is interpolated over log(1 + n).
         """
@@ -57,7 +57,7 @@ class CoarseRun:
 
     @cached_property
     def _interpolator(self) -> "scipy.interpolate.PchipInterpolator":
-        """Values, scales and residual over the logarithm of the revolution."""
+        """Interpolator of values, scales and residual over the logarithm of the revolution."""
         rows = [[*s.values.values(), *s.scales.values(), s.residual] for s in self.samples]
         return scipy.interpolate.PchipInterpolator(np.log1p(self.revolutions), rows)
 
@@ -67,7 +67,7 @@ CoarseRuns = tuple[CoarseRun, ...]
 
 @dataclass(frozen=True, eq=False)
 class ErrorBars(Observer):
-    """Error bars of every contact, from equal revolutions on two coarser meshes.
+    """Observer of the error bars of every contact, by comparison with two coarser meshes.
 
     They are computed when they are recorded: a step that is tried and refused takes no time.
 
@@ -93,15 +93,15 @@ class ErrorBars(Observer):
     name, key, unsolved = "error_bars", "accuracy", True
 
     def begin(self, step: Any, model: Model) -> "ErrorBars":
-        """Return the observer after the first step; `step.observed` has the observers before it."""
+        """Return the observer as it is after the first step of a process."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "ErrorBars":
-        """Return the observer after a later step, which may be on a wider mesh."""
+        """Return the observer updated by a later step, which may be on a wider mesh."""
         return replace(self, earlier=self.fine, earlier_shortfall=self.shortfall, step=step)
 
     def restore(self, step: Any, stored: Any) -> "ErrorBars":
-        """Return the observer after a stored step.
+        """Return the observer as it was after a stored step, to resume from.
 
         Nothing is stored, as the coarser meshes are rolled again.
 
@@ -110,7 +110,7 @@ class ErrorBars(Observer):
         return self
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block to record, completed by results of the observer."""
+        """Return the contact of a block with its error bars added, to be recorded."""
         if not self.middle:
             return contact
         assessment = self._assessments[block]
@@ -118,7 +118,7 @@ class ErrorBars(Observer):
 
     @property
     def shortfall(self) -> str:
-        """Why the steps are not as accurate as the scene requires; empty if they are.
+        """Message if error bars are wider than the scene requires; empty otherwise.
 
         It names the last error bar that was too wide at a saved revolution.
         """
@@ -132,12 +132,12 @@ class ErrorBars(Observer):
         return f"revolution {self.step.place:.0f}: {missed[-1]}"
 
     def next_finer(self) -> "ErrorBars":
-        """Return the error bars of the next finer mesh, by all steps on this one."""
+        """Return the observer for the next finer mesh, with this run as the middle mesh."""
         return ErrorBars(self.middle, self.fine)
 
     @cached_property
     def fine(self) -> CoarseRuns:
-        """Samples of all steps with the last one, for each block."""
+        """Samples of all steps of this run, for each block."""
         runs = self.earlier or tuple(CoarseRun() for _ in self.middle)
         return tuple(
             run if sample is None else run.with_sample(self.step.place, sample)
@@ -146,21 +146,21 @@ class ErrorBars(Observer):
 
     @cached_property
     def _samples(self) -> tuple[Sample | None, ...]:
-        """Sample of each block of the last step; None of a contact that was not solved."""
+        """Sample of each block in the last step; None for an unsolved contact."""
         if self.step is None:
             return (None,) * len(self.middle)
         return tuple(_sample(self.step, block) for block in range(len(self.middle)))
 
     @cached_property
     def _assessments(self) -> tuple[Assessment | None, ...]:
-        """Assessment of each block of the last step; None of a contact that was not solved."""
+        """Assessment of each block in the last step; None for an unsolved contact."""
         return tuple(
             None if sample is None else self._assess(block, sample)
             for block, sample in enumerate(self._samples)
         )
 
     def _assess(self, block: int, sample: Sample) -> Assessment:
-        """Compare a sample of a block with the samples of its two coarser runs."""
+        """Return the error bars of a block's sample, from the same revolution of coarser runs."""
         revolution = self.step.place
         samples = (self.coarse[block].at(revolution), self.middle[block].at(revolution), sample)
         return assess(self.step.contacts[block], samples, peak=revolution == 0)
@@ -173,7 +173,7 @@ def from_level(
     missed: str = "",
     model_of: Callable[..., Model] = Model,
 ) -> ErrorBars:
-    """Roll a scene on the two meshes coarser than a level, and return the error bars of that level.
+    """Roll a scene on the two next coarser meshes, and return the error-bar observer of a level.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def from_level(
 def choose_level(
     scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model] = Model
 ) -> tuple[ErrorBars, int]:
-    """Find the mesh on which a rolled scene is probably accurate enough.
+    """Roll on coarse meshes; return the `ErrorBars` observer and the level that likely suffices.
 
     Parameters
     ----------
@@ -239,14 +239,14 @@ def choose_level(
 def _roll_coarser(
     scene: Scene, measured: Gap | None, level: int, model_of: Callable[..., Model]
 ) -> tuple[CoarseRuns, CoarseRuns]:
-    """Roll on the meshes of a quarter and of half the elements of a level."""
+    """Return the samples of runs on meshes with a quarter and with half the elements."""
     levels = Levels(scene, measured)
     coarse, middle = (_roll_mesh(model_of(scene, measured, levels.grid(level - k))) for k in (2, 1))
     return coarse, middle
 
 
 def _roll_mesh(model: Model) -> CoarseRuns:
-    """Return the samples of all revolutions on the mesh of a model, for each block."""
+    """Roll a model, and return the samples of all its revolutions for each block."""
     runs = tuple(CoarseRun() for _ in model.blocks)
     process, start = process_of(model).begin_fitted()
     for step in process.steps(process.observe(start)):

@@ -32,7 +32,7 @@ FORCES = ("Qx", "Qy", "Mz")
 
 @dataclass(frozen=True)
 class BodyStress:
-    """Name of a largest stress: its column, the body, and whether it is at the surface.
+    """Name of a largest stress in a `Sample`: its column, its body, inside or at the surface.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class BodyStress:
 
 @dataclass(frozen=True)
 class BodyColumn:
-    """A column and its body.
+    """Name of a quantity of one body in a `Sample`: its column and its body.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ Name = str | BodyStress | BodyColumn
 
 @dataclass(frozen=True)
 class Sample:
-    """The quantities of one state on one mesh.
+    """Values of the quantities of a contact on one mesh, with their scales.
 
     Attributes
     ----------
@@ -129,7 +129,7 @@ Numbers = dict[Name, tuple[float, float]]
 
 
 def _contact_numbers(contact: State) -> Numbers:
-    """Return the numbers of the contact itself."""
+    """Return (value, scale) of forces, pressure, wear depth and the like, by name."""
     names = ("P", *FORCES, "xi_x", "xi_y", "approach", "p_max")
     values = {name: float(getattr(contact, name)) for name in names}
     values["wear_max"] = float(contact.wear.max())
@@ -153,13 +153,13 @@ def _contact_numbers(contact: State) -> Numbers:
 def _largest_stresses(
     column: str, body: str, interior: float, surface: float, largest: float
 ) -> Numbers:
-    """Return the largest stress inside a body and that at its surface."""
+    """Return (value, scale) of the largest stress inside a body and at its surface, by name."""
     inside, outside = (BodyStress(column, body, at_surface) for at_surface in (False, True))
     return {inside: (interior, largest), outside: (surface, largest)}
 
 
 def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers:
-    """Return the numbers of the fatigue of a body, without those that have no value."""
+    """Return (value, scale) of the fatigue of a body, by name; missing values are left out."""
     # Fields of `BodyFatigue`, and the columns of their largest values.
     fatigue_columns = {
         "utilisation": "utilisation",
@@ -184,7 +184,7 @@ def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers
 def _path_errors(
     contact: State, values: Mapping[Name, float], fatigue: Mapping[str, BodyFatigue]
 ) -> dict[Name, float]:
-    """Return relative errors of utilisation and stressed volume due to the finite stress path."""
+    """Return relative errors that the sampling of stress paths causes in fatigue values."""
     floors: dict[Name, float] = {}
     for body, cycle in fatigue.items():
         if cycle.criterion is None:
@@ -219,7 +219,7 @@ def deviations_from_prescribed(contact: State) -> dict[str, float]:
 
 
 def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Name, float]:
-    """Return the error bars of the finest of three samples, over its scales.
+    """Return the relative error bars of the finest of three samples, by name.
 
     Parameters
     ----------
@@ -250,12 +250,12 @@ def relative_error_bars(coarse: Sample, middle: Sample, fine: Sample) -> dict[Na
 
 
 def _at_surface(name: Name) -> bool:
-    """Return whether a name belongs to the largest stress at a surface."""
+    """Return whether a name stands for the largest stress at a surface."""
     return isinstance(name, BodyStress) and name.surface
 
 
 def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
-    """Return the error bar of the finest value, from the differences between meshes."""
+    """Return the error bar of a value on the finest of three meshes."""
     if isinstance(name, BodyStress) and not name.surface and 0.0 in (coarse, middle):
         return 0.0  # there was no maximum; once it appears, it is well resolved
     early, late = middle - coarse, fine - middle
@@ -270,7 +270,7 @@ def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
 
 
 def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
-    """Return the error bars in units of the quantities, by name; for stress a mapping from bodies.
+    """Return error bars in units of the quantities, by name (and by body).
 
     Parameters
     ----------
@@ -302,5 +302,5 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
 
 
 def _load_factor_bar(factor: float, shear: float, bar: float) -> float:
-    """Return the bar of a load factor, proportional to 1 / shear stress; inf if that may be 0."""
+    """Return the error bar of a load factor, which is inverse to a shear stress; may be inf."""
     return factor * bar / (shear - bar) if bar < shear else math.inf

@@ -10,7 +10,7 @@ from tractive_sam.schema import required
 
 
 class Levels:
-    """Meshes of a scene; level 0 is the usual one, each level has twice the elements of the last.
+    """Meshes to refine a scene with [accuracy]: each level has twice the elements of the last.
 
     Parameters
     ----------
@@ -34,13 +34,13 @@ class Levels:
         return choose_grid(self._scene, self._measured, finer=2.0 ** (0.5 * level))
 
     def allowed(self, level: int) -> bool:
-        """Return whether the scene allows the elements of a level; the first levels always."""
+        """Return whether a level has few enough elements for the scene; the first levels always."""
         few = level < self.first + self.needed
         most = required(self._scene.accuracy, "accuracy").elements
         return few or math.prod(self.grid(level).elements) <= most
 
     def of(self, grid: Grid) -> int:
-        """Return the level of a mesh, which may have grown.
+        """Return the level of a mesh, which may have grown; raise a LookupError for other meshes.
 
         Raises
         ------
@@ -57,7 +57,7 @@ class Levels:
 
 
 def set_tolerances(scene: Scene) -> Scene:
-    """Return the scene with the tolerances that its accuracy needs, unless it sets them itself."""
+    """Return the scene with solver and wear tolerances that fit its accuracy, unless given."""
     tolerance = required(scene.accuracy, "accuracy").tolerance
     entries = scene.entries()
     changes = {}

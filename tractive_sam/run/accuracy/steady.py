@@ -15,7 +15,7 @@ from tractive_sam.subsurface import fatigue, maxima_by_body
 
 @dataclass(frozen=True)
 class RefinedContact:
-    """The contact of unworn bodies on the mesh that their accuracy needs.
+    """Contact of unworn bodies on the mesh that their accuracy needs, with its model and level.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class RefinedContact:
 def refine_unworn(
     scene: Scene, measured: Gap | None, model_of: Callable[..., Model] = Model
 ) -> RefinedContact:
-    """Solve unworn bodies on finer and finer meshes, until the error bars are within the tolerance.
+    """Solve unworn bodies on ever finer meshes until the error bars are within the tolerance.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def refine_unworn(
 
 
 def _sample(contact: State, laws: Laws) -> Sample:
-    """Return the quantities of a contact, with its stress maxima and its fatigue."""
+    """Return the sample of a contact, with its largest stresses and its fatigue."""
     has_fatigue = contact.scene.has("fatigue") and not contact.scene.schedule.end
     cycles = fatigue(contact, laws=laws) if has_fatigue else {}
     return Sample.of(contact, maxima_by_body(contact, laws), cycles)
