@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress import stress_patch
-from tractive_sam.kernels.stress_sum import stress_around, sum_patch_stress, summed
+from tractive_sam.kernels.stress_sum import cumulative_sums, stress_around, sum_patch_stress
 
 POINTS = np.array([[0.3, -0.2, 0.4], [5.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
 CENTRES = np.array([[0.0, 0.0], [1.0, -0.6], [-2.0, 0.6]])
@@ -50,7 +50,9 @@ def both_sums(around, widest=0.3, blocks=(8, 16), tractions=None):
     points = around + 0.1 * around[2] * np.concatenate(([np.zeros(3)], np.eye(3), -np.eye(3)))
     near, exact = np.empty((6, 1, 7)), np.empty((7, 6))
     own = around[None], np.array([sign]), np.array([POISSON])
-    stress_around(near, points[None], *own, CORNER, summed(tractions), SIDES, blocks, widest)
+    stress_around(
+        near, points[None], *own, CORNER, cumulative_sums(tractions), SIDES, blocks, widest
+    )
     loads = np.ascontiguousarray(tractions.reshape(3, -1).T) * (sign, sign, 1.0)
     sum_patch_stress(exact, points, centres.reshape(-1, 2), loads, *SIDES, POISSON)
     return near[:, 0].T, exact
@@ -94,7 +96,7 @@ def test_narrow_blocks_are_all_but_exact():
 
 def test_unloaded_patches_cause_nothing():
     out = np.ones((6, 1, 1))
-    nothing = summed(np.zeros((3, 8, 8)))
+    nothing = cumulative_sums(np.zeros((3, 8, 8)))
     at, one = np.array([[0.0, 0.0, 1.0]]), np.ones(1)
     stress_around(out, at[None], at, one, 0.3 * one, (0.0, 0.0), nothing, SIDES, (8, 8), 0.3)
     assert not out.any()
@@ -106,4 +108,4 @@ def test_sums_over_all_before():
     each = np.stack([tractions, i * tractions, j * tractions, i * j * tractions], axis=-1)
     truth = np.pad(each.cumsum(axis=1).cumsum(axis=2), ((0, 0), (1, 0), (1, 0), (0, 0)))
     # Another order of 20 terms up to 12.
-    np.testing.assert_allclose(summed(tractions), truth.transpose(1, 2, 0, 3), atol=1e-13)
+    np.testing.assert_allclose(cumulative_sums(tractions), truth.transpose(1, 2, 0, 3), atol=1e-13)

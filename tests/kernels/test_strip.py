@@ -19,10 +19,12 @@ def test_logarithm(x):
     truth = sum(
         quad(lambda s: -2 * np.log(abs(x - s) / DATUM), *part)[0] for part in pairwise(ends)
     )
-    assert strip.logarithm(x, DX, DATUM) == pytest.approx(truth, rel=1e-10)
+    assert strip.integrate_logarithm(x, DX, DATUM) == pytest.approx(truth, rel=1e-10)
 
 
-@pytest.mark.parametrize("integral", [lambda x, dx: strip.logarithm(x, dx, DATUM), strip.step])
+@pytest.mark.parametrize(
+    "integral", [lambda x, dx: strip.integrate_logarithm(x, dx, DATUM), strip.integrate_sign]
+)
 def test_a_split_strip_adds_up(integral):
     x = np.array([*PLACES, -0.2, -3.0, 1e4])
     halves = integral(x - DX / 4, DX / 2) + integral(x + DX / 4, DX / 2)
@@ -31,14 +33,16 @@ def test_a_split_strip_adds_up(integral):
 
 def test_parities():
     x = np.array(PLACES)
-    np.testing.assert_array_equal(strip.logarithm(-x, DX, DATUM), strip.logarithm(x, DX, DATUM))
-    np.testing.assert_array_equal(strip.step(-x, DX), -strip.step(x, DX))
+    np.testing.assert_array_equal(
+        strip.integrate_logarithm(-x, DX, DATUM), strip.integrate_logarithm(x, DX, DATUM)
+    )
+    np.testing.assert_array_equal(strip.integrate_sign(-x, DX), -strip.integrate_sign(x, DX))
 
 
 def test_far_away_it_is_the_line_load():
     """Next term (dx/x)²/24, times 2 dx; the difference of antiderivatives alone would lose it."""
     x = 1e3 * DX
-    assert strip.logarithm(x, DX, x) == pytest.approx(DX * (DX / x) ** 2 / 12, rel=1e-3)
+    assert strip.integrate_logarithm(x, DX, x) == pytest.approx(DX * (DX / x) ** 2 / 12, rel=1e-3)
 
 
 def test_long_rectangles_tend_to_strips():
@@ -52,14 +56,14 @@ def test_long_rectangles_tend_to_strips():
         at = [rectangle.integrals(place, 0.0, DX, length) for place in x]
         r1, xx, yy, xy, x2, y2 = np.transpose(at)
         far = rectangle.integrals(DATUM, 0.0, DX, length)
-        log = strip.logarithm(x, DX, DATUM) - strip.logarithm(DATUM, DX, DATUM)
+        log = strip.integrate_logarithm(x, DX, DATUM) - strip.integrate_logarithm(DATUM, DX, DATUM)
         assert np.abs([xy, y2]).max() < 1e-16 * length  # rounding of corners that far away
         errors.append(
             max(
                 np.abs(r1 - far[0] - log).max(),
                 np.abs(xx - far[1]).max(),
                 np.abs(yy - far[2] - log).max(),
-                np.abs(x2 - strip.step(x, DX)).max(),
+                np.abs(x2 - strip.integrate_sign(x, DX)).max(),
             )
         )
     assert errors[0] < 1e-2

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tractive_sam.kernels.strip import logarithm, step
+from tractive_sam.kernels.strip import integrate_logarithm, integrate_sign
 from tractive_sam.kernels.strip_stress import sum_strip_stress
 from tractive_sam.mechanics.elasticity import Strips
 from tractive_sam.mechanics.frame import Frame
@@ -31,7 +31,7 @@ def offsets(n=N, dx=DX):
 
 def test_displacements_against_dense_matrices():
     c = 1 / (np.pi * PAIR.shear)
-    log = c * logarithm(offsets(), DX, DATUM)
+    log = c * integrate_logarithm(offsets(), DX, DATUM)
     stiff = PAIR.shear / DX
     zero = np.zeros((N, N))
     normal, tangential = of_strips().normal.as_matrix(), of_strips().tangential.as_matrix()
@@ -44,7 +44,7 @@ def test_displacements_against_dense_matrices():
 def test_coupling_is_piecewise_linear_and_reciprocal():
     """u_z from p_x is +K/G times the step; p_y is not coupled."""
     matrix = of_strips().coupled.as_matrix()
-    lift = PAIR.coupling / (np.pi * PAIR.shear) * step(offsets(), DX)
+    lift = PAIR.coupling / (np.pi * PAIR.shear) * integrate_sign(offsets(), DX)
     atol = ROUNDING * np.abs(matrix).max()
     np.testing.assert_allclose(matrix[:N, N : 2 * N], PAIR.E_star / LENGTH * lift, atol=atol)
     assert np.abs(matrix[:N, 2 * N :]).max() < atol

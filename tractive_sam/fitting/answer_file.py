@@ -20,7 +20,7 @@ from tractive_sam.store import DamagedError, ResultsError, versions
 def read_answers(
     document: FitDesign, path: str | PathLike[str] | None, overwrite: bool
 ) -> dict[str, Answer]:
-    """Return the answers that a file holds.
+    """Return the answers in the file of an earlier run of this fit, by digest; {} if unusable.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def read_answers(
 
 
 def _restore(data: Any) -> dict[str, Answer]:
-    """Return the answers by their digests from the variables of a file."""
+    """Return the answers by digest from the variables of a dataset."""
     flat, answers, first = data["answer_numbers"].values, {}, 0
     names = ("answer", "answer_layout", "answer_message", "answer_cost")
     for digest, layout, message, cost in zip(*(data[name].values for name in names), strict=True):
@@ -60,7 +60,7 @@ def _restore(data: Any) -> dict[str, Answer]:
 
 
 def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
-    """Return the variables that store all answers."""
+    """Return the variables that store the answers of all computations; {} without any."""
     if not answers:
         return {}
     numbers = [np.ravel(array) for answer in answers.values() for array in answer.numbers.values()]
@@ -78,12 +78,12 @@ def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
 
 
 def layout_of(numbers: Mapping[str, np.ndarray]) -> str:
-    """Return the names and shapes of arrays as text."""
+    """Return the names and shapes of arrays as JSON text."""
     return json.dumps([[name, list(np.shape(array))] for name, array in numbers.items()])
 
 
 def arrays_of(layout: str, flat: np.ndarray) -> dict[str, np.ndarray]:
-    """Return arrays by a layout, from their numbers one after another."""
+    """Return arrays by name from their layout and all their numbers in one flat array."""
     arrays, first = {}, 0
     for name, shape in json.loads(layout):
         count = math.prod(shape)

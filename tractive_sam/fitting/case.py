@@ -49,19 +49,19 @@ class FitCase:
 
     @property
     def is_steady(self) -> bool:
-        """Whether nothing is rolled."""
+        """Whether the scene of the case is a single contact, so that nothing is rolled."""
         return is_steady(self.scene)
 
     @cached_property
     def digest(self) -> str:
-        """Hash of all that determines the answer."""
+        """Hash of scene, columns, places and derivatives, which determine the answer."""
         parts = (self.scene.fingerprint(), self.columns, self.places, self.derivatives)
         return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """The numbers of a case, and their cost.
+    """Computed numbers of a case by column, its cost, and why it failed if it did.
 
     Attributes
     ----------
@@ -83,18 +83,18 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class Reply:
-    """The answer of a case."""
+    """A case together with its computed answer."""
 
     case: FitCase
     answer: Answer
 
     @property
     def failed(self) -> bool:
-        """Whether there are no numbers."""
+        """Whether the computation of the case failed: the answer has no numbers."""
         return not self.answer.numbers
 
     def at(self, name: str, places: Sequence[float]) -> np.ndarray:
-        """Return a number at places, shape (len(places), ...); one contact repeats its number.
+        """Return a column at given records (revolutions or distances), shape (len(places), ...).
 
         Parameters
         ----------
@@ -132,7 +132,7 @@ def is_steady(scene: Scene) -> bool:
 
 @single_blas_thread()
 def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | None]:
-    """Solve or roll the scene of a case, and return the numbers that the fit needs.
+    """Solve or roll the scene of a case; return its answer, and the contact if it is only one.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
 
 
 def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
-    """Solve the single contact of a case."""
+    """Solve the single contact of a case; return its answer, and the contact or None."""
     model, contact = solve_from_nearby(Model(case.scene, read_measured_gap(case.scene)), start)
     if not contact.converged:
         return Answer({}, 1, 0, contact.cost.convolutions, contact.message), None
@@ -169,7 +169,7 @@ def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
 
 
 def _roll(case: FitCase) -> Answer:
-    """Roll the scene of a case."""
+    """Roll the scene of a case, and return its answer."""
     history = roll(case.scene, progress=False)
     cost = int(history.totals["contact_solves"]), 1, float(np.nansum(history["convolutions"]))
     if not history.finished:
@@ -184,7 +184,7 @@ def _roll(case: FitCase) -> Answer:
 
 
 def read_quantity(contact: State, name: str) -> float:
-    """Return a scalar result of a contact by column name; of body A by "name A"."""
+    """Return a scalar result of a contact by column name; "name A" reads the column of body A."""
     plain, _, body = name.partition(" ")
     of = index_by_name(COLUMNS)[plain].of
     value: Any = math.nan if of is None else of(contact)
@@ -192,7 +192,7 @@ def read_quantity(contact: State, name: str) -> float:
 
 
 def _column(history: History, name: str) -> np.ndarray:
-    """Return a column of a history; "name A" is a column of body A."""
+    """Return a column of a history, one value or row a record; "name A" is the column of body A."""
     plain, _, body = name.partition(" ")
     column = history[plain]
     return column[:, BODIES.index(body)] if body else column

@@ -18,7 +18,7 @@ from tractive_sam.schema import Fault, shorten, suggest_name
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """The measurements of one data set.
+    """Measurements of one data set: settings and records of its rows, values, and noise.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Measured:
 
     @property
     def points(self) -> int:
-        """Number of measured values."""
+        """Number of measured values in the data set."""
         return self.observed.size
 
     @property
@@ -60,7 +60,7 @@ class Measured:
 
 
 def read_measured(data: Data, key: str) -> Measured:
-    """Read the measurements of a data set.
+    """Read and check the measurements of a data set; faults name its table `key`.
 
     Parameters
     ----------
@@ -108,12 +108,12 @@ def read_measured(data: Data, key: str) -> Measured:
 
 
 def _source(data: Data) -> str:
-    """Describe the source of a data set."""
+    """Return the key that gives the data: "file" or "values"."""
     return "file" if data.values is None else "values"
 
 
 def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measured:
-    """Return the measurements of a data set."""
+    """Return the measurements of a data set from its columns of numbers."""
     names = (DEPTH,) if data.profile else data.observe
     observed = np.stack([numbers[name] for name in names], axis=1)
     noise = _noise_of(data.uncertainty, observed, numbers)
@@ -134,19 +134,19 @@ def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measur
 
 
 def _noise_of(noise: Noise, observed: np.ndarray, numbers: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return standard deviations, of the shape of the observations."""
+    """Return standard deviations of measured values, from a column or by `noise_at`."""
     if noise.column is not None:
         return np.broadcast_to(numbers[noise.column][:, None], observed.shape)
     return noise_at(noise, observed)
 
 
 def noise_at(noise: Noise, observed: np.ndarray) -> np.ndarray:
-    """Return standard deviations of values by an absolute and a relative part."""
+    """Return standard deviations: root of the sum of squares of absolute and relative noise."""
     return np.hypot(noise.absolute or 0.0, (noise.relative or 0.0) * np.abs(observed))
 
 
 def _numbers(cells: Sequence[Any]) -> tuple[np.ndarray, list[tuple[int, Any]]]:
-    """Return a column as numbers, and the rows (from 1) that have no finite one."""
+    """Return a column as numbers, and (row from 1, cell) for each cell that is not finite."""
     numbers, wrong = np.full(len(cells), math.nan), []
     for k, cell in enumerate(cells):
         with suppress(TypeError, ValueError):
@@ -157,7 +157,7 @@ def _numbers(cells: Sequence[Any]) -> tuple[np.ndarray, list[tuple[int, Any]]]:
 
 
 def _columns_of(data: Data) -> Mapping[str, Sequence[Any]]:
-    """Return the columns of a data set by name, as they are given."""
+    """Return the unchecked columns of a data set by name, from its file or its values."""
     if data.values is not None:
         columns = {
             name: np.atleast_1d(np.asarray(values, dtype=object)).tolist()

@@ -27,7 +27,7 @@ FORMULAS: Mapping[str, Callable[[Mapping[str, complex]], complex]] = {
 def derivatives_of(
     columns: Sequence[str], wanted: Sequence[str], contact: State, jacobian: Any
 ) -> dict[str, np.ndarray]:
-    """Return derivatives of columns of a record, exact to rounding by complex steps.
+    """Return derivatives of columns by Jacobian parameters, "column/parameter", by complex steps.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def derivatives_of(
 
 
 def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]) -> dict[str, str]:
-    """Return keys with derivatives in the Jacobian of one contact, each with its column."""
+    """Return the Jacobian column of each key whose derivatives the Jacobian of a contact has."""
     # Columns of the Jacobian by the keys of their parameters.
     columns_of = {
         "creepage.longitudinal": "xi_x",

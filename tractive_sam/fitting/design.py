@@ -80,7 +80,7 @@ def _check_varied_keys(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _find_unknown_key(key: str) -> Fault | None:
-    """Return the fault of a key that no scene has; None if it exists."""
+    """Return the fault of a key that scenes do not have, or None if they have it."""
     try:
         Scene.find_field(base_of(key))
     except SceneError as error:
@@ -103,7 +103,7 @@ def _check_mesh(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Fit(Table):
-    """The [fit] table.
+    """The [fit] table of a fit file: scene, free keys, data sets, and settings of the search.
 
     Examples
     --------
@@ -179,7 +179,7 @@ class Fit(Table):
     )
 
     def settings_of(self, key: str) -> Parameter:
-        """Return the start, bounds and prior of a free entry."""
+        """Return the [[fit.parameter]] table of a free key; its default if there is none."""
         return next((table for table in self.parameter if table.key == key), Parameter(key=key))
 
 
@@ -215,7 +215,7 @@ class FitDesign(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables with relative files in them sought from a folder."""
+        """Return the tables with paths of scene and data files taken relative to a folder."""
         match tables:
             case {"fit": {"scene": str(name)} as fit} if (folder / name).is_file():
                 fit["scene"] = str(folder / name)

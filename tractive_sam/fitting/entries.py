@@ -15,12 +15,12 @@ from tractive_sam.schema import Fault, SceneError, shorten, split_key
 
 
 def base_of(key: str) -> str:
-    """Return the entry that a key sets: without the place of a number in a pair."""
+    """Return a dotted key without the index of a pair: "friction.mu" of "friction.mu[0]"."""
     return re.sub(r"\[\d+\]$", "", key)
 
 
 def value_of(scene: Scene, key: str) -> Any:
-    """Return the value of an entry, defaults included; None if it has no value."""
+    """Return the value of a dotted key in a scene, defaults included; None if it has no value."""
     value: Any = scene.settings()
     for name in split_key(key):
         try:
@@ -31,7 +31,7 @@ def value_of(scene: Scene, key: str) -> Any:
 
 
 def start_of(scene: Scene, key: str, start: float | None) -> float:
-    """Return the first value of a free entry.
+    """Return the first value of a free key: `start`, or else the value in the scene.
 
     Raises
     ------
@@ -55,12 +55,12 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
 
 
 def is_integer(scene: Scene, key: str) -> bool:
-    """Return whether an entry of a scene is an integer."""
+    """Return whether the value of a dotted key in a scene is an integer."""
     return type(value_of(scene, key)) is int
 
 
 def changes_of(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
-    """Return the entries that set values of free keys; numbers of a pair are set together."""
+    """Return scene entries that give free keys these values; a pair becomes one entry."""
     changes: dict[str, Any] = {}
     for key, value in values.items():
         base = base_of(key)

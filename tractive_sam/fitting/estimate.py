@@ -15,7 +15,7 @@ from tractive_sam.fitting.problem import FitProblem
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """A minimum of the weighted squares.
+    """A minimum of the cost of a fit: coordinates, predictions, derivatives, covariance.
 
     Attributes
     ----------
@@ -56,23 +56,23 @@ class Estimate:
 
     @property
     def chi2(self) -> float:
-        """Sum of the squares of the residuals."""
+        """Sum of the squares of the residuals, chi-square."""
         return float(np.square(self.residuals).sum())
 
     @cached_property
     def weighted(self) -> np.ndarray:
-        """Derivatives of the weighted residuals, without priors, shape (points, size)."""
+        """Derivatives of predictions over noise, weighted by the loss, shape (points, size)."""
         return (np.sqrt(self.weights) / self.problem.noise)[:, None] * self.jacobian
 
     @cached_property
     def directions(self) -> Directions:
-        """Directions of the coordinates by how well data and priors determine them."""
+        """Directions of the coordinates, split by whether data and priors determine them."""
         prior = self.problem.prior_jacobian(self.u)
         return Directions.of(np.concatenate([self.weighted, prior]))
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance of the coordinates; infinite variances of those that are not determined."""
+        """Covariance of the coordinates (size, size); inf for variances of undetermined ones."""
         return self.directions.covariance
 
     @property
@@ -81,14 +81,14 @@ class Estimate:
         return len(self.residuals) + self.problem.priors - len(self.directions.sizes)
 
     def chi2_range(self, level: float) -> tuple[float, float]:
-        """Return the range in which chi-square is expected with a probability; nan without one."""
+        """Return the range (low, high) of chi-square for a probability; nan if degrees <= 0."""
         if self.degrees <= 0:
             return math.nan, math.nan
         low, high = chi2_distribution.interval(level, self.degrees)
         return float(low), float(high)
 
     def interval(self, level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return low and high ends of the linearised intervals, and standard deviations."""
+        """Return low ends, high ends and standard deviations of the parameters, each (n,)."""
         parameters = self.problem.parameters
         n = len(parameters)
         deviation = np.sqrt(np.diag(self.covariance)[:n])
@@ -101,14 +101,14 @@ class Estimate:
 
     @property
     def scatter(self) -> float:
-        """Factor on the stated noise from the scatter of the residuals, or 1."""
+        """Factor on the stated noise that makes chi-square the degrees of freedom, or 1."""
         if not self.by_scatter or self.degrees <= 0:
             return 1.0
         return math.sqrt(self.chi2 / self.degrees)
 
     @property
     def correlation(self) -> np.ndarray:
-        """Correlation of the parameters, shape (n, n); nan of those that are not determined."""
+        """Correlation matrix of the parameters (n, n); nan for undetermined ones."""
         n = len(self.problem.parameters)
         covariance = self.covariance[:n, :n]
         deviation = np.sqrt(np.diag(covariance))
@@ -121,12 +121,12 @@ class Estimate:
         return self.spread(self.jacobian)
 
     def spread(self, slopes: np.ndarray) -> np.ndarray:
-        """Return standard deviations of numbers with derivatives `slopes`, shape (k, size)."""
+        """Return standard deviations of numbers with derivatives `slopes` by the coordinates."""
         spread = slopes @ self.directions.rooted
         return self.scatter * np.sqrt(np.square(spread).sum(axis=1))
 
     def shift(self, change: np.ndarray) -> np.ndarray:
-        """Return the change of the coordinates if the predictions change, shape (size,)."""
+        """Return the change of the fitted coordinates if the predictions change by `change`."""
         weights = np.sqrt(self.weights) / self.problem.noise
         spread = self.directions.rooted
         return -spread @ (spread.T @ (self.weighted.T @ (weights * change)))
@@ -134,7 +134,7 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Directions:
-    """Directions of the coordinates, by how much the weighted residuals respond.
+    """Directions in the space of the coordinates that data determine, and those they do not.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class Directions:
 
     @classmethod
     def of(cls, weighted: np.ndarray) -> Directions:
-        """Divide the coordinates by the singular values of weighted derivatives."""
+        """Split the coordinate space by the singular values of weighted derivatives."""
         _, sizes, rows = np.linalg.svd(weighted, full_matrices=True)
         sizes = np.pad(sizes, (0, rows.shape[0] - sizes.size))
         determined = sizes > max(cls.UNDETERMINED, cls.NOISE * sizes.max(initial=0.0))
@@ -166,12 +166,12 @@ class Directions:
 
     @property
     def rooted(self) -> np.ndarray:
-        """Matrix S such that S S^T is the covariance of the determined directions."""
+        """Matrix S whose product S S^T is the covariance of the determined directions."""
         return self.determined / self.sizes
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance; infinite variances of coordinates that are not determined."""
+        """Covariance of the coordinates; inf variances and nan covariances of undetermined ones."""
         covariance = self.rooted @ self.rooted.T
         lost = np.square(self.null).sum(axis=1) > self.involved**2
         covariance[lost], covariance[:, lost] = math.nan, math.nan
@@ -180,5 +180,5 @@ class Directions:
 
     @property
     def involved(self) -> float:
-        """Share of a direction from which on a coordinate belongs to it."""
+        """Component of a direction above which a coordinate counts as part of it, 0.02."""
         return 0.02

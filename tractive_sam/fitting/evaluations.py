@@ -20,7 +20,7 @@ Compute = Callable[[Sequence[FitCase]], Iterator[tuple[int, Answer]]]
 
 
 class InProcess:
-    """Computes in this process, each contact from the last one of its seat.
+    """Computes cases in this process, each contact from the last one of the same `seat`.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class InProcess:
         self.seconds: list[float] = []
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
-        """Yield the answers of cases, with their numbers, as they are computed (`Compute`)."""
+        """Yield (index, answer) of each case as it is computed (`Compute`)."""
         for k, case in enumerate(cases):
             interrupt.raise_if_interrupted()
             began = process_time()
@@ -45,13 +45,13 @@ class InProcess:
 
 
 def compute_in_turn(cases: Sequence[FitCase]) -> list[Answer]:
-    """Return the answers of similar cases, each contact from the one before it, for workers."""
+    """Return the answers of similar cases, each contact from the one before; runs in workers."""
     return [answer for _, answer in InProcess()(cases)]
 
 
 @dataclass
 class InWorkers:
-    """Computes in processes of this machine, if that takes less time than in this process.
+    """Computes cases in worker processes of this machine, if they take long enough to be worth it.
 
     A worker computes all contacts of one seat, so that each but the first starts from another.
 
@@ -78,7 +78,7 @@ class InWorkers:
     _cluster: tuple[str, Any] | None = None
 
     def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
-        """Yield the answers of cases, with their numbers, as they are computed (`Compute`)."""
+        """Yield (index, answer) of each case as it is computed (`Compute`)."""
         times = self.here.seconds
         if not times or median(times) * len(cases) < self.worthwhile:
             yield from self.here(cases)
@@ -100,7 +100,7 @@ class InWorkers:
 
 @contextmanager
 def compute_with(number: int) -> Iterator[Compute]:
-    """Compute in this process, or in processes of this machine if the cases take long enough.
+    """Yield what computes cases: this process for 0 workers, else `number` worker processes.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def compute_with(number: int) -> Iterator[Compute]:
 
 @dataclass
 class Evaluations:
-    """The answers of all cases so far.
+    """Store of the answers of all cases, which computes missing ones and writes them to the file.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class Evaluations:
     _saved: float = field(default_factory=monotonic)
 
     def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
-        """Return the answers of cases, by name; those not known are computed."""
+        """Return the answers of cases, by name; those not stored yet are computed."""
         missing = {c.digest: c for c in cases.values() if c.digest not in self.stored}
         if missing:
             digests = list(missing)
@@ -157,14 +157,14 @@ class Evaluations:
         return {name: self.stored[case.digest] for name, case in cases.items()}
 
     def remember(self, digest: str, compute: Callable[[], Answer]) -> Answer:
-        """Return an answer, computed by a function if it is not known."""
+        """Return the stored answer of a digest, or compute it with a function and store it."""
         if digest not in self.stored:
             self.add(digest, compute())
         return self.stored[digest]
 
     @property
     def cost(self) -> tuple[int, int, float]:
-        """Contacts, rolls and transforms of all computations, earlier runs included."""
+        """Contacts, rolls and convolutions of all stored answers, earlier runs included."""
         answers = self.stored.values()
         contacts, rolls = (
             sum(getattr(answer, name) for answer in answers) for name in ("contacts", "rolls")
@@ -172,7 +172,7 @@ class Evaluations:
         return contacts, rolls, sum(answer.convolutions for answer in answers)
 
     def add(self, digest: str, answer: Answer) -> None:
-        """Add an answer, and store it."""
+        """Store an answer in memory, report progress, and write the file at intervals."""
         self.stored[digest] = answer
         if self.progress is not None:
             self.progress(self)
@@ -180,7 +180,7 @@ class Evaluations:
             self.write()
 
     def write(self) -> None:
-        """Write all known results to the file."""
+        """Write the file of the fit, if it has one, with all stored answers."""
         if self.save is not None:
             self.save()
         self._saved = monotonic()

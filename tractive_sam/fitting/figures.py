@@ -29,7 +29,7 @@ from tractive_sam.schema import SceneError
 def save_fit_figures(
     result: FitResult, directory: str | PathLike[str], *, format: str = "png", dpi: int = DPI
 ) -> list[Path]:
-    """Draw the figures of a fit: data with the model, ellipses, profile likelihood.
+    """Save the figures of a fit in a folder: data and model, ellipses, profile likelihood.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def save_fit_figures(
 
 
 def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
-    """Yield name, caption and figure of all that a fit shows."""
+    """Yield (name, caption, figure) of data with the model, ellipses and profile likelihood."""
     data = result.dataset
     series, names = data["series"].values, data["observation"].values
     for number in np.unique(series):
@@ -89,7 +89,7 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
 
 
 def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
-    """Return the measured and fitted curve of a data set."""
+    """Return the measured and fitted values of one column of a data set, for a figure."""
     data, plain = result.dataset, name.partition(" ")
     quantity = index_by_name(COLUMNS)[plain[0]].with_units_of(result.design.fit.scene)
     body = f" of body {plain[2]}" if plain[2] else ""
@@ -108,7 +108,7 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
 
 
 def _curve_between(result: FitResult, number: int, name: str) -> np.ndarray | None:
-    """Return abscissas, predictions and their deviations between measured points, if known."""
+    """Return (x, prediction, its deviation) between the measured points, or None if not stored."""
     if "curve" not in result.dataset:
         return None
     numbers = result.dataset["curve"].values
@@ -117,7 +117,7 @@ def _curve_between(result: FitResult, number: int, name: str) -> np.ndarray | No
 
 
 def _meaning(key: str) -> str:
-    """Return the meaning of the key or coordinate that varies."""
+    """Return the axis label of a varied key or coordinate: its description."""
     if key in index_by_name(COLUMNS):
         return key.replace("_", " ")
     try:
@@ -127,7 +127,7 @@ def _meaning(key: str) -> str:
 
 
 def _likelihoods(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
-    """Yield the curves of the profile likelihood."""
+    """Yield (name, caption, figure) of the profile likelihood of each parameter."""
     numbers, level = result.dataset["likelihood"].values, result.design.fit.level
     limit = float(result.dataset.attrs.get("scatter", 1.0) * norm.ppf(0.5 + 0.5 * level)) ** 2
     for k in np.unique(numbers[:, 0]).astype(int):

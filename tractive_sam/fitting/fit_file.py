@@ -67,14 +67,14 @@ def open_fit(path: str | PathLike[str]) -> FitResult:
 
 
 def write_fit(path: str | PathLike[str], result: FitResult) -> None:
-    """Write the result of a fit; an existing file is replaced in one operation."""
+    """Write the result of a fit as netCDF; an existing file is replaced in one operation."""
     write_netcdf(path, result.dataset)
 
 
 def make_dataset(
     variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
 ) -> xarray.Dataset:
-    """Return an xarray Dataset of variables and attributes.
+    """Return an xarray Dataset from variables (dimensions, values, unit, description).
 
     Parameters
     ----------

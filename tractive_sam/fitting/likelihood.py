@@ -15,7 +15,7 @@ from tractive_sam.fitting.search import LOSSES, Search
 
 @dataclass(frozen=True, eq=False)
 class ProfileLikelihood:
-    """Profile likelihood of one parameter about a minimum.
+    """Profile likelihood of one parameter: all others are fitted again at each of its values.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class ProfileLikelihood:
     steps: int = 4
 
     def interval(self) -> tuple[float, float, np.ndarray]:
-        """Return the ends of the interval, and the points of the curve.
+        """Return the ends of the interval of the parameter, and the points of the curve.
 
         Twice the rise of the cost is chi-square distributed with one degree of freedom: the
         interval ends at the square of the quantile.
@@ -66,11 +66,11 @@ class ProfileLikelihood:
 
     @property
     def goal(self) -> float:
-        """Root of the rise of twice the cost at the ends of the interval."""
+        """Square root of the rise of twice the cost that defines the ends of the interval."""
         return self.best.scatter * float(norm.ppf(0.5 + 0.5 * self.fit.level))
 
     def _end(self, sign: float, points: list[tuple[float, float]]) -> float:
-        """Return the coordinate of one end, by the secant of the root of the rise.
+        """Return the coordinate of the low (sign -1) or high end of the interval, or nan.
 
         The others start in proportion to the parameter: first as the covariance has it, then as
         they were at the point before.
@@ -105,7 +105,7 @@ class ProfileLikelihood:
         return math.nan
 
     def _smallest_cost(self, u: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return the minimum with the parameter fixed, and its cost.
+        """Return the minimum (coordinates, cost) with the parameter fixed, from a start `u`.
 
         Gauss-Newton steps with the derivatives at the estimate, which Broyden's update corrects:
         a step costs one prediction. If they do not converge, the full search takes over.

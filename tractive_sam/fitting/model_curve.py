@@ -15,7 +15,7 @@ from tractive_sam.fitting.variables import Variables
 
 
 def curve_variables(best: Estimate, fit: Fit) -> Variables:
-    """Return predictions and their standard deviations between measured points.
+    """Return variables with predictions between measured points and their standard deviations.
 
     Only data sets of single contacts that differ in one key have them: a roll for each point would
     cost more than the fit.
@@ -63,7 +63,7 @@ def curve_variables(best: Estimate, fit: Fit) -> Variables:
 
 
 def _places_between(series: Series, best: Estimate, points: int) -> np.ndarray:
-    """Return abscissas between the measured ones, spaced like these."""
+    """Return x values between the measured ones; none for profiles, rolls or several keys."""
     x = np.unique(series.measured.abscissa[1])
     same_keys = list(series.measured.data.vary) == list(series.measured.settings[0])
     if series.measured.data.profile or not same_keys or len(series.measured.data.vary) != 1:

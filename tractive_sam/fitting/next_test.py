@@ -18,7 +18,7 @@ from tractive_sam.schema import Fault
 
 
 def rank_tests(best: Estimate, fit: Fit) -> list[Gain]:
-    """Return the candidates by their gain, the best one first.
+    """Return the candidate tests by how much they reduce the uncertainty, the best one first.
 
     A test is linearised at the estimate. A direction that is not determined yet counts with the
     standard deviation 10 of its coordinate.
@@ -51,7 +51,7 @@ def rank_tests(best: Estimate, fit: Fit) -> list[Gain]:
 
 
 def check_tests(fit: Fit, start: Parameters) -> None:
-    """Check the scenes of all candidates before anything is computed.
+    """Raise a FitError with the faults in the scenes of all candidate tests.
 
     Raises
     ------
@@ -70,13 +70,13 @@ def check_tests(fit: Fit, start: Parameters) -> None:
 
 
 def _logarithm(information: np.ndarray, target: np.ndarray) -> float:
-    """Return the logarithm of the determinant of the covariance of the target parameters."""
+    """Return log det of the covariance of the target parameters from an information matrix."""
     covariance = np.linalg.inv(information)[np.ix_(target, target)]
     return float(np.linalg.slogdet(covariance)[1])
 
 
 def _measured_tests(test: CandidateTest):
-    """Yield the tests of a candidate, as data sets of one row that is not measured yet."""
+    """Yield (label, data set of one unmeasured row) for each value of a candidate test."""
     entries = ", ".join(f"{key} = {value}" for key, value in test.set.items())
     for value in test.values or (None,):
         varied = {} if value is None else {str(test.vary): float(value)}
@@ -93,13 +93,13 @@ def _measured_tests(test: CandidateTest):
 
 
 def _describe_observation(test: CandidateTest) -> str:
-    """Return the observed columns in words, with the body and the record."""
+    """Return the observed columns of a test as text, with the body and the record."""
     text = ", ".join(test.observe)
     text += f" of body {test.body}" if test.body else ""
     return text + (f" at {test.at:g}" if test.at is not None else "")
 
 
 def _problem_of(problem: FitProblem, key: str, measured: Measured, fit: Fit) -> FitProblem:
-    """Return the problem with one data set only."""
+    """Return a problem with the same parameters that has only this data set."""
     series = Series.of(key, measured, fit.scene, problem.parameters, problem.evaluations)
     return replace(problem, series=(series,))

@@ -18,7 +18,7 @@ from tractive_sam.scene import Scene
 
 
 def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
-    """Write a fit as one page that needs no other file and no network.
+    """Write a fit as one HTML page that needs no other file and no network.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
 
 
 def _pictures(result: FitResult) -> Iterator[Html]:
-    """Yield the figures of a fit as HTML."""
+    """Yield the figures of a fit as HTML, with captions."""
     # Width of a picture, pixels.
     width = 460.0
     card = "<figure><figcaption>$caption</figcaption>$image</figure>\n"
@@ -81,7 +81,7 @@ def _pictures(result: FitResult) -> Iterator[Html]:
 
 
 def _tables(result: FitResult) -> Iterator[Html]:
-    """Yield the tables of a fit as HTML; the table of estimates has the meanings of the keys."""
+    """Yield the tables of a fit as HTML, the estimates with the meaning of each key."""
     tables = result.tables()
     for row in tables["Estimates"]:
         row["meaning"] = Scene.find_field(base_of(row["parameter"])).title or ""

@@ -13,7 +13,7 @@ from tractive_sam.fitting.entries import is_integer, start_of
 
 @dataclass(frozen=True, eq=False)
 class Parameters:
-    """Free parameters: values v and coordinates u.
+    """Free parameters: bounds, priors, and the map from values v to fitted coordinates u.
 
     u = 1 + ln(v / start) of a positive one, and 1 + (v - start) / scale of others: all begin at 1,
     and a change by 1 is one of the size of the parameter.
@@ -43,7 +43,7 @@ class Parameters:
 
     @classmethod
     def of(cls, fit: Fit) -> Parameters:
-        """Return the parameters of a fit."""
+        """Return the free parameters of a fit, with start, scale, bounds and priors."""
         tables = [fit.settings_of(key) for key in fit.free]
         start = np.array([start_of(fit.scene, table.key, table.start) for table in tables])
         lower = np.array([-math.inf if t.lower is None else t.lower for t in tables])
@@ -67,7 +67,7 @@ class Parameters:
         return len(self.keys)
 
     def values(self, u: np.ndarray) -> np.ndarray:
-        """Return values at coordinates."""
+        """Return the values of the parameters at coordinates."""
         u = np.asarray(u, float)[: len(self)]
         linear = self.start + self.scale * (u - 1.0)
         with np.errstate(over="ignore"):
@@ -75,7 +75,7 @@ class Parameters:
         return np.where(self.logarithmic, powers, linear)
 
     def coordinates(self, values: np.ndarray) -> np.ndarray:
-        """Return coordinates of values."""
+        """Return the coordinates of values of the parameters; the inverse of `values`."""
         values = np.asarray(values, float)
         ratio = np.divide(values, self.start, out=np.ones(len(self)), where=self.logarithmic)
         with np.errstate(divide="ignore"):
@@ -83,15 +83,15 @@ class Parameters:
         return np.where(self.logarithmic, powers, 1.0 + (values - self.start) / self.scale)
 
     def slopes(self, u: np.ndarray) -> np.ndarray:
-        """Return derivatives of the values by their coordinates."""
+        """Return the derivative of each value by its coordinate."""
         return np.where(self.logarithmic, self.values(u), self.scale)
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the coordinates."""
+        """Lower and upper bounds, in coordinates."""
         lower = np.where(self.logarithmic & (self.lower <= 0.0), 0.0, self.lower)
         return self.coordinates(lower), self.coordinates(self.upper)
 
     def named(self, u: np.ndarray) -> dict[str, float]:
-        """Return values by key."""
+        """Return the values of the parameters at coordinates, by key."""
         return dict(zip(self.keys, self.values(u).tolist(), strict=True))

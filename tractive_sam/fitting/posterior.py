@@ -16,7 +16,7 @@ from tractive_sam.fitting.search import LOSSES
 def log_posterior(
     design: FitDesign | Mapping[str, Any] | str | PathLike[str],
 ) -> tuple[Callable[[np.ndarray], float], np.ndarray]:
-    """Return the logarithm of the posterior density of a fit, but for a constant.
+    """Return the log posterior density of a fit as a function, up to a constant, and a start.
 
     The density is one of the values of the parameters: a positive one that is fitted by its
     logarithm has no prior except bounds and the stated one. Positions of profiles are coordinates

@@ -28,7 +28,7 @@ Remember = Callable[[str, Callable[[], Answer]], Answer]
 
 @dataclass
 class SharedPlaces:
-    """Records that data sets observe of each scene: they share its roll.
+    """Records (revolutions or distances) that data sets observe of each scene, rolled once for all.
 
     Attributes
     ----------
@@ -40,17 +40,17 @@ class SharedPlaces:
     _places: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def add(self, scene: Scene, places: list[float]) -> None:
-        """Add revolutions or distances; nan stands for the last one."""
+        """Add revolutions or distances that are observed of a scene; nan is its last record."""
         of_scene = self._places.setdefault(scene.fingerprint(), {})
         of_scene |= {repr(at): at for at in places}
 
     def of(self, scene: Scene) -> list[float]:
-        """Return the places of a scene."""
+        """Return all revolutions or distances that are observed of a scene."""
         return list(self._places[scene.fingerprint()].values())
 
 
 def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
-    """Return a scene without tables that the requested columns do not need.
+    """Return a scene without the tables that no requested column needs, such as [fatigue].
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
 def fixed(
     scene: Scene, neighbours: Iterable[Scene], places: Sequence[float], remember: Remember
 ) -> dict[str, Any]:
-    """Return the changes that fix mesh and steps of a scene.
+    """Return the changes of a scene that fix its mesh and its steps while parameters vary.
 
     Parameters
     ----------
@@ -130,20 +130,20 @@ def fixed(
 
 
 def _mesh(scene: Scene) -> tuple[Any, ...]:
-    """Return the numbers that define the mesh of a scene."""
+    """Return half length, elements and centre of the mesh that a scene chooses."""
     grid = Model(scene, read_measured_gap(scene)).grid
     return grid.half_length, grid.elements, grid.centre
 
 
 def grid_entries(grid: Grid) -> dict[str, Any]:
-    """Return the entries of a scene that give a mesh."""
+    """Return the [grid] entries of a scene that define a mesh, by dotted key."""
     axes = slice(grid.directions)
     entries = {"grid.half_length": grid.half_length[axes], "grid.elements": grid.elements[axes]}
     return entries | ({"grid.centre": grid.centre[axes]} if any(grid.centre) else {})
 
 
 def finer(scene: Scene) -> Scene:
-    """Return a scene on a finer mesh of equal extent."""
+    """Return a scene on a mesh of equal extent with 1.5 times as many elements along each axis."""
     # Ratio of the numbers of elements of the finer mesh and the mesh, along each axis.
     refinement = 1.5
     grid = Model(scene, read_measured_gap(scene)).grid
@@ -152,7 +152,7 @@ def finer(scene: Scene) -> Scene:
 
 
 def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
-    """Return the revolutions at which adaptive stepping solves, and the mesh that it ends on."""
+    """Return the revolutions that adaptive stepping solves, and its last mesh."""
     numbers = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
     (x, y), (n_x, n_y) = numbers["half_length"].tolist(), numbers["elements"].tolist()
     steps = tuple(round(n) for n in numbers["steps"])
@@ -161,7 +161,7 @@ def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
 
 
 def _roll_adaptively(scene: Scene) -> Answer:
-    """Return the steps and the last mesh of a roll."""
+    """Roll a scene with adaptive steps; return its revolutions and last mesh as an answer."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         history = roll(scene, progress=False)
@@ -178,7 +178,7 @@ def _roll_adaptively(scene: Scene) -> Answer:
 
 
 def scaled_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Return changes with fixed steps in proportion to a free number of revolutions."""
+    """Return changes of a scene with the fixed steps scaled to a fitted number of revolutions."""
     end, steps = changes.get("wear.revolutions"), scene.wear.save if scene.wear else ()
     if end is None or not steps or steps[-1] == end or not is_integer(scene, "wear.revolutions"):
         return changes

@@ -21,7 +21,7 @@ from tractive_sam.schema import Fault, SceneError
 
 @dataclass(frozen=True, eq=False)
 class FitProblem:
-    """All data sets and parameters together.
+    """Data sets and parameters of a fit: predictions, residuals and derivatives at coordinates u.
 
     Coordinates belong to the parameters, and after them to the positions of the profiles.
 
@@ -48,7 +48,7 @@ class FitProblem:
 
     @cached_property
     def positions(self) -> list[slice]:
-        """Coordinates of each data set beyond the parameters; empty of other than profiles."""
+        """Slice of the coordinates that position each data set; empty except for profiles."""
         slices, first = [], len(self.parameters)
         for series in self.series:
             count = len(series.measured.data.nuisance) if series.measured.data.profile else 0
@@ -58,7 +58,7 @@ class FitProblem:
 
     @property
     def size(self) -> int:
-        """Number of coordinates."""
+        """Number of coordinates: parameters, and positions of profiles."""
         return self.positions[-1].stop
 
     @cached_property
@@ -81,20 +81,20 @@ class FitProblem:
 
     @property
     def priors(self) -> int:
-        """Number of priors."""
+        """Number of parameters with a prior."""
         return int(np.isfinite(self.parameters.prior[:, 0]).sum())
 
     def residuals(self, u: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-        """Return predicted less measured values over the noise, and the residuals of the priors."""
+        """Return (predicted - measured)/noise at all points, then the residuals of the priors."""
         misfit = (predicted - self.observed) / self.noise
         return np.concatenate([misfit, self.prior_residuals(u)])
 
     def residual_slopes(self, u: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-        """Return the derivatives of `residuals` from the derivatives of the predictions."""
+        """Return the derivatives of `residuals` by u from those of the predictions."""
         return np.concatenate([slopes / self.noise[:, None], self.prior_jacobian(u)])
 
     def prior_residuals(self, u: np.ndarray) -> np.ndarray:
-        """Return deviations from the priors over their standard deviations."""
+        """Return the deviations of values from their prior means, over the standard deviations."""
         mean, sd = self.parameters.prior.T
         residuals = (self.parameters.values(u) - mean) / sd
         return residuals[np.isfinite(mean)]
@@ -160,7 +160,7 @@ class FitProblem:
         return jacobian
 
     def aligned(self, u: np.ndarray) -> np.ndarray:
-        """Return coordinates with the positions of profiles that fit the predictions there best."""
+        """Return coordinates whose profile positions fit the predicted profiles best."""
         replies = self._replies({"": u})
         aligned = np.array(u, float)
         for n, (series, place) in enumerate(zip(self.series, self.positions, strict=True)):
@@ -170,7 +170,7 @@ class FitProblem:
         return aligned
 
     def predict_finer(self, u: np.ndarray) -> np.ndarray:
-        """Return predicted values on a finer mesh; nan if a computation failed."""
+        """Return predicted values (points,) on a finer mesh; nan if a computation failed."""
         cases: dict[tuple, FitCase] = {}
         values = self.parameters.named(u)
         try:
@@ -185,7 +185,7 @@ class FitProblem:
         return self._collect(self._replies_of(cases), "", u)
 
     def _moved(self, u: np.ndarray, k: int) -> np.ndarray:
-        """Return coordinates with one parameter changed by the step of differences."""
+        """Return coordinates with the k-th one changed by a difference step within its bounds."""
         step = self.step or self._default_step
         if self.parameters.integer[k]:
             step = max(step, 1.0 / self.parameters.values(u)[k])
@@ -200,7 +200,7 @@ class FitProblem:
 
     @cached_property
     def _default_step(self) -> float:
-        """Return the step of differences of contacts, or of rolls if any case is one."""
+        """Relative step of finite differences: larger if any data set is rolled."""
         rolled = any(not is_steady(prepare.trimmed(series.base, series.columns, series.unworn))
                      for series in self.series)  # fmt: skip
         tolerance = max(series.base.solver.tolerance for series in self.series)
@@ -209,7 +209,7 @@ class FitProblem:
     def _replies(
         self, points: Mapping[str, np.ndarray], derivatives: bool = True
     ) -> dict[tuple, Reply] | None:
-        """Return answers by series, point and group; None if a scene is not valid.
+        """Compute cases at named points; return replies by (series, point, group), or None.
 
         Exact derivatives are computed at the point "", and there only if they are wanted. At other
         points, only what has no exact derivative is computed.
@@ -229,7 +229,7 @@ class FitProblem:
         return self._replies_of({name: cases[name] for name in order})
 
     def _replies_of(self, cases: Mapping[tuple, FitCase]) -> dict[tuple, Reply]:
-        """Return the answers of cases; cases of one scene are computed together."""
+        """Return the replies of cases by name; cases of the same scene are computed once."""
         together = merged(cases.values())
         answers = self.evaluations.answers(together)
         self.failures.extend(answer.message for answer in answers.values() if answer.message)
@@ -238,11 +238,11 @@ class FitProblem:
 
     @cached_property
     def failures(self) -> list[str]:
-        """Reasons of computations that failed."""
+        """Messages of the computations that failed so far."""
         return []
 
     def _collect(self, replies: Mapping[tuple, Reply], point: str, u: np.ndarray) -> np.ndarray:
-        """Return the computed values of all series at a point."""
+        """Return the predictions of all data sets at a point from its replies, shape (points,)."""
         predictions = []
         for n, (series, place) in enumerate(zip(self.series, self.positions, strict=True)):
             each = [replies[n, point, k] for k in range(len(series.groups))]

@@ -10,7 +10,7 @@ from scipy.interpolate import PchipInterpolator
 
 @dataclass(frozen=True, eq=False)
 class ProfilePosition:
-    """The line and the lateral offset with which a profile was measured.
+    """Unknown lateral offset, tilt and level with which a profile was measured, and their fit.
 
     The measured depth is d(y - offset) + tilt (y - middle) + level, of those that are unknown.
     Coordinates: offset over the width of the measurement, tilt times this width and level over the
@@ -33,23 +33,23 @@ class ProfilePosition:
 
     @property
     def units(self) -> np.ndarray:
-        """Values of one unit of each coordinate."""
+        """Values of offset, tilt or level that one unit of each coordinate stands for."""
         width, height = float(np.ptp(self.y)) or 1.0, float(np.ptp(self.depth)) or 1e-3
         units = {"offset": width, "tilt": height / width, "level": height}
         return np.array([units[name] for name in self.unknown])
 
     def values(self, position: np.ndarray) -> dict[str, float]:
-        """Return offset (mm), tilt and level (mm) at coordinates."""
+        """Return offset (mm), tilt and level (mm) at coordinates, by name."""
         return dict(zip(self.unknown, (self.units * position).tolist(), strict=True))
 
     def predict(self, y: np.ndarray, depth: np.ndarray, position: np.ndarray) -> np.ndarray:
-        """Return the profile as it would be measured, shape (n,)."""
+        """Return a computed profile as it would be measured at a position, mm, shape (n,)."""
         values = self.values(position)
         line = values.get("tilt", 0.0) * self._arm + values.get("level", 0.0)
         return _depth(y, depth)(self.y - values.get("offset", 0.0)) + line
 
     def slopes(self, y: np.ndarray, depth: np.ndarray, position: np.ndarray) -> np.ndarray:
-        """Return the derivatives by the coordinates, shape (n, unknown)."""
+        """Return the derivatives of `predict` by the coordinates of the position, (n, unknown)."""
         offset = self.values(position).get("offset", 0.0)
         columns = {
             "offset": lambda: -_depth(y, depth, 1)(self.y - offset),
@@ -62,7 +62,7 @@ class ProfilePosition:
         return np.stack(slopes, axis=1) if slopes else np.empty((self.y.size, 0))
 
     def align(self, y: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """Return the position that fits a predicted profile of any scale best."""
+        """Return the position at which a computed profile, times any factor, fits best."""
         position = np.zeros(len(self.unknown))
         lines = [column for name, column in (("tilt", self._arm), ("level", np.ones_like(self.y)))
                  if name in self.unknown]  # fmt: skip
@@ -91,7 +91,7 @@ class ProfilePosition:
 
 
 def _depth(y: np.ndarray, depth: np.ndarray, order: int = 0):
-    """Return the depth over y as a smooth function without overshoot; zero beyond the mesh."""
+    """Return the depth as a monotone cubic function of y; zero beyond the mesh."""
     step = y[1] - y[0]
     places = np.concatenate(([y[0] - step], y, [y[-1] + step]))
     curve = PchipInterpolator(places, np.pad(depth, 1), extrapolate=False)

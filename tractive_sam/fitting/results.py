@@ -23,7 +23,7 @@ DONE = "done"
 
 @dataclass(frozen=True, eq=False)
 class Gain:
-    """Gain of one candidate of the next test.
+    """Candidate test with its gain in certainty, and the standard deviations after the test.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Gain:
 
 @dataclass(frozen=True, eq=False)
 class Intervals:
-    """Intervals of the parameters.
+    """Low and high ends and standard deviations of the parameters, and likelihood curves.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Intervals:
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
-    """The result of a fit.
+    """Result of a fit: estimates, intervals, residuals, caveats and cost, as stored in its file.
 
     Attributes
     ----------
@@ -106,24 +106,24 @@ class FitResult:
 
     @cached_property
     def design(self) -> FitDesign:
-        """The [fit] table that was fitted."""
+        """The fit file that was fitted, with its [fit] table."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return FitDesign.from_toml_text(str(self.dataset["design"].values))
 
     @property
     def status(self) -> str:
-        """Done, running (also of an interrupted fit), or not converged at most iterations."""
+        """State of the fit: "done", "running" (also if interrupted) or "not converged"."""
         return str(self.dataset.attrs["status"])
 
     @property
     def finished(self) -> bool:
-        """Whether there are estimates."""
+        """Whether the fit has estimates, as the search has ended."""
         return "value" in self.dataset
 
     @property
     def title(self) -> str:
-        """The title of the fit, or of its scene."""
+        """Title of the fit, or else of its scene."""
         return self.design.fit.title or self.design.fit.scene.title
 
     @property
@@ -132,26 +132,26 @@ class FitResult:
         return self.design.fit.free
 
     def _named(self, name: str) -> dict[str, float]:
-        """Return the values of a variable by the names of the parameters."""
+        """Return the values of a variable of the file, by key of the parameter."""
         return dict(zip(self.keys, self.dataset[name].values.tolist(), strict=True))
 
     @property
     def values(self) -> dict[str, float]:
-        """Estimates by key."""
+        """Estimates of the parameters by key."""
         return self._named("value")
 
     @property
     def sd(self) -> dict[str, float]:
-        """Standard deviations by key; infinite if the data do not determine a parameter."""
+        """Standard deviations of the estimates by key; inf for undetermined parameters."""
         return self._named("sd")
 
     def interval(self, key: str) -> tuple[float, float]:
-        """Return the interval of a parameter; nan if the data set no end."""
+        """Return (low, high) of the interval of a parameter; nan where the data set no end."""
         return self._named("low")[key], self._named("high")[key]
 
     @property
     def correlation(self) -> np.ndarray:
-        """Correlation of the parameters, shape (n, n); nan of those that are not determined."""
+        """Correlation matrix of the parameters (n, n); nan for undetermined ones."""
         return self.dataset["correlation"].values
 
     @property
@@ -173,33 +173,33 @@ class FitResult:
         return self._texts("notes")
 
     def _texts(self, name: str) -> list[str]:
-        """Return the texts of a variable."""
+        """Return the lines of text of a variable of the file; none if it is missing."""
         variable = self.dataset.get(name)
         return [] if variable is None else [str(text) for text in variable.values]
 
     @property
     def chi2(self) -> float:
-        """Sum of the squares of the residuals over the noise."""
+        """Sum of the squares of the residuals over the noise, chi-square."""
         return float(self.dataset.attrs["chi2"])
 
     @property
     def chi2_range(self) -> tuple[float, float]:
-        """Range in which `chi2` is expected; nan unless there are more points than parameters."""
+        """Range (low, high) in which `chi2` is expected; nan without degrees of freedom."""
         return float(self.dataset.attrs["chi2_low"]), float(self.dataset.attrs["chi2_high"])
 
     @property
     def points(self) -> int:
-        """Number of measured values."""
+        """Number of measured values of all data sets."""
         return int(self.dataset.attrs["points"])
 
     @property
     def solves(self) -> int:
-        """Contacts solved, including contacts of rolls."""
+        """Number of contacts solved, also those within rolls."""
         return int(self.dataset.attrs["solves"])
 
     @property
     def rolls(self) -> int:
-        """Scenes rolled."""
+        """Number of scenes rolled."""
         return int(self.dataset.attrs["rolls"])
 
     @cached_property
@@ -211,7 +211,7 @@ class FitResult:
             return scene.replace(**changes_of(scene, self.values))
 
     def next_tests(self) -> list[dict[str, Any]]:
-        """Return the candidates of the next test, the best one first.
+        """Return the candidate tests with their gains, the best one first.
 
         Returns
         -------
@@ -232,7 +232,7 @@ class FitResult:
         ]
 
     def estimates(self) -> list[dict[str, str]]:
-        """Return a row of text for each parameter: value, deviation, interval, error of the mesh.
+        """Return a row of text for each parameter: value, deviation, interval, mesh error.
 
         The error of the mesh is the change of the estimate on a finer mesh, over the standard
         deviation.
@@ -258,7 +258,7 @@ class FitResult:
         return rows
 
     def tables(self) -> dict[str, list[dict[str, str]]]:
-        """Return rows of text by table and column: what terminals, notebooks and pages show."""
+        """Return tables of a fit as rows of text: estimates, correlation and next tests."""
         tables = {"Estimates": self.estimates()}
         if len(self.keys) > 1:
             tables["Correlation"] = [
@@ -277,12 +277,12 @@ class FitResult:
         return tables
 
     def _remarks(self) -> dict[str, str]:
-        """Return undetermined parameters and caveats as rows of a description."""
+        """Return undetermined parameters and caveats, if any, as rows of a description."""
         rows = {"not determined": "; ".join(self.undetermined), "notes": "; ".join(self.notes)}
         return {name: text for name, text in rows.items() if text}
 
     def summary(self) -> dict[str, str]:
-        """Return the result of the fit in words."""
+        """Return the result as text by name: estimates, chi-square, model error, cost."""
         rows = {"title": self.title, "status": f"{self.status}; {self.dataset.attrs['message']}"}
         if not self.finished:
             return rows
@@ -302,7 +302,7 @@ class FitResult:
         return {name: text for name, text in rows.items() if text}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the result as ``tractive-sam show --json`` prints it: None for what is unknown."""
+        """Return the result as ``tractive-sam show --json`` prints it; None for unknown numbers."""
         if not self.finished:
             return {"status": self.status, "message": str(self.dataset.attrs["message"])}
         names = ("value", "low", "high", "sd", "mesh_shift")
@@ -331,12 +331,12 @@ class FitResult:
 
 
 def _number(value: float) -> float | None:
-    """Return a finite number; None otherwise."""
+    """Return a finite number as float, and None for nan and inf."""
     return float(value) if math.isfinite(value) else None
 
 
 def _describe_model_error(dataset: xarray.Dataset) -> str:
-    """Describe the error of the mesh, relative to the noise."""
+    """Return the error of the mesh relative to the noise as text; "" if not computed."""
     if "model_error" not in dataset:
         return ""
     error, noise = np.abs(dataset["model_error"].values), dataset["noise"].values

@@ -115,7 +115,7 @@ def fit(
 
 
 def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
-    """Read the data of a fit, and fix meshes and steps at the first values.
+    """Read the data of a fit, fix meshes and steps at the first values, and return the problem.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
 
 
 def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> FitDesign:
-    """Return a design from a file, or from the entries of its table [fit].
+    """Return a fit design from a file, from its tables, or as it is.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> 
 
 
 def _read_all(table: Fit) -> list[Measured]:
-    """Read all data sets, and report their faults together."""
+    """Read all data sets, and raise a FitError with the faults of all of them."""
     measured: list[Measured] = []
     faults: list[Fault] = []
     for k, data in enumerate(table.data):
@@ -177,7 +177,7 @@ def _read_all(table: Fit) -> list[Measured]:
 
 
 def _check_count(measured: list[Measured], parameters: Parameters) -> None:
-    """Raise an error if there are fewer measurements than parameters."""
+    """Raise an error if there are fewer measurements and priors than unknowns."""
     points = sum(data_set.points for data_set in measured)
     positions = sum(len(data_set.data.nuisance) for data_set in measured if data_set.data.profile)
     priors = np.isfinite(parameters.prior[:, 0]).sum()
@@ -189,7 +189,7 @@ def _check_count(measured: list[Measured], parameters: Parameters) -> None:
 
 
 def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
-    """Return the result of a fit that is not complete."""
+    """Return the result of a running fit: no estimates, only the answers so far."""
     design = ((), document.to_toml(), "1", "the fit file")
     attributes = {
         "status": "running",
@@ -200,7 +200,7 @@ def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
 
 
 def _intervals_of(best: Estimate, table: Fit) -> Intervals:
-    """Return the intervals of all parameters, as the fit wants them."""
+    """Return the intervals of all parameters, linearised or by profile likelihood."""
     low, high, sd = best.interval(table.level)
     curves = []
     if table.intervals == "profile":
@@ -211,7 +211,7 @@ def _intervals_of(best: Estimate, table: Fit) -> Intervals:
 
 
 def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult:
-    """Return the result of a search that ended."""
+    """Return the full result of an ended search: intervals, mesh error, next tests, notes."""
     table, problem = document.fit, best.problem
     n = len(problem.parameters)
     intervals, shift = _intervals_of(best, table), np.full(n, np.nan)

@@ -17,7 +17,7 @@ from tractive_sam.schema import Fault
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """Minimises the weighted squares of a problem.
+    """Search for the coordinates with the smallest cost: half the weighted sum of squares.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Search:
     reach: float = math.log(3.0)
 
     def run(self) -> Estimate:
-        """Return the best minimum from the first values, and from random ones if requested.
+        """Return the best minimum found from the first values and from any random starts.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class Search:
         return list(starts)
 
     def minimise(self, u: np.ndarray, fixed: int | None = None) -> Estimate:
-        """Minimise from one start.
+        """Return the minimum found from one start, perhaps with one coordinate fixed.
 
         Parameters
         ----------
@@ -128,7 +128,7 @@ class Search:
 
 @dataclass(eq=False)
 class _Residuals:
-    """Residuals and derivatives over the coordinates that vary.
+    """Residuals and derivatives as functions of the coordinates that vary.
 
     Attributes
     ----------
@@ -148,24 +148,24 @@ class _Residuals:
     last: tuple[np.ndarray, np.ndarray] | None = None
 
     def at(self, part: np.ndarray) -> np.ndarray:
-        """Return all coordinates, given the ones that vary."""
+        """Return all coordinates, from those that vary."""
         u = self.u.copy()
         u[self.varies] = part
         return u
 
     def residuals(self, part: np.ndarray) -> np.ndarray:
-        """Return predicted less measured values over the noise, and the residuals of the priors."""
+        """Return (predicted - measured)/noise and residuals of priors, at varying coordinates."""
         u = self.at(part)
         return self.problem.residuals(u, self.problem.predict(u, derivatives=True))
 
     def slopes(self, part: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the residuals."""
+        """Return the derivatives of the residuals by the coordinates that vary."""
         u = self.at(part)
         self.last = u, self.problem.jacobian(u)
         return self.problem.residual_slopes(*self.last)[:, self.varies]
 
     def jacobian(self, u: np.ndarray, near: float) -> np.ndarray:
-        """Return the derivatives of the predictions; nearby ones are reused."""
+        """Return the derivatives of predictions at `u`; those computed within `near` are reused."""
         if self.last is not None and np.abs(self.last[0] - u).max() < near:
             return self.last[1]
         return self.problem.jacobian(u)

@@ -27,7 +27,7 @@ from tractive_sam.schema import SceneError
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One data set: its scenes, and the comparison of their records with the measurements.
+    """One data set with its scenes, and the predictions for its rows at any parameter values.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Series:
         done: Evaluations | None,
         shared: prepare.SharedPlaces | None = None,
     ) -> Series:
-        """Prepare a data set at the first values of the parameters.
+        """Prepare a data set at the first values: check its scenes, and fix meshes and steps.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class Series:
         return replace(bare, groups=tuple(groups), exact=exact)
 
     def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
-        """Return the scene at the first values, and with each parameter changed."""
+        """Return the scene at the first values, and with each parameter changed a little."""
         values = start.named(np.ones(len(start)))
         scenes = [self.scene_at(values, settings)]
         for k in range(len(start)):
@@ -123,7 +123,7 @@ class Series:
         return scenes
 
     def scene_at(self, values: Mapping[str, float], settings: Mapping[str, Any]) -> Scene:
-        """Return the scene of some rows at values of the parameters.
+        """Return the scene of rows with given settings, at values of the parameters.
 
         Raises
         ------
@@ -137,7 +137,7 @@ class Series:
             return prepare.trimmed(base.replace(**changes), self.columns, self.unworn)
 
     def cases(self, values: Mapping[str, float], number: int, derivatives: bool) -> list[FitCase]:
-        """Return the computation of each group of rows.
+        """Return the computation for each group of rows with equal settings.
 
         Parameters
         ----------
@@ -160,7 +160,7 @@ class Series:
         return cases
 
     def predictions(self, replies: list[Reply], position: np.ndarray, of: str = "") -> np.ndarray:
-        """Return predicted values of the rows, or a derivative of them.
+        """Return predicted values of the rows from replies, or their derivative ("/parameter").
 
         Parameters
         ----------
@@ -188,13 +188,13 @@ class Series:
 
     @cached_property
     def position(self) -> ProfilePosition:
-        """The unknown position of a profile."""
+        """Lateral offset, tilt and level of the measured profile, to be fitted."""
         measured = self.measured
         return ProfilePosition(measured.data.nuisance, measured.y, measured.observed[:, 0])
 
 
 def _groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:
-    """Return groups of rows with equal settings, and the settings; a profile is one group."""
+    """Return (indices, settings) of each group of rows with equal settings; a profile is one."""
     groups: dict[tuple, list[int]] = {}
     for k, settings in enumerate(measured.settings):
         groups.setdefault(tuple(settings.items()), []).append(k)

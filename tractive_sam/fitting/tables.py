@@ -29,20 +29,20 @@ DEPTH = "depth"
 
 
 def _listed(value: object) -> object:
-    """Return a list; one text or number becomes a list of one."""
+    """Return a single text or number as a tuple of one; other values unchanged."""
     is_single = isinstance(value, str | int | float) and not isinstance(value, bool)
     return (value,) if is_single else value
 
 
 def _check_distinct(values: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names; raise an error if one is repeated."""
+    """Return the names; raise a ValueError if one is repeated."""
     if len(set(values)) < len(values):
         raise ValueError("each name once")
     return values
 
 
 def _flat(entries: object, before: str = "") -> object:
-    """Return entries by dotted key; nested tables are flattened."""
+    """Return nested tables as one table by dotted key; other values unchanged."""
     if not isinstance(entries, Mapping):
         return entries
     flat: dict[str, Any] = {}
@@ -53,7 +53,7 @@ def _flat(entries: object, before: str = "") -> object:
 
 
 def _as_lists(columns: object) -> object:
-    """Return columns of arrays as lists, for the text of the file."""
+    """Return columns that are arrays as lists, which the text of a fit file can hold."""
     if not isinstance(columns, Mapping):
         return columns
     return {
@@ -71,7 +71,7 @@ _NOISE = "a relative standard deviation, { absolute = ... }, { relative = ... } 
 
 
 def _check_noise(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault of a noise table without a key, or with contradictory keys."""
+    """Yield a fault of a noise table that is empty or has "column" with other keys."""
     if not entries.given:
         yield Fault("noise", "nothing", _NOISE)
     elif "column" in entries.given and len(entries.given) > 1:
@@ -79,7 +79,7 @@ def _check_noise(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Noise(Table):
-    """Standard deviation of measured values.
+    """Table of the standard deviation of measured values: absolute, relative or a column.
 
     Examples
     --------
@@ -95,13 +95,13 @@ class Noise(Table):
 
 
 def _check_observations(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of observations that do not exist."""
+    """Yield faults of observed columns that do not exist or cannot be observed."""
     for name in entries["observe"]:
         yield from observation_faults(name, entries["body"])
 
 
 def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
-    """Yield the faults of a column that is to be observed, see `column_of`."""
+    """Yield faults of an observed column: unknown, without body, neither number nor profile."""
     # Dimensions of columns that can be observed: numbers, profiles, and numbers of each body.
     observable = ((), ("y",), ("body",))
     table = index_by_name(COLUMNS)
@@ -115,7 +115,7 @@ def observation_faults(name: str, body: str | None) -> Iterator[Fault]:
 
 
 def column_of(name: str, body: str | None) -> str:
-    """Return the observed column of a history; for a profile, the column of the body."""
+    """Return the history column of an observation, with the body: "name A", or "name_A" over y."""
     quantity = index_by_name(COLUMNS)[name]
     if body is None or f"{name}_{body}" not in index_by_name(COLUMNS) or quantity.dims != ("y",):
         return name if quantity.dims != ("body",) else f"{name} {body}"
@@ -123,7 +123,7 @@ def column_of(name: str, body: str | None) -> str:
 
 
 def _check_profile(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of a profile that is observed together with other quantities."""
+    """Yield faults of a profile with other columns or `vary`, and of `nuisance` without one."""
     profiles = [name for name in entries["observe"] if is_profile(name)]
     if profiles and len(entries["observe"]) > 1:
         yield Fault("observe", shorten(entries["observe"]), f"{profiles[0]} in a data set alone")
@@ -135,7 +135,7 @@ def _check_profile(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def is_profile(name: str) -> bool:
-    """Return whether an observation is a profile over y."""
+    """Return whether an observed column is a profile over y."""
     table = index_by_name(COLUMNS)
     return name in table and table[name].dims == ("y",)
 
@@ -147,7 +147,7 @@ def _check_source(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_place(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults if the place of the record is given twice."""
+    """Yield faults if the revolution or distance of a record is given twice."""
     places = [key for key in entries["vary"] if key in COORDINATES]
     if places and entries["at"] is not None:
         yield Fault("at", f"{entries['at']:g}, and {places[0]} varies", "one of them")
@@ -156,7 +156,7 @@ def _check_place(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Observation(Table):
-    """The part common to data sets and candidate tests: the observed quantities and records."""
+    """Keys that data sets and candidate tests share: observed columns, body, record, settings."""
 
     observe: Names = entry(
         "columns of a record that are observed", "a name, or a list of names", min_length=1
@@ -176,7 +176,7 @@ class Observation(Table):
 
 
 class Data(Observation):
-    """Measurements of one test, or of one series of tests.
+    """A [[fit.data]] table: measurements of one test, or of one series of tests.
 
     Examples
     --------
@@ -217,17 +217,17 @@ class Data(Observation):
 
     @property
     def name(self) -> str:
-        """Label, or else the name of the file."""
+        """Label of the data set, or else the name of its file; "" without both."""
         return self.label or (Path(self.file).name if self.file else "")
 
     @property
     def profile(self) -> bool:
-        """Whether a profile over y is observed."""
+        """Whether the data set observes a profile over y."""
         return is_profile(self.observe[0])
 
     @property
     def uncertainty(self) -> Noise:
-        """The noise; a number alone is relative."""
+        """Noise as a table; a number becomes the relative noise."""
         return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)
 
 
@@ -244,7 +244,7 @@ def _check_bounds(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_scale(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of numbers without a logarithm for a logarithmic scale."""
+    """Yield faults of values without a logarithm if scale = "log"."""
     if entries["scale"] == "log":
         for key in ("start", "lower", "upper"):
             value = entries[key]
@@ -260,7 +260,7 @@ def _check_prior(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Parameter(Table):
-    """Start, bounds and prior of a free entry.
+    """A [[fit.parameter]] table: start, bounds, prior and scale of a free key.
 
     Examples
     --------
@@ -296,7 +296,7 @@ def _check_test(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class CandidateTest(Observation):
-    """Tests that could be made next: one for each value.
+    """A [[fit.test]] table: tests that could be made next, one for each value of `vary`.
 
     Examples
     --------
@@ -313,5 +313,5 @@ class CandidateTest(Observation):
 
     @property
     def uncertainty(self) -> Noise:
-        """The noise; a number alone is relative."""
+        """Noise as a table; a number becomes the relative noise."""
         return self.noise if isinstance(self.noise, Noise) else Noise(relative=self.noise)

@@ -18,7 +18,7 @@ Variables: TypeAlias = dict[str, tuple]
 
 
 def parameter_variables(best: Estimate, intervals: Intervals, shift: np.ndarray) -> Variables:
-    """Return estimates, intervals, correlation and derivatives.
+    """Return the variables of estimates, intervals, correlation and derivatives.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def parameter_variables(best: Estimate, intervals: Intervals, shift: np.ndarray)
 
 
 def _coordinate_names(problem: FitProblem) -> list[str]:
-    """Return the names of all unknowns."""
+    """Return the names of all fitted coordinates: keys, and positions of profiles."""
     names = list(problem.parameters.keys)
     for series in problem.series:
         if series.measured.data.profile:
@@ -71,7 +71,7 @@ def _coordinate_names(problem: FitProblem) -> list[str]:
 
 
 def point_variables(best: Estimate, finer: np.ndarray | None) -> Variables:
-    """Return measured and predicted values, and predictions on a finer mesh."""
+    """Return the variables of measured and predicted values, residuals and mesh errors."""
     problem, of = best.problem, ("point",)
     numbers, labels, abscissas, names = [], [], [], []
     for k, series in enumerate(problem.series):
@@ -100,7 +100,7 @@ def point_variables(best: Estimate, finer: np.ndarray | None) -> Variables:
 
 
 def text_variables(texts: Mapping[str, list[str]]) -> Variables:
-    """Return lines of text by name; none for no lines."""
+    """Return a variable for each name with lines of text; none for an empty list."""
     return {
         name: ((f"{name}_line",), lines, "1", f"{name}, in words")
         for name, lines in texts.items()
@@ -109,7 +109,7 @@ def text_variables(texts: Mapping[str, list[str]]) -> Variables:
 
 
 def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
-    """Return the attributes of the file: status, chi-square, and cost."""
+    """Return the attributes of the file of a fit: status, message, chi-square, counts, cost."""
     low, high = best.chi2_range(fit.level)
     solves, rolls, convolutions = best.problem.evaluations.cost
     return {
@@ -130,7 +130,7 @@ def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
 
 
 def test_variables(gains: Sequence[Gain]) -> Variables:
-    """Return the candidates of the next test; nothing without any."""
+    """Return the variables of the candidate tests; {} without candidates."""
     if not gains:
         return {}
     return {

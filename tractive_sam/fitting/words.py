@@ -32,7 +32,7 @@ def describe_undetermined(best: Estimate) -> list[str]:
 
 
 def _product(keys: Sequence[str], direction: np.ndarray) -> str:
-    """Return the product of powers that is constant along a direction of the logarithms."""
+    """Return the product of powers of two parameters that the data determine, as "k1 * k2^3"."""
     # Difference from a simple number below which an exponent is written as that number.
     simple_within = 0.03
     power = -direction[0] / direction[1]
@@ -45,7 +45,7 @@ def _product(keys: Sequence[str], direction: np.ndarray) -> str:
 
 
 def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
-    """Return a basis of the space of the rows in which each direction has few entries."""
+    """Return a basis of the row space with few non-zero entries, by elimination."""
     rows = np.array(rows, float)
     done = 0
     for column in range(rows.shape[1] if rows.size else 0):

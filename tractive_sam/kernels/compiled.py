@@ -30,7 +30,7 @@ ANY_ORDER = {"reassoc", "contract", "nsz"}
 def compiled(
     function: Callable[..., Any] | None = None, *, fastmath: Any = False, inner: bool = False
 ) -> Any:
-    """Compile a function of numbers and arrays; division by zero gives inf or nan.
+    """Decorator: compile a function of numbers and arrays by numba; x/0 gives inf or nan.
 
     Parameters
     ----------
@@ -59,10 +59,10 @@ def compiled(
 
 
 class _StoredOverloads(FunctionCache):
-    """Compiled functions that numba stores on disk; they are compiled again if that fails."""
+    """Store of compiled functions on disk (numba's cache), which ignores damaged or full disks."""
 
     def load_overload(self, *arguments: Any) -> Any:
-        """Return the stored function, or None."""
+        """Return the stored compiled function, or None; a damaged store is cleared."""
         try:
             return super().load_overload(*arguments)
         except Exception:  # what is damaged may raise any
@@ -71,14 +71,14 @@ class _StoredOverloads(FunctionCache):
             return None
 
     def save_overload(self, *compiled: Any) -> None:
-        """Store a compiled function if there is space."""
+        """Store a compiled function on disk; ignore write errors."""
         with suppress(OSError):
             super().save_overload(*compiled)
 
 
 @cache
 def hash_sources(module: str) -> str:
-    """Return a hash of a module of this package and of the modules that it imports."""
+    """Return a hash of the source of a kernel module and of those that it imports."""
     text = Path(__file__).with_name(f"{module}.py").read_text("utf-8")
     imported = re.findall(rf"^from {re.escape(__package__)}\.(\w+) import", text, re.MULTILINE)
     return sha256("".join([text, *map(hash_sources, imported)]).encode()).hexdigest()[:12]
@@ -86,7 +86,7 @@ def hash_sources(module: str) -> str:
 
 @contextmanager
 def notify_compilation(notify: Callable[[], None]) -> Iterator[None]:
-    """Call a function once if a kernel is compiled in the block that is not stored on disk."""
+    """Call a function once if a kernel has to be compiled within the `with` block."""
     with event.install_listener("numba:compile", _Once(notify)):
         yield
 
@@ -95,13 +95,13 @@ class _Once(event.Listener):
     """Listener that calls a function at the first event only."""
 
     def __init__(self, notify: Callable[[], None]) -> None:
-        self._tell: Callable[[], None] | None = notify
+        self._notify: Callable[[], None] | None = notify
 
     def on_start(self, event: event.Event) -> None:
-        """Call the function at the first event."""
-        notify, self._tell = self._tell, None
+        """Call the function when the first compilation starts."""
+        notify, self._notify = self._notify, None
         if notify is not None:
             notify()
 
     def on_end(self, event: event.Event) -> None:
-        """Do nothing at the end of an event."""
+        """Do nothing when a compilation ends (required by numba)."""

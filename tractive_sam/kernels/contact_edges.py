@@ -7,7 +7,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def edge_place(here, before):
-    """Return the place of an edge, in elements beyond the centre of the outermost one.
+    """Return the distance of the contact edge beyond the outermost element's centre, in elements.
 
     A cubic in the ratio r of both pressures, see `results.edges`; peaks at a rim are cut at `last`.
 
@@ -30,7 +30,7 @@ def edge_place(here, before):
 
 @compiled
 def find_ends(pressure, out):
-    """Set `out` to the places of the edges towards larger first indices, nan elsewhere.
+    """Set `out` to the distances of edges beyond elements, towards larger first indices; else nan.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def find_ends(pressure, out):
 
 @compiled
 def find_extent(pressure):
-    """Return the places of the first and the last edge along the first axis, in elements.
+    """Return the coordinates of the first and last contact edge along the first axis, in elements.
 
     Without contact the first place is larger than the last.
 
@@ -74,7 +74,7 @@ def find_extent(pressure):
 
 @compiled(inner=True)
 def _side(pressure, i, j, di, dj):
-    """Return how far a contact reaches into the side from (i, j) to (i + di, j + dj).
+    """Return the length in contact of the side between two neighbouring element centres, 0 to 1.
 
     In lengths of the side, from its corner in contact; 0 if both corners are in contact or none.
     The elements before and behind the side exist.
@@ -89,7 +89,7 @@ def _side(pressure, i, j, di, dj):
 
 @compiled
 def count_covered(pressure):
-    """Return the number of elements that a contact covers within lines from edge to edge.
+    """Return the contact area in elements (not an integer), bounded by lines between edge points.
 
     Cells have the centres of four elements at their corners; the edge crosses their sides.
 

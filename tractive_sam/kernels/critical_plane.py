@@ -17,7 +17,7 @@ from tractive_sam.kernels.fatigue import ROOT3, deviators
 
 @compiled
 def evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
-    """Evaluate the criterion on a plane: shear amplitude and largest normal stress.
+    """Return the criterion on a plane, the number of support points, and the index of sigma_n,max.
 
     Return tau_a + sum_k sigma_n,max or tau_a (1 + product_k sigma_n,max), depending on the factors;
     the number of support points of the circle of the shear; and the index of the point with the
@@ -41,7 +41,7 @@ def evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
 
 @compiled(inner=True)
 def _stress_factors(look, normal):
-    """Compute the factors of stress components for the normal and shear stresses on a plane."""
+    """Set `look` to the factors of stress components in normal and shear stresses on a plane."""
     n = normal[0], normal[1], normal[2]
     e, f = _perpendicular_axes(n)
     for k, (u, v) in enumerate(((n, n), (e, n), (f, n), (e, e), (e, f), (f, f))):
@@ -61,7 +61,7 @@ is made shorter, and the gain, over the value, from which on none is worth its w
 
 @compiled
 def critical_plane(out, paths, sum_k, product_k):
-    """Compute the largest value over all planes of a shear amplitude with normal stress.
+    """Set `out` to the largest value over all planes of a criterion of each stress path.
 
     tau_a + sum_k sigma_n,max (Findley) or tau_a (1 + product_k sigma_n,max) (Fatemi-Socie); tau_a
     is the radius of the smallest circle around the path of the shear stress on the plane. Both are
@@ -141,7 +141,7 @@ def critical_plane(out, paths, sum_k, product_k):
 
 @compiled(inner=True)
 def _first_cells():
-    """Return the cells of the first search (m, 4): face, angles u, v of the middle, half side."""
+    """Return the cells (m, 4) that cover half a sphere: face, angles u, v of middle, half side."""
     # Cells along each side of a face of a cube in the first search; three faces are half a sphere.
     side = 7
     cells, half = np.empty((3 * side * side, 4)), math.pi / 4 / side
@@ -154,7 +154,7 @@ def _first_cells():
 
 @compiled(inner=True)
 def _cell_normal(normal, cell):
-    """Set the normal in the middle of a cell; return the squared angle of its farthest corner.
+    """Set the normal at the middle of a cell; return the squared angle to its farthest corner.
 
     Across a face of the cube normals are (1, tan u, tan v): the sides of a cell are great circles,
     so no point is farther than a corner, and of these it is one on the longer diagonal.
@@ -175,7 +175,7 @@ def _cell_normal(normal, cell):
 
 @compiled(inner=True)
 def _bound_curvature(path, sum_k, product_k, ball):
-    """Bound the curvature of the criterion around a maximum, over the squared angle, radians.
+    """Return an upper bound of the fall of the criterion around a maximum, per squared angle.
 
     Take the points i that hold the circle of the critical plane, with their weights w. For each
     plane, the circle is no smaller than sqrt(sum of w |t_i - t|²), t the mean, and that no smaller
@@ -204,7 +204,7 @@ def _bound_curvature(path, sum_k, product_k, ball):
 
 @compiled(inner=True)
 def _copy(out, values):
-    """Copy an array of one dimension.
+    """Copy an array of one dimension into `out`.
 
     Used instead of an assignment to a slice: its check of shapes takes seconds to compile.
     """
@@ -214,7 +214,7 @@ def _copy(out, values):
 
 @compiled(inner=True)
 def _stress_factors_of_planes(normals):
-    """Return the factors for normal and both shear stresses on planes (3, 6, m)."""
+    """Return the factors of stress components on planes with normals (m, 3), shape (3, 6, m)."""
     looks, look = np.empty((3, 6, len(normals))), np.empty((6, 6))
     for c in range(len(normals)):
         _stress_factors(look, normals[c])
@@ -225,7 +225,7 @@ def _stress_factors_of_planes(normals):
 
 @compiled(inner=True)
 def _stress_ranges(box, path, looks):
-    """Compute the range (6, m) of the normal and both shear stresses along a path."""
+    """Set `box` (6, m) to least and largest normal and shear stresses of a path on each plane."""
     box[0::2], box[1::2] = math.inf, -math.inf
     for i in range(path.shape[1]):
         xx, yy, zz = path[0, i], path[1, i], path[2, i]
@@ -242,7 +242,7 @@ def _stress_ranges(box, path, looks):
 
 @compiled
 def _local_maximum(normal, path, sum_k, product_k, room):
-    """Return the local maximum that Newton steps reach from a normal."""
+    """Return the local maximum that Newton steps reach from a normal, which is moved there."""
     trial = np.empty(3)
     here, count, at = evaluate_plane(path, normal, sum_k, product_k, room)
     for _ in range(STEPS):
@@ -264,7 +264,7 @@ def _local_maximum(normal, path, sum_k, product_k, room):
 
 @compiled
 def newton_step(path, here, count, at, sum_k, product_k, room):
-    """Return the Newton step (a, b) along the axes of the plane evaluated last.
+    """Return the Newton step (a, b), radians, from the plane evaluated last, along its two axes.
 
     The squared radius is the largest, over weights w of the points that hold the circle, of the
     weighted mean of their |t_i - t|², with t the weighted mean of their shear. At fixed weights its
@@ -324,14 +324,14 @@ def newton_step(path, here, count, at, sum_k, product_k, room):
 
 @compiled(inner=True)
 def _column_differences(seen, k):
-    """Return the differences of two columns from the first point."""
+    """Return the differences of columns k and k + 1 at points 1 and 2 from those at point 0."""
     x, y = seen[0, k], seen[0, k + 1]
     return seen[1, k] - x, seen[1, k + 1] - y, seen[2, k] - x, seen[2, k + 1] - y
 
 
 @compiled
 def solve_newton_step(here, ga, gb, haa, hab, hbb):
-    """Return the step from gradient and second derivatives, uphill if the curvature is positive."""
+    """Return the step (a, b) from gradient and second derivatives, uphill and limited in length."""
     largest = 0.5 * (haa + hbb) + math.hypot(0.5 * (haa - hbb), hab)
     shift = max(0.0, largest + 0.1 * here)
     haa, hbb = haa - shift, hbb - shift
@@ -358,7 +358,7 @@ def _perpendicular_axes(normal):
 
 @compiled
 def turn_normal(out, normal, a, b):
-    """Set the normal turned by (a, b) towards its two perpendicular axes."""
+    """Set `out` to a normal turned by (a, b), radians, towards its two perpendicular axes."""
     e, f = _perpendicular_axes((normal[0], normal[1], normal[2]))
     total = 0.0
     for k in range(3):

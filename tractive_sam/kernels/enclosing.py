@@ -12,7 +12,7 @@ MAX_STEPS = 200
 
 @compiled
 def enclosing_ball(centre, support, weights, points, squares, begun=0):
-    """Find the smallest ball that encloses points.
+    """Find the smallest ball around points; return its number of support points and squared radius.
 
     Minimises over c the largest |p_i - c|². In the dual c is the mean of some of the points with
     positive weights and equal distances: an active set of these grows by the farthest
@@ -68,7 +68,7 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
 
 @compiled(inner=True)
 def _squared_distance(points, i, j):
-    """Return the squared distance of two points."""
+    """Return the squared distance of points i and j."""
     square = 0.0
     for k in range(len(points)):
         square += (points[k, i] - points[k, j]) ** 2
@@ -77,7 +77,7 @@ def _squared_distance(points, i, j):
 
 @compiled(inner=True)
 def _add_support(support, weights, count, far, points, target, matrix, right):
-    """Add a point to the support of a ball, and drop points no longer needed; return its size."""
+    """Add a point to the support of a ball, drop points no longer needed; return their number."""
     support[count], weights[count] = far, 0.0
     count += 1
     leaving = 0
@@ -93,7 +93,7 @@ def _add_support(support, weights, count, far, points, target, matrix, right):
 
 @compiled(inner=True)
 def index_of_farthest(squares, centre, points):
-    """Set the squared distances from the centre, and return the index of the farthest point."""
+    """Set the squared distances of points from a centre; return the index of the farthest."""
     # One coordinate after another, so that several points go at once.
     for k in range(len(points)):
         component, c = points[k], centre[k]
@@ -126,7 +126,7 @@ def index_of_largest(values):
 
 @compiled(inner=True)
 def _move_weights(weights, target, count, dependent):
-    """Move weights towards a target while all are positive; return the first that reaches zero.
+    """Move weights towards a target until one reaches zero; return its index, or -1 if none does.
 
     For dependent points the target is a direction along which the radius grows and the mean does
     not change.
@@ -144,7 +144,7 @@ def _move_weights(weights, target, count, dependent):
 
 @compiled(inner=True)
 def _equidistant_weights(target, support, count, points, matrix, right):
-    """Set the weights of the point with equal distances from all support points of a ball.
+    """Set weights of the point equally far from all support points; return if they are dependent.
 
     Return True if the last point lies in the space of the others. The weights are then set to the
     change of all weights that leaves the mean unchanged, with 1 for the last point.
@@ -194,7 +194,7 @@ def _back_substitute(out, matrix, right, count):
 
 @compiled
 def enclosing_circle(support, weights, points, squares, enough=0.0):
-    """Find the smallest circle around points in a plane; arguments as in `enclosing_ball`.
+    """Find the smallest circle around points in a plane; return support size and squared radius.
 
     Two points hold it, or three that make an acute triangle: the farthest point outside replaces
     one of them (Elzinga & Hearn, Transp. Sci. 6 (1972) 379). The search begins with the first two
@@ -224,7 +224,7 @@ def enclosing_circle(support, weights, points, squares, enough=0.0):
 
 @compiled(inner=True)
 def _replaced_point(support, points, centre, far):
-    """Return which of three support points of a circle is replaced by one outside.
+    """Return the index of the support point of a circle that a point outside replaces.
 
     Not the farthest from it; of the others the one on its side of the line from there through the
     centre.
@@ -247,7 +247,7 @@ def _replaced_point(support, points, centre, far):
 
 @compiled(inner=True)
 def _centre_of_three(support, weights, points):
-    """Set the weights of the centre of the circle of three points; return how many support it."""
+    """Set weights of the centre of the smallest circle of three points; return its support."""
     for j in range(3):
         a, b, c = support[j], support[(j + 1) % 3], support[(j + 2) % 3]
         bx, by = points[0, b] - points[0, a], points[1, b] - points[1, a]

@@ -24,7 +24,7 @@ ROOT3 = math.sqrt(3.0)
 
 @compiled
 def deviators(out, path):
-    """Set the deviators (5, n) of a path, in the coordinates above."""
+    """Set `out` (5, n) to the deviatoric coordinates of a stress path (6, n)."""
     for i in range(path.shape[1]):
         xx, yy, zz = path[0, i], path[1, i], path[2, i]
         out[0, i] = 0.5 * (xx - yy)
@@ -35,7 +35,7 @@ def deviators(out, path):
 
 @compiled
 def enclosing_radii(out, paths):
-    """Compute the radius of the smallest ball around each deviatoric path.
+    """Set `out` to the radius of the smallest ball around the deviatoric path of each stress path.
 
     The largest sqrt(J2) that is left when the best constant deviator is added to the cycle: the
     amplitude of Crossland, and the yield stress in shear below which nothing lets the cycle become
@@ -59,7 +59,7 @@ def enclosing_radii(out, paths):
 
 @compiled
 def tresca(e):
-    """Return the largest shear stress of a deviator, from its five coordinates.
+    """Return the largest shear stress of a deviator from its five coordinates.
 
     With J2 and J3: sqrt(J2) sin(theta + pi/3), cos(3 theta) = 3 sqrt 3 J3 / (2 J2^(3/2)).
     """
@@ -77,7 +77,7 @@ def tresca(e):
 
 @compiled
 def dang_van(out, radius, paths, a):
-    """Compute the largest tau(x) + a sigma_h(x) of each path, and the radius of `enclosing_radii`.
+    """Set `out` to the largest tau + a sigma_h of each path, and `radius` to its enclosing radius.
 
     tau is the largest shear stress of s minus the centre of the smallest ball around its path,
     sigma_h the hydrostatic stress; arguments as in `enclosing_radii`.

@@ -19,7 +19,7 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 @compiled(inner=True)
 def _nearest(a, b, g, w0, w1):
-    """Return the point z of the disc of radius g nearest to (a, b), and l: (1 + l w) z = (a, b).
+    """Return the point z of a disc of radius g nearest to (a, b), and l in (1 + l w) z = (a, b).
 
     Squares of distances are weighted by 1/w. If w are the squares of the scale factors, z is the
     nearest point of the ellipse that the disc is in unscaled tractions (`Frame`). The root l of |z|
@@ -48,7 +48,7 @@ def _nearest(a, b, g, w0, w1):
 
 @compiled
 def project(traction, bound, out, w0=1.0, w1=1.0):
-    """Project tractions onto discs of radius ``bound``, element by element; zero if bound <= 0.
+    """Set `out` to tractions projected onto discs of radius `bound`; zero where bound <= 0.
 
     Squares of distances along the axes count by 1/w0 and 1/w1 (`_nearest`).
     """
@@ -70,7 +70,7 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
 
 @compiled(inner=True)
 def _centred(slip, contact, i, ahead, m0, m1):
-    """Set (m0, m1) to the slip at the centres of row i, from the slip of the leading faces.
+    """Set (m0, m1) to the slip at the element centres of row i, from the slip of leading faces.
 
     The faces lie `ahead` / 2 elements before the centres. The slip is interpolated by a parabola
     through the face ahead, the element's own and the one behind. For faces half an element before
@@ -92,7 +92,7 @@ def _centred(slip, contact, i, ahead, m0, m1):
 
 @compiled
 def centre(slip, contact, out, ahead=1.0):
-    """Compute the slip at the centres of elements in contact from the slip of the leading faces.
+    """Set `out` to the slip at the centres of elements in contact, from the slip of leading faces.
 
     The faces lie `ahead` / 2 elements before the centres.
     """
@@ -107,8 +107,8 @@ def centre(slip, contact, out, ahead=1.0):
 
 
 @compiled
-def lead(slip, traction, rows, columns, factor, answer):
-    """Scale the slip of leading elements by a share and add their response to the tractions.
+def add_leading_response(slip, traction, rows, columns, factor, answer):
+    """Multiply the slip of leading elements by a factor, and add their response to the tractions.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ def lead(slip, traction, rows, columns, factor, answer):
 
 @compiled
 def remember(target, retained, contact, ahead, out):
-    """Compute shares of a bound that relax to targets while the material passes the contact.
+    """Set `out` to ratios mu/mu(0) that relax to targets as material passes the contact (memory).
 
     Each element keeps a part of the share of the one ahead, which enters the contact with one.
     ``ahead`` is set to the share of the element ahead.
@@ -144,7 +144,7 @@ def remember(target, retained, contact, ahead, out):
 
 @compiled
 def change_of_bound(by_share, by_slip, retained, slip, out):
-    """Compute the change of a friction bound, by_share d(share), by a change of the slip.
+    """Set `out` to the change of a friction bound due to a change of the slip, with memory along x.
 
     Along x, d(share) = kept d(share of the element ahead) + by_slip . d(slip). The arrays are
     described in `Slope` of the laws.
@@ -160,7 +160,7 @@ def change_of_bound(by_share, by_slip, retained, slip, out):
 
 @compiled(inner=True)
 def _share(a0, a1, m0, m1):
-    """Return the share of the centre in the opposed direction, 2 a.m/(a² + m²), and a² + m²."""
+    """Return the centre's share in the opposed direction, 2 a.m/(a² + m²), and a² + m²."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
     nonzero = square >= 1e-200
     square = square if nonzero else 1.0
@@ -170,7 +170,7 @@ def _share(a0, a1, m0, m1):
 
 @compiled(inner=True)
 def _turned(a0, a1, m0, m1):
-    """Return the slip opposed, and the ratio of its size to the vector from which it is turned."""
+    """Return the slip (s0, s1) that traction opposes, and the factor by which it was scaled."""
     share, _, _ = _share(a0, a1, m0, m1)
     d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
     square = d0 * d0 + d1 * d1
@@ -182,7 +182,7 @@ def _turned(a0, a1, m0, m1):
 
 @compiled
 def turn(slip, contact, out, ahead=1.0):
-    """Compute the slip that the tractions oppose from the slip of the leading faces.
+    """Set `out` to the slip that the tractions oppose, from the slip of the leading faces.
 
     The slip a of the leading face gives its size and decides between stick and slip; the slip m at
     the centre gives its direction. If slip just begins, or the two disagree, the direction blends
@@ -205,7 +205,7 @@ def turn(slip, contact, out, ahead=1.0):
 
 @compiled(inner=True)
 def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
-    """Return the derivative along t of the opposed slip s over the ratio of sizes (`_turned`).
+    """Set `across` to the derivative of the opposed slip along t, by face slip and centre slip.
 
     s turns with the vector d that it is turned to, s/|s| = d/|d|, but keeps the size of a.
     """
@@ -237,7 +237,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
 def linearise(
     traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
 ):
-    """Compute the state of each element and the residual of the friction law.
+    """Set state, residual and derivative factors of the friction law; return its sums of squares.
 
     Parameters
     ----------
@@ -338,7 +338,7 @@ def linearise(
 
 @compiled
 def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead=1.0):
-    """Apply the linearised friction law to a step and its slip.
+    """Set `out` to the linearised friction law applied to a change of traction and of slip.
 
     An element that sticks gives s; one that slips kappa t.s + (1 - kappa) t.p along t, and n.p
     along the direction n of the traction; an open one p. ``step`` is a change p of traction,

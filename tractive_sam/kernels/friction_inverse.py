@@ -11,7 +11,7 @@ from tractive_sam.kernels.friction import OPEN, SLIP, STICK
 
 @compiled
 def split(state, direction, kappa, stiffness, D, row, smooth, rough):
-    """Divide a residual between the two halves of the upwind-sweep preconditioner.
+    """Divide a residual into a smooth part (circulant inverse) and a rough part (local terms).
 
     A local term gamma competes with the elastic one, of the size of the element's slip of itself,
     d = t.D t: of leading elements half the bound w (``stiffness``) on their response to the opening
@@ -48,7 +48,7 @@ def split(state, direction, kappa, stiffness, D, row, smooth, rough):
 
 @compiled
 def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out):
-    """Apply the preconditioner of rolling friction: integrate each row from its leading edge.
+    """Set `out` to the traction of the preconditioner: smooth parts summed from the leading edge.
 
     The traction is zero at the leading edge. ``row`` is the residual of the linearised problem,
     which `split` divides.
@@ -92,7 +92,7 @@ def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out)
 def prepare_step(
     state, direction, kappa, across, contact, stiffness, D, ahead, rough, share, behind, front, up
 ):
-    """Set the factors of an approximate inverse of the rows of a step (`share_out`, `gather`).
+    """Set the factors of the approximate inverse for a time step (`share_out`, `gather`).
 
     As in `split`, for rows in the displacement itself. A local term gamma competes with d, the
     displacement of an element under its own traction. An approximate inverse of A + gamma is
@@ -158,7 +158,7 @@ def prepare_step(
 
 @compiled
 def share_out(state, direction, kappa, stiffness, share, behind, front, up, row, along, smooth):
-    """Divide a residual of a step between the circulant inverse and the local terms.
+    """Set `smooth` to the part of a residual of a time step that the circulant inverse solves.
 
     ``smooth`` is set to the part of the circulant inverse, and ``along`` to the rows over kappa,
     of elements that slip along t and as slip of the leading faces (`prepare_step`).
@@ -196,7 +196,7 @@ def share_out(state, direction, kappa, stiffness, share, behind, front, up, row,
 
 @compiled
 def gather(state, direction, share, rough, row, smooth, out):
-    """Combine both parts of a step: for slipping elements the part along t (see `share_out`).
+    """Set `out` to the solution for a time step: the smooth part combined with local terms.
 
     The part along its direction, and all of an open one, is what ``row`` says.
     """

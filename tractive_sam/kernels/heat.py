@@ -21,7 +21,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def front_integrand(at, x, speed, kappa, out):
-    """Compute erf((x_i + V s²)/(2 sqrt(kappa) s)) / 2 at points s_k, for each side x_i."""
+    """Set `out` to erf((x_i + V s²)/(2 sqrt(kappa) s)) / 2 at points s_k and sides x_i, (k, i)."""
     for k in range(at.size):
         s = at[k]
         scale = 0.5 / (sqrt(kappa) * s)
@@ -31,7 +31,7 @@ def front_integrand(at, x, speed, kappa, out):
 
 @compiled
 def exponential_integral(x):
-    """Return E1(x), x > 0: its series up to 1, then its continued fraction (Lentz)."""
+    """Return the exponential integral E1(x), x > 0."""
     euler = 0.5772156649015329
     if x > 700.0:
         return 0.0
@@ -68,7 +68,7 @@ def _spread(c, s):
 
 @compiled(inner=True)
 def _front_time(x, speed, kappa):
-    """Return the time s at which a heat front passes a side x, corrected for its spread.
+    """Return the variable s at which a heat front passes x, corrected for diffusion.
 
     The front in g = (V s² - x)/(2 sqrt(kappa) s) is odd except for the curvature of s(g), which
     makes the integral of [1 + erf(g)]/2 less than the integral of a step by kappa/(4 V² s).
@@ -80,7 +80,7 @@ def _front_time(x, speed, kappa):
 
 @compiled
 def front_integral(x, y, dx, dy, speed, kappa, out):
-    """Compute the integral of A B over s at points (x_i, y_j), for step-like heat fronts."""
+    """Set `out` to the integral of A B over s at points (x_i, y_j), for sharp heat fronts."""
     width = 2.0 * sqrt(kappa)
     for i in range(x.size):
         first = _front_time(-(x[i] + 0.5 * dx), speed, kappa)

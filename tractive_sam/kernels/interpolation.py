@@ -7,7 +7,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def monotone(out, x, values, at):
-    """Interpolate values by cubics that are monotone wherever the values are.
+    """Set `out` to values interpolated by cubics that are monotone wherever the values are.
 
     Source: Fritsch & Butland, SIAM J. Sci. Stat. Comput. 5 (1984) 300, with the three-point formula
     at the ends.
@@ -47,7 +47,7 @@ def monotone(out, x, values, at):
 
 @compiled(inner=True)
 def _end_slope(h, further, rise, next_rise):
-    """Return the slope at an end, by the parabola through three points, limited to be monotone."""
+    """Return the slope at an end from a parabola through three points, limited to be monotone."""
     slope = ((2.0 * h + further) * rise - h * next_rise) / (h + further)
     if slope * rise <= 0.0:
         return 0.0

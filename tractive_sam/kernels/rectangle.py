@@ -32,7 +32,7 @@ from tractive_sam.kernels.compiled import compiled
 # Gauss-Legendre rule of four points on [-1/2, 1/2].
 @compiled
 def x_log(x, y):
-    """Return the antiderivative x ln(y + r) of y²/r³; zero in the limit x = 0.
+    """Return x ln(y + r), the antiderivative of y²/r³; zero in the limit x = 0.
 
     For y < 0 the sum y + r cancels and is replaced by its equal x²/(r - y).
     """
@@ -45,7 +45,7 @@ def x_log(x, y):
 
 @compiled
 def log_arctan(x, y):
-    """Return the antiderivative y ln r + x atan(y/x) of x/r², with its limits at x = 0."""
+    """Return y ln r + x atan(y/x), the antiderivative of x/r², with its limits at x = 0."""
     if x == 0.0:
         return y * log(abs(y)) if y != 0.0 else 0.0
     # atan(y/x) and atan2(y, |x|) differ only in the sign of x, which the factor x carries.
@@ -54,7 +54,7 @@ def log_arctan(x, y):
 
 @compiled
 def corner(x, y):
-    """Return the antiderivatives of the six integrands at one corner."""
+    """Return the antiderivatives of the six surface kernels at one corner of a rectangle."""
     along_x = x_log(y, x)
     along_y = x_log(x, y)
     return (
@@ -69,7 +69,7 @@ def corner(x, y):
 
 @compiled
 def point(x, y):
-    """Return the six integrands at (x, y) != (0, 0)."""
+    """Return the six surface kernels 1/r, x²/r³, y²/r³, x y/r³, x/r², y/r² at (x, y) != (0, 0)."""
     r2 = x * x + y * y
     r = sqrt(r2)
     r3 = r * r2
@@ -78,7 +78,7 @@ def point(x, y):
 
 @compiled
 def near(x, y, dx, dy):
-    """Return the six integrals over a rectangle by corner differences; inaccurate far away."""
+    """Return the six kernel integrals over a rectangle by corner differences, if it is near."""
     x1, x2 = x - 0.5 * dx, x + 0.5 * dx
     y1, y2 = y - 0.5 * dy, y + 0.5 * dy
     pp, mm = corner(x2, y2), corner(x1, y1)
@@ -95,7 +95,7 @@ def near(x, y, dx, dy):
 
 @compiled
 def far(x, y, dx, dy):
-    """Return the six integrals over a distant rectangle by Gauss-Legendre quadrature."""
+    """Return the six kernel integrals over a distant rectangle by Gauss-Legendre quadrature."""
     weights = (0.17392742256872693, 0.32607257743127307, 0.32607257743127307, 0.17392742256872693)
     nodes = (-0.43056815579702629, -0.16999052179242813, 0.16999052179242813, 0.43056815579702629)
     # Scalars instead of an array: the compiler keeps them in registers.
@@ -116,7 +116,7 @@ def far(x, y, dx, dy):
 
 @compiled
 def integrals(x, y, dx, dy):
-    """Return the integrals of the six point kernels over a rectangle.
+    """Return the integrals of the six surface kernels over a rectangle, seen from (x, y).
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def integrals(x, y, dx, dy):
 
 @compiled
 def quadrant(nx, ny, dx, dy):
-    """Return the rectangle integrals at the offsets ``(i dx, j dy)``, 0 <= i < nx, 0 <= j < ny.
+    """Return the six kernel integrals at offsets (i dx, j dy) >= 0, shape (6, nx, ny).
 
     The other three quadrants follow from the parities listed above.
 

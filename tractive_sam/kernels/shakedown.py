@@ -14,7 +14,7 @@ from tractive_sam.kernels.fatigue import ROOT3, deviators
 
 @compiled
 def shakedown_layer(out, paths):
-    """Compute the sqrt(J2) that remains of cycles at one depth with the best residual stress.
+    """Set `out` to the sqrt(J2) of cycles at one depth under the best residual stress.
 
     Residual stresses that rolling leaves do not change along x: rho_xx(y, z) of any form and
     rho_yy(z) of depth alone are in equilibrium and leave the surface free (Melan: a load below the
@@ -90,7 +90,7 @@ def shakedown_layer(out, paths):
 
 @compiled(inner=True)
 def _remaining_shear(p, q, j2, r, room):
-    """Return the remaining J2 of a path at r with its best c, and the mean q of its support."""
+    """Return the J2 that remains of a path at r with the best c, and the mean q of its support."""
     fixed, values, cuts, means = room
     for i in range(p.size):
         fixed[i] = j2[i] + 2.0 * r * q[i]
@@ -116,7 +116,7 @@ def _remaining_shear(p, q, j2, r, room):
 
 @compiled(inner=True)
 def _lowest_upper_bound(first, second):
-    """Return the place and value of the minimum of the larger of two parabolas A + 2 B r + r².
+    """Return argument and value of the minimum of the larger of two parabolas A + 2 B r + r².
 
     It lies at the minimum of one of them, or at their intersection.
     """

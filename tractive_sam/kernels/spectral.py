@@ -7,15 +7,15 @@ from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 
 
 @compiled
-def scale(s, h):
-    """Multiply one component in place: ``h[0] <- s[0] h[0]``, (1, m) complex."""
+def scalar(s, h):
+    """Multiply a spectrum in place by a scalar spectrum: h[0] = s[0] h[0], (1, m) complex."""
     for k in range(h.shape[1]):
         h[0, k] = s[0, k] * h[0, k]
 
 
 @compiled
 def symmetric_2x2(s, h):
-    """Multiply in place by a symmetric 2 x 2 matrix with entries (11, 12, 22) in ``s``."""
+    """Multiply two spectra (2, m) in place by a symmetric matrix with entries s: 11, 12, 22."""
     for k in range(h.shape[1]):
         a, b = h[0, k], h[1, k]
         h[0, k] = s[0, k] * a + s[1, k] * b
@@ -24,7 +24,7 @@ def symmetric_2x2(s, h):
 
 @compiled
 def full_3x3(s, h):
-    """Multiply in place by a full 3 x 3 matrix stored row by row in ``s``: (9, m)."""
+    """Multiply three spectra (3, m) in place by a 3 x 3 matrix stored row by row in `s`, (9, m)."""
     for k in range(h.shape[1]):
         a, b, c = h[0, k], h[1, k], h[2, k]
         h[0, k] = s[0, k] * a + s[1, k] * b + s[2, k] * c
@@ -34,7 +34,7 @@ def full_3x3(s, h):
 
 @compiled(fastmath=ANY_ORDER)
 def row_products(out, rows, kernel, places):
-    """Compute the work of each of some rows on each other row, by Parseval's theorem.
+    """Set `out` (m, m) to the work of each row on each other row, by Parseval's theorem.
 
     Parameters
     ----------

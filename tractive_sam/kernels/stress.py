@@ -86,7 +86,7 @@ def safe_divide(numerator, denominator):
 
 @compiled
 def positive_or(value, substitute):
-    """Return `value`, or `substitute` if it is 0, to omit the infinite part of a logarithm."""
+    """Return `value` if above 0, else `substitute`, to omit the infinite part of a logarithm."""
     return value if value > 0.0 else substitute
 
 
@@ -133,7 +133,7 @@ def log_argument(y1, y2, r1, r2, q, width):
 
 @compiled
 def edge(x, y1, y2, r1, r2, z, width):
-    """Return the differences between the ends (x, y1) and (x, y2) of an edge of length `width`.
+    """Return four terms of the stress integrals: differences between the ends of a patch edge.
 
     They are the differences of y / R, y / (R (x^2 + z^2)) and y / (R + z), and the ratio of y + R;
     r1 and r2 are the values of R.
@@ -149,7 +149,7 @@ def edge(x, y1, y2, r1, r2, z, width):
 
 @compiled
 def edge_psi(x, y1, y2, r1, r2, z, width):
-    """Return sine and cosine (to a factor) of the edge's share in psi_xx.
+    """Return (to a factor) sine and cosine of the angle that an edge adds to psi_xx.
 
     That is the difference of atan(x y / (x^2 + z^2 + z R)) between its ends.
     """
@@ -160,13 +160,13 @@ def edge_psi(x, y1, y2, r1, r2, z, width):
 
 @compiled
 def surface_angle(x1, x2, y1, y2):
-    """Return the solid angle in the limit z = 0: 2 pi inside, pi on an edge, pi/2 at a corner."""
+    """Return the solid angle of a patch at z = 0: 2 pi inside, pi on an edge, pi/2 at a corner."""
     return 0.5 * math.pi * (np.sign(x1) - np.sign(x2)) * (np.sign(y1) - np.sign(y2))
 
 
 @compiled
 def solid_angle(x1, x2, z, t1, t2, d1, d2):
-    """Return the corner sum of atan(x y / (z R)) for z > 0, the solid angle of the patch.
+    """Return the solid angle of a patch seen from depth z > 0: corner sum of atan(x y / (z R)).
 
     t_i and d_i: product and difference of y / R at the ends of the edge x_i.
     """
@@ -178,7 +178,7 @@ def solid_angle(x1, x2, z, t1, t2, d1, d2):
 
 @compiled
 def near_integrals(x, y, z, dx, dy):
-    """Return the 14 integrals by corner sums; accurate within a few patch sizes.
+    """Return the 14 stress integrals by corner sums; accurate within a few patch sizes.
 
     Parameters: observer (x, y, z), z >= 0, from the patch's centre, and its sides; one length unit.
 
@@ -258,7 +258,7 @@ def nodes_needed(ratio):
 
 @compiled(fastmath=ANY_ORDER)  # the nodes of the quadrature
 def far_integrals(x, y, z, dx, dy, nx, ny):
-    """Return the 14 integrals by nx x ny Gauss-Legendre nodes; for points far from the patch.
+    """Return the 14 stress integrals by nx x ny Gauss-Legendre nodes, far from the patch.
 
     Parameters as in `near_integrals`; the integrands are given in the module's docstring, with
 
@@ -322,7 +322,7 @@ def far_integrals(x, y, z, dx, dy, nx, ny):
 
 @compiled
 def near_radius(dx, dy):
-    """Return the distance from the centre below which corner sums are used (measured).
+    """Return the distance from the centre of a patch below which corner sums are used (measured).
 
     Corner sums lose digits with the cube of distance / side, quadrature gains them.
     """
@@ -332,7 +332,7 @@ def near_radius(dx, dy):
 
 @compiled
 def patch_integrals(x, y, z, dx, dy):
-    """Return the 14 integrals at any distance.
+    """Return the 14 stress integrals of a patch at a point, by corner sums or quadrature.
 
     Parameters: observer (x, y, z), z >= 0, from the patch's centre, and its sides; one length unit.
     Error of the stress they give, relative to its norm, from the surface to 1e4 sides away and for
@@ -347,7 +347,7 @@ def patch_integrals(x, y, z, dx, dy):
 
 @compiled
 def assemble_normal(integrals, nu):
-    """Return 2 pi sigma for unit pressure from the integrals of `patch_integrals`.
+    """Return 2 pi times the six stresses for unit pressure, from the 14 integrals.
 
     Love: sigma_ij = -S_ijz + (1 - 2 nu) (A - psi_xx, psi_xx, 0, -psi_xy, 0, 0) for ij in the order
     of COMPONENTS; A = (S_xxz + S_yyz + S_zzz) / 3 is the solid angle of the patch.
@@ -367,7 +367,7 @@ def assemble_normal(integrals, nu):
 
 @compiled
 def assemble_shear_x(integrals, nu):
-    """Return 2 pi sigma for unit shear along x from the integrals of `patch_integrals`.
+    """Return 2 pi times the six stresses for unit shear along x, from the 14 integrals.
 
     Cerruti: sigma_ij = -S_ijx + (1 - 2 nu) (chi_xyy, P - chi_xyy, 0, -chi_xxy, 0, 0);
     P = (S_xxx + S_xyy + S_xzz) / 3 is the integral of x / R^3.
@@ -387,7 +387,7 @@ def assemble_shear_x(integrals, nu):
 
 @compiled
 def assemble_shear_y(integrals, nu):
-    """Return 2 pi sigma for unit shear along y: `assemble_shear_x` with x and y exchanged."""
+    """Return 2 pi times the six stresses for unit shear along y, from the 14 integrals."""
     _, xxy, xyy, yyy, _, xyz, yyz, _, yzz, _, _, _, chi_xxy, chi_xyy = integrals
     k = 1.0 - 2.0 * nu
     pull = (xxy + yyy + yzz) / 3.0
@@ -410,7 +410,7 @@ def over_two_pi(t):
 
 @compiled
 def stress_patch(x, y, z, dx, dy, nu):
-    """Return the 18 coefficients at one point: three tuples of six, for p_x, p_y and p_n.
+    """Return the stresses at a point due to a unit load on a patch: six each for p_x, p_y and p_n.
 
     Parameters: observer (x, y, z), z >= 0, from the patch's centre, and its sides, in one length
     unit; Poisson's ratio nu. Limits at z = 0: see `near_integrals`.

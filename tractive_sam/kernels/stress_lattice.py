@@ -38,7 +38,7 @@ _ROWS = 16
 
 
 def layer_table(out: np.ndarray, z: float, dx: float, dy: float, first: int, last: int) -> None:
-    """Compute the packed integrals at the offsets of a mesh at one depth.
+    """Set `out` to the 14 stress integrals, in four packs, at all offsets of a mesh at one depth.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def layer_table(out: np.ndarray, z: float, dx: float, dy: float, first: int, las
 
 
 def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
-    """Compute the packed integrals of strips that end in an edge x = const.
+    """Set `out` to the 14 stress integrals, in packs, of strips that end in an edge x = const.
 
     A strip is as wide as a patch, -dy/2 < y < dy/2, and runs in x from the edge; what depends on
     its other end is left out, so that the difference between the edges of a patch is its integral.
@@ -83,7 +83,7 @@ def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
 
 
 def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return logarithms (3) and arctangents (2) of the corner forms at (xs[i], ys[j], z)."""
+    """Return logarithms (3, ...) and arctangents (2, ...) of corner terms at (xs[i], ys[j], z)."""
     logs, angles = np.empty((3, xs.size, ys.size)), np.empty((2, xs.size, ys.size))
     _arguments(logs, angles, xs, ys, z)
     return np.log(logs, out=logs), np.arctan(angles, out=angles)
@@ -91,14 +91,14 @@ def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarr
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _distance2(x, z, width):
-    """Return x² + z², or width² if that is 0: see `stress.log_argument`."""
+    """Return x² + z², or width² if that is 0 (see `stress.log_argument`)."""
     p = x * x + z * z
     return p if p > 0.0 else width * width
 
 
 @compiled(fastmath=ANY_ORDER)
 def _arguments(logs, angles, xs, ys, z):
-    """Compute the arguments of logarithms and arctangents."""
+    """Set `logs` and `angles` to the arguments of the logarithms and arctangents at corners."""
     for i in range(xs.size):
         x = xs[i]
         p = _distance2(x, z, ys[1] - ys[0])
@@ -118,7 +118,7 @@ def _arguments(logs, angles, xs, ys, z):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _corners(out, logs, angles, x, ys, z):
-    """Compute the 14 corner forms at (x, ys[j], z)."""
+    """Set `out` to the corner terms of the 14 integrals at (x, ys[j], z)."""
     p = _distance2(x, z, ys[1] - ys[0])
     for j in range(ys.size):
         y = ys[j]
@@ -150,7 +150,7 @@ def _corners(out, logs, angles, x, ys, z):
 
 @compiled(fastmath=ANY_ORDER)
 def _pack_layer(out, first, xs, ys, z, logs, angles):
-    """Difference the corners and add up the packs, at all four images of every offset."""
+    """Set packs of `out` to integrals from corner differences, at all four images of an offset."""
     px, py = out.shape[1], out.shape[2]
     half = py // 2
     behind, ahead = np.empty((14, ys.size)), np.empty((14, ys.size))
@@ -184,7 +184,7 @@ def _pack_layer(out, first, xs, ys, z, logs, angles):
 
 @compiled(fastmath=ANY_ORDER)
 def _pack_edges(out, first, xs, ys, z, logs, angles):
-    """Difference the corners along an edge and add up the packs, at both images of every offset."""
+    """Set packs of `out` to integrals along an edge, at both images of an offset in y."""
     py = out.shape[2]
     half = py // 2
     ends, strip = np.empty((14, ys.size)), np.zeros((15, half + 1))

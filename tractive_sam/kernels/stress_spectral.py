@@ -11,7 +11,7 @@ from tractive_sam.kernels.stress import assemble_normal, assemble_shear_x, assem
 
 @compiled(fastmath=ANY_ORDER)
 def layer_product(out, packs, loads, sign, nu, first, last):
-    """Compute stresses in a plane z = const, in the rows +-i of the spectrum, first <= i < last.
+    """Set `out` to the spectra of six stresses in a plane z = const, in the rows +-i of a range.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def layer_product(out, packs, loads, sign, nu, first, last):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _unpack_layer(packs, i, k, j):
-    """Return the real sums of the 14 integrals from the packs at (k_x, k_y), (-k_x, k_y)."""
+    """Return the real sums of the 14 integrals from packs at (k_x, k_y) and (-k_x, k_y)."""
     xxz, xxx, xxy, xyz = _four(packs[0, i, j], packs[0, k, j])
     yyz, xyy, yyy, psi_xy = _four(packs[1, i, j], packs[1, k, j])
     zzz, xzz, yzz, _ = _four(packs[2, i, j], packs[2, k, j])
@@ -60,7 +60,7 @@ def _unpack_layer(packs, i, k, j):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _four(a, b):
-    """Return the sums ee, oe, eo, oo from their two complex combinations a and b."""
+    """Return four real sums (ee, oe, eo, oo) from their two complex combinations a and b."""
     return (
         0.5 * (a.real + b.real),
         0.5 * (b.imag - a.imag),
@@ -71,7 +71,7 @@ def _four(a, b):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _combine(along_x, along_y, normal, x, y, n):
-    """Return the spectra of six stresses from the sums of the coefficients and the loads."""
+    """Return the spectra of six stresses from factors and the spectra of tractions x, y and n."""
     ix, iy, i_n = _minus_i(x), _minus_i(y), _minus_i(n)
     return (
         along_x[0] * ix + along_y[0] * iy + normal[0] * n,
@@ -85,13 +85,13 @@ def _combine(along_x, along_y, normal, x, y, n):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _minus_i(z):
-    """Return -i z."""
+    """Return -i z of a complex number z."""
     return complex(z.imag, -z.real)
 
 
 @compiled(fastmath=ANY_ORDER)
 def plane_product(out, packs, loads, sign, nu):
-    """Compute stresses in a plane x = const, summed over the edges of the rows of patches.
+    """Set `out` to the spectra of six stresses in a plane x = const, summed over patch edges.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def plane_product(out, packs, loads, sign, nu):
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _unpack_edge(packs, e, j):
-    """Return the real sums of the 14 integrals: even in y the real parts, odd the imaginary."""
+    """Return the real sums of the 14 integrals across an edge from its packs at k_y."""
     xxz, xxy = packs[0, e, j].real, -packs[0, e, j].imag
     xxx, xyz = packs[1, e, j].real, -packs[1, e, j].imag
     yyz, yyy = packs[2, e, j].real, -packs[2, e, j].imag

@@ -15,7 +15,7 @@ from tractive_sam.kernels.stress import (
 
 @compiled
 def sum_patch_stress(out, points, centres, tractions, dx, dy, nu):
-    """Compute the stresses at points of a half-space, exact for tractions constant on patches.
+    """Set `out` to the stresses at points of a half-space under tractions constant on patches.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ NODE = 0.5 / math.sqrt(3.0)
 
 
 @compiled
-def summed(tractions):
+def cumulative_sums(tractions):
     """Return cumulative sums of tractions (3, n_x, n_y) over patches, (n_x + 1, n_y + 1, 3, 4).
 
     The sums contain the tractions, and the tractions times i, j and i j, the indices of the
@@ -88,7 +88,7 @@ def summed(tractions):
 
 @compiled
 def stress_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
-    """Compute the stresses at groups of points; distant patches are combined in blocks.
+    """Set `out` to the stresses at groups of points; distant patches are combined in blocks.
 
     A quadtree: a block of patches with sides of at most `widest` times its distance is replaced by
     point forces at 2 x 2 nodes that have its load and its moments. Wider blocks are halved, and
@@ -110,7 +110,7 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
     corner : tuple of float
         (x, y) of the corner of the mesh from which it extends to larger ones.
     sums : ndarray, shape (n_x + 1, n_y + 1, 3, 4)
-        Sums from `summed` of (p_x, p_y, p_n) on the patches, as in `kernels.stress`.
+        Sums from `cumulative_sums` of (p_x, p_y, p_n) on the patches, as in `kernels.stress`.
     sides : tuple of float
         (dx, dy) of the patches.
     blocks : tuple of int
@@ -134,7 +134,7 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
 def stress_at_columns(
     out, x, y, depths, signs, poisson, corner, sums, sides, blocks, widest, spread
 ):
-    """Compute the stresses at columns of points outside a mesh, by blocks of patches.
+    """Set `out` to the stresses at columns of points outside a mesh, by blocks of patches.
 
     Neighbouring rows share their blocks, up to a width of `spread` times the distance of their
     column from the mesh.
@@ -179,7 +179,7 @@ def stress_at_columns(
 
 @compiled(inner=True)
 def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
-    """Add the stresses (bodies, 6, ...) at a group of points, the first ones of `out`."""
+    """Add to `out` the stresses (bodies, 6, ...) at a group of points, by blocks of patches."""
     # Forces that are summed at a time.
     at_once = 512
     nx, ny = sums.shape[0] - 1, sums.shape[1] - 1
@@ -242,7 +242,7 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
 
 @compiled(inner=True)
 def _node(k, pieces):
-    """Return the place of a node of a side, from its middle, over its length."""
+    """Return the k-th quadrature node of a side, from its middle, over its length."""
     offset = NODE if k % 2 == 1 else -NODE
     return (k // 2 + 0.5 + offset) / pieces - 0.5
 
@@ -278,14 +278,14 @@ def _set_at_nodes(out, sums, a, b, m, n):
 
 @compiled(inner=True)
 def _add_to_bodies(out, places, forces, count, signs, poisson):
-    """Add the stresses (bodies, 6, n) of point forces; on each body p_x and p_y times its sign."""
+    """Add to `out` the stresses (bodies, 6, n) of point forces; p_x, p_y times a sign per body."""
     for body in range(signs.size):
         _add_forces(out[body], places, forces, count, signs[body], poisson[body])
 
 
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _add_forces(out, places, forces, count, sign, nu):
-    """Add the stresses of point forces (x, y, P_x, P_y, P_n), by Boussinesq and Cerruti.
+    """Add to `out` the stresses of point forces (x, y, P_x, P_y, P_n), Boussinesq and Cerruti.
 
     The integrands of `stress.far_integrals`, each with its force. In single precision, from what
     the points are near: a millionth of the stress is less than what blocks take from it.

@@ -22,8 +22,8 @@ instead of a datum.
 import numpy as np
 
 
-def logarithm(x: np.ndarray, dx: float, datum: float) -> np.ndarray:
-    """Return the integral of -2 ln(|x|/d) over the strip.
+def integrate_logarithm(x: np.ndarray, dx: float, datum: float) -> np.ndarray:
+    """Return the integral of -2 ln(|x|/datum) over a strip, at distances x of its centre, mm.
 
     With h = dx/2 it is 4 h - 2 (x + h) ln(|x + h|/d) + 2 (x - h) ln(|x - h|/d); the terms that
     cancel far from the strip are taken together.
@@ -45,6 +45,6 @@ def logarithm(x: np.ndarray, dx: float, datum: float) -> np.ndarray:
     return 2.0 * dx - outward - 2.0 * dx * np.log((x + h) / datum)
 
 
-def step(x: np.ndarray, dx: float) -> np.ndarray:
-    """Return the integral of pi sign(x) over the strip; arguments as in `logarithm`."""
+def integrate_sign(x: np.ndarray, dx: float) -> np.ndarray:
+    """Return the integral of pi sign(x) over a strip, at distances x of its centre, mm."""
     return np.pi * np.clip(2.0 * x, -dx, dx)

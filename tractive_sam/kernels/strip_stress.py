@@ -27,7 +27,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled(inner=True)
 def _of_edge(x, z, width):
-    """Return ln r, t, x z/r² and z²/r² for a point seen from an edge, without infinite parts."""
+    """Return ln r, atan(x/z), x z/r² and z²/r² of a point seen from an edge; finite at r = 0."""
     rr = x * x + z * z
     if rr == 0.0:
         return math.log(width), 0.0, 0.0, 0.0
@@ -36,7 +36,7 @@ def _of_edge(x, z, width):
 
 @compiled
 def edge_factors(out, z, width):
-    """Compute the factors of the stress at one depth, at centres of strips from their edges.
+    """Set `out` to the stress factors at one depth of a strip's edge, for all centres of strips.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def edge_factors(out, z, width):
 
 @compiled
 def sum_strip_stress(out, points, edges, jumps, width, nu):
-    """Compute the stresses at points of a half-space, exact for tractions constant on strips.
+    """Set `out` to the stresses at points of a half-space under tractions constant on strips.
 
     At the surface, on an edge across which p_x or p_y jumps, the stress is infinite; what is
     infinite is left out, as in `stress.log_argument`, and the rest is the mean of both sides.

@@ -24,7 +24,7 @@ UNLOADED, SLIPS, STICKS, BOTH = range(4)
 
 
 def kinds_of_corners(pressure, sliding):
-    """Return the kinds (n_x - 1, n_y - 1) of the corners of elements: loaded, sliding, mixed."""
+    """Return the kind of each element corner (n_x - 1, n_y - 1): unloaded, slip, stick or both."""
     loaded = pressure > 0.0
     slipping, sticking = _around_corners(loaded & sliding), _around_corners(loaded & ~sliding)
     kinds = np.where(slipping + sticking < 4, np.uint8(UNLOADED), np.uint8(BOTH))
@@ -41,7 +41,7 @@ def _around_corners(elements):
 
 
 def stresses_at_loaded_corners(stress, kinds):
-    """Return stresses (6, bodies, n) at the loaded corners, and their places (2, n)."""
+    """Return stresses (6, bodies, n) at the n loaded corners, and their indices (2, n)."""
     bodies = len(stress)
     (loaded,) = np.nonzero(kinds.ravel() != UNLOADED)
     stresses = stress.reshape(bodies, 6, -1).take(loaded, axis=2)
@@ -50,7 +50,7 @@ def stresses_at_loaded_corners(stress, kinds):
 
 
 def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
-    """Return stresses at points of the edge of the contact and of the end of stick.
+    """Return stresses extrapolated to edges of the contact and between slip and stick, and places.
 
     Points of the edge start from a loaded corner with an unloaded neighbour, in x or in y, and a
     loaded one across from it: near the edge the square of the pressure is a straight line, which is
@@ -87,7 +87,7 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
 
 @compiled
 def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
-    """Return the results of `stresses_at_edges` for kinds with a margin of `ROOM` corners."""
+    """Return the results of `stresses_at_edges`, for kinds with a margin of `ROOM` corners."""
     directions = ((1, 0), (-1, 0), (0, 1), (0, -1))
     bodies, _, nx, ny = stress.shape
     count = 0
@@ -127,7 +127,7 @@ def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
 
 @compiled(inner=True)
 def _steps_to_edge(pressure, i, j, a, b):
-    """Return the elements from a loaded corner to the edge, opposite to (a, b); -1 if unknown."""
+    """Return the distance, in elements, from a loaded corner to the contact edge; -1 if unknown."""
     # Most by which the slope of the square of the pressure may change from that corner to the next.
     even = 2.0
     # Slope towards the edge over that along it, from which a corner is taken: on a diagonal both
@@ -153,7 +153,7 @@ def _steps_to_edge(pressure, i, j, a, b):
 
 @compiled(inner=True)
 def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
-    """Set the stresses (6, bodies) a distance from a corner, opposite to the direction (a, b)."""
+    """Set stresses xx, yy, xy (bodies) at the contact edge, extrapolated from two corners."""
     for body in range(len(stress)):
         here = _smooth(stress[body], pressure, i, j, poisson[body], dx, dy)
         further = _smooth(stress[body], pressure, i + a, j + b, poisson[body], dx, dy)
@@ -181,7 +181,7 @@ def _smooth(stress, pressure, i, j, nu, dx, dy):
 
 @compiled(inner=True)
 def _steps_to_stick(kinds, i, j, a, b):
-    """Return the steps in the direction (a, b) from slip to a sticking corner; 0 if none."""
+    """Return the number of steps along (a, b) from a slipping to a sticking corner; 0 if none."""
     for step in range(1, WIDEST + 1):
         kind = kinds[i + step * a, j + step * b]
         if kind == SLIPS:
@@ -193,7 +193,7 @@ def _steps_to_stick(kinds, i, j, a, b):
 
 @compiled(inner=True)
 def _set_at_border(out, stress, i, j, a, b, apart):
-    """Set the stresses (6, bodies) midway between a slipping and a sticking corner."""
+    """Set stresses (6, bodies) midway between a slipping and a sticking corner, extrapolated."""
     for component in range(6):
         if component in (0, 1, 3):
             k, h, m, n = i + apart * a, j + apart * b, a, b
@@ -221,7 +221,7 @@ def _mean_square(pressure, i, j):
 
 @compiled(inner=True)
 def _differences(pressure, i, j):
-    """Return the differences of the squared pressure at a corner, over an element in x and y."""
+    """Return differences of the squared pressure at a corner, per element in x and in y."""
     k = min(j + 1, pressure.shape[1] - 1)
     a, b = pressure[i, j] ** 2, pressure[i + 1, j] ** 2
     c, d = pressure[i, k] ** 2, pressure[i + 1, k] ** 2

@@ -5,7 +5,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def displacement_product(out, spectra, even, odd):
-    """Convert spectra of tractions into spectra of displacements in the plane.
+    """Set `out` to spectra of surface displacements (u, v) from spectra of the tractions.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def displacement_product(out, spectra, even, odd):
 
 @compiled
 def at_corners(out, displacement, tractions, signs, dx, dy, nu):
-    """Compute the stresses at corners of elements: strain by differences, and Hooke's law.
+    """Set `out` to the surface stresses of each body at element corners, by strain and Hooke's law.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ def at_corners(out, displacement, tractions, signs, dx, dy, nu):
 
 @compiled(inner=True)
 def _strain(u, v, i, j, k, dx, dy):
-    """Return the strains xx, yy and twice xy at a corner, between the rows j and k."""
+    """Return strain xx, yy and twice xy at a corner, from displacements u, v around it."""
     xx = 0.5 / dx * (u[i + 1, j] + u[i + 1, k] - u[i, j] - u[i, k])
     yx = 0.5 / dx * (v[i + 1, j] + v[i + 1, k] - v[i, j] - v[i, k])
     xy = 0.5 / dy * (u[i, k] + u[i + 1, k] - u[i, j] - u[i + 1, j])

@@ -19,7 +19,7 @@ _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, -_AXES, 1.0 - _AXES, _AXES -
 
 @compiled
 def find_tops(values, above, below):
-    """Find the local maxima of fields in a layer, and their approximate places between points.
+    """Return the local maxima of fields in a layer, with positions between points, shape (n, 5).
 
     Layers cover one rectangle, each by equal steps in x and in y.
 
@@ -64,7 +64,7 @@ def find_tops(values, above, below):
 
 @compiled(inner=True)
 def _largest_around(values, i, j):
-    """Return whether no neighbour is larger; of equal values the first counts."""
+    """Return whether no value within two points is larger; of equal values, the first counts."""
     # Steps in x and y to the farthest values of its layer that a local maximum is compared with.
     around = 2
     nx, ny = values.shape
@@ -78,7 +78,7 @@ def _largest_around(values, i, j):
 
 @compiled(inner=True)
 def _nearest(values, i, j, nx, ny):
-    """Return the value of another layer next to a point of one of nx x ny; -1 if there is none."""
+    """Return the value of another layer nearest to point (i, j) of nx x ny; -1 if it is empty."""
     if values.size == 0:
         return -1.0
     kx, ky = values.shape
@@ -87,7 +87,7 @@ def _nearest(values, i, j, nx, ny):
 
 @compiled(inner=True)
 def _aside(before, here, behind):
-    """Return the place of the maximum of a parabola through values, in steps from the middle."""
+    """Return the offset of a parabola's maximum from the middle of three values, in steps."""
     bend = 2.0 * here - before - behind
     return 0.5 * (behind - before) / bend if bend > 0.0 else 0.0
 
@@ -99,7 +99,7 @@ def stencil(at):
 
 @compiled
 def climb(at, barred, best, values, of, highest, threshold, floor, first):
-    """Take a Newton step towards the maxima of functions, on several paths.
+    """Move the points of search paths by a Newton step towards maxima; return each path's state.
 
     The step leads to the top of the parabola through the values; uphill if the function curves
     upwards; along the floor if the floor bars the path.
@@ -162,7 +162,7 @@ def climb(at, barred, best, values, of, highest, threshold, floor, first):
 
 @compiled
 def last_steps(at, values, floor):
-    """Take the last step of `climb`; return the values (m,) at its end."""
+    """Move the points by the last Newton step of `climb`; return the values reached, (m,)."""
     reached = np.empty(len(at))
     for m in range(len(at)):
         reached[m] = values[m, 0] + _step(at[m], values[m], floor)
@@ -171,7 +171,7 @@ def last_steps(at, values, floor):
 
 @compiled(inner=True)
 def _follows(at, values, of, fates, m):
-    """Return whether a path with a higher value of this function is near."""
+    """Return whether a running path with a higher value of the same function is near path m."""
     # Paths nearer to each other than this share of the depth lead to one maximum.
     same = 0.3
     for k in range(len(at)):
@@ -184,7 +184,7 @@ def _follows(at, values, of, fates, m):
 
 @compiled(inner=True)
 def _step(at, v, floor):
-    """Move to the maximum of the quadratic through values on the stencil; return the gain."""
+    """Move a point to the maximum of a quadratic through stencil values; return the gain."""
     # Longest step of a way over the depth.
     longest = 0.5
     step, gradient, hessian = np.empty(3), np.empty(3), np.empty((3, 3))
@@ -212,7 +212,7 @@ def _step(at, v, floor):
 
 @compiled(inner=True)
 def _uphill(step, gradient, hessian):
-    """Set the Newton step of a Hessian that is shifted until it is negative definite."""
+    """Set the Newton step with a Hessian that is shifted until it is negative definite."""
     # Least curvature over the largest one.
     flattest = 1e-3
     a, d, f = hessian[0, 0], hessian[1, 1], hessian[2, 2]

@@ -7,7 +7,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def sweep_wear(entering, rate, dx):
-    """Integrate the wear depth along the path of the material through the contact.
+    """Return the wear depth (n_x, n_y), mm: the rate integrated from the leading edge (paper).
 
     Paper, eq. (32): w_I = w_entering + sum of rate_J dx over J from I up to the leading edge.
 
@@ -37,7 +37,7 @@ def sweep_wear(entering, rate, dx):
 
 @compiled
 def chart(speed, pressure, borders, limit, coefficients):
-    """Return Archard's coefficient by sliding speed, and pressure over hardness.
+    """Return Archard's coefficient from a chart of sliding speed and pressure over hardness.
 
     Jendel (2002), Wear 253, 89-99: one regime below the first speed, one between both, one above;
     a fourth at any speed if the pressure exceeds a limit.

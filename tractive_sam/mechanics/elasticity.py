@@ -13,7 +13,7 @@ import numpy as np
 
 from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.kernels.rectangle import quadrant
-from tractive_sam.kernels.strip import logarithm, step
+from tractive_sam.kernels.strip import integrate_logarithm, integrate_sign
 from tractive_sam.mechanics.law import Law
 from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
 
@@ -307,11 +307,11 @@ class Strips(HalfSpaces):
         c = 1.0 / (np.pi * self.material.shear)
         match component:
             case "xx" | "zz":
-                table[:, 0] = c * (1.0 - nu) * logarithm(x, dx, self.datum)
+                table[:, 0] = c * (1.0 - nu) * integrate_logarithm(x, dx, self.datum)
             case "yy":
-                table[:, 0] = c * logarithm(x, dx, self.datum)
+                table[:, 0] = c * integrate_logarithm(x, dx, self.datum)
             case "xz":
-                table[:, 0] = -c * K * step(x, dx)
+                table[:, 0] = -c * K * integrate_sign(x, dx)
         return table
 
     single_body = HalfSpaces.single_body

@@ -127,12 +127,12 @@ class Operators:
     @cached_property
     def normal(self) -> Convolution:
         """Operator A_nn from pressure to normal displacement, dimensionless."""
-        return self._convolution([self._normal_spectrum()], spectral.scale, 1)
+        return self._convolution([self._normal_spectrum()], spectral.scalar, 1)
 
     @cached_property
     def normal_inverse(self) -> Convolution:
         """Approximate (circulant) inverse of `normal`, used as a preconditioner."""
-        return self._inverse([1.0 / self._normal_spectrum(self.lattice.cyclic)], spectral.scale, 1)
+        return self._inverse([1.0 / self._normal_spectrum(self.lattice.cyclic)], spectral.scalar, 1)
 
     @cached_property
     def slip(self) -> Convolution:

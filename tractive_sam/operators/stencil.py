@@ -39,7 +39,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.kernels.friction import lead
+from tractive_sam.kernels.friction import add_leading_response
 
 FARTHEST = 1e3
 """Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
@@ -235,7 +235,7 @@ class FrictionSlip:
         if not self._gap.size:
             return slip
         slip = slip.copy()
-        lead(slip, traction, *self._here, *self._met)
+        add_leading_response(slip, traction, *self._here, *self._met)
         return slip
 
     @cached_property

@@ -58,7 +58,7 @@ class DistantLoads:
             loads[:, :nx, :rows] = half[..., ny // 2 :]
             loads[1] *= sign
             loads[..., 0] *= 1.0 - 0.5 * odd
-            self._sides.append((sign, stress_sum.summed(loads)))
+            self._sides.append((sign, stress_sum.cumulative_sums(loads)))
 
     def stress(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
         """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,), in all rows, at k depths.

@@ -134,7 +134,7 @@ class MultiLevel:
         self._poisson = tuple(body.A.poisson for body in bodies)
         self._tractions = np.zeros((3, x.count, y.count))
         self._tractions[:, x.inside, y.inside] = tractions[:, x.loaded, y.loaded]
-        sums = stress_sum.summed(self._tractions)
+        sums = stress_sum.cumulative_sums(self._tractions)
         self._summed = (x.corner, y.corner), sums, (x.step, y.step), (x.unit, y.unit)
         self._of_bodies = np.array((signs, self._poisson))
         self._levels: dict[tuple[int, int], StressLayers] = {}
