@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 
 def _warn(old: str, name: str) -> None:
-    """Warn that a former name was used, and state the present one."""
+    """Warn (DeprecationWarning) that a former name was used, and state the present one."""
     text = f"{old} is called {name} now; the former name will be removed"
     warnings.warn(text, DeprecationWarning, stacklevel=4)
 
@@ -17,7 +17,7 @@ def _warn(old: str, name: str) -> None:
 def with_renamed(
     module: str, lookup: Callable[[str], Any], renamed: Mapping[str, str]
 ) -> Callable[[str], Any]:
-    """Return a `__getattr__` of a module that also finds former names.
+    """Return a `__getattr__` of a module that finds present names, and former ones with a warning.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def with_renamed(
 
 
 def accept_renamed_methods(cls: type, renamed: Mapping[str, str]) -> None:
-    """Let a class define methods under their former names, with a warning.
+    """Let a subclass define methods under their former names, with a warning.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ Class = TypeVar("Class", bound=type)
 
 
 def renamed_attributes(**renamed: str) -> Callable[[Class], Class]:
-    """Return a decorator that gives a class its attributes and methods under former names as well.
+    """Return a class decorator that keeps attributes available under former names, with a warning.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def renamed_attributes(**renamed: str) -> Callable[[Class], Class]:
 
 
 class _RenamedAttribute:
-    """An attribute or a method under its former name."""
+    """Descriptor of an attribute or method under its former name, which warns."""
 
     def __init__(self, old: str, name: str) -> None:
         self._old, self._name = old, name

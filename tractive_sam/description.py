@@ -19,7 +19,7 @@ from tractive_sam.safe_text import printable_text
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a description.
+    """One line of a description: label, text, and whether the brief form has it.
 
     Attributes
     ----------
@@ -38,14 +38,14 @@ class Row:
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and its rows, pairs of label and text."""
+    """Section of a description: a heading and its rows of label and text."""
 
     title: str
     rows: list[tuple[str, str]]
 
 
 class Description(tuple[Section, ...]):
-    """Sections that print themselves: as text, and as tables in a notebook."""
+    """Sections of a description, shown as text, and as tables in a notebook."""
 
     __slots__ = ()
 
@@ -62,7 +62,7 @@ class Description(tuple[Section, ...]):
 
 
 class ShortArrays:
-    """Base of dataclasses with arrays: their `repr` states shapes and ranges in one line.
+    """Base of dataclasses with arrays, whose `repr` states shapes and ranges in one line.
 
     The dataclass is declared with ``repr=False``.
     """
@@ -74,7 +74,7 @@ class ShortArrays:
 
 
 def _short_repr(value: Any) -> str:
-    """Return the shape and the range of an array, and any other value as it is."""
+    """Return the text "<shape: least to largest>" of an array, and the `repr` of other values."""
     if isinstance(value, Mapping):
         return f"{{{', '.join(f'{key!r}: {_short_repr(item)}' for key, item in value.items())}}}"
     if not hasattr(value, "dtype") or value.ndim == 0 or value.dtype.kind not in "bif":
@@ -86,27 +86,27 @@ def _short_repr(value: Any) -> str:
 
 
 class Labelled(Protocol):
-    """A quantity as formatting sees it; see `results.Quantity` for the meaning of its members."""
+    """Protocol of a quantity to be formatted, as `results.Quantity`: name, unit, symbol, format."""
 
     @property
     def name(self) -> str:
-        """Name in files and in Python."""
+        """Name of the quantity in files and in Python."""
 
     @property
     def unit(self) -> str:
-        """Unit, "1" for none."""
+        """Unit of the quantity, "1" for none."""
 
     @property
     def symbol(self) -> str:
-        """Symbol as math text, empty for none."""
+        """Symbol of the quantity as math text, "" for none."""
 
     @property
     def format(self) -> str:
-        """Format specification of its numbers."""
+        """Format specification of values of the quantity."""
 
 
 def format_number(value: float, error_bar: float = 0.0) -> str:
-    """Return a number with its error bar, in the digits that the error bar leaves.
+    """Return a number and its error bar as text, with as many digits as the error bar justifies.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def format_number(value: float, error_bar: float = 0.0) -> str:
 
 
 def format_duration(seconds: float) -> str:
-    """Return a time in seconds, minutes or hours.
+    """Return a time as text in seconds, minutes or hours.
 
     Examples
     --------
@@ -144,7 +144,7 @@ def format_duration(seconds: float) -> str:
 
 
 def format_setting(value: Any, max_length: int = 50) -> str:
-    """Return the value of a scene key in few words; of a duty cycle its blocks and revolutions.
+    """Return the value of a scene key as short text; of a duty cycle, its blocks and revolutions.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def format_setting(value: Any, max_length: int = 50) -> str:
 
 
 def format_unit(unit: str) -> str:
-    """Return a unit with raised powers; empty for the unit "1".
+    """Return a unit with raised powers ("mm²"), or "" for the unit "1".
 
     Examples
     --------
@@ -185,7 +185,7 @@ def format_unit(unit: str) -> str:
 
 
 def format_with_unit(text: str, unit: str) -> str:
-    """Return a text, followed by a unit in parentheses if there is one."""
+    """Return a text followed by the unit in parentheses, unless the unit is "1"."""
     return f"{text} ({format_unit(unit)})" if format_unit(unit) else text
 
 
@@ -196,18 +196,18 @@ def math_symbol(quantity: Labelled) -> str:
 
 
 def math_label(quantity: Labelled) -> str:
-    """Return the symbol and unit of a quantity as math text."""
+    """Return the symbol and the unit of a quantity as math text, "$p$ (MPa)"."""
     return format_with_unit(f"${math_symbol(quantity)}$", quantity.unit)
 
 
 def math_value(quantity: Labelled, value: float) -> str:
-    """Return the symbol of a quantity, a value and the unit as math text, as in "$N = 50$"."""
+    """Return symbol, value and unit of a quantity as math text, as in "$N = 50$"."""
     unit = f" {quantity.unit}" if format_unit(quantity.unit) else ""
     return f"${math_symbol(quantity)} = {value:{quantity.format}}${unit}"
 
 
 def html_symbol(symbol: str) -> Html:
-    """Return math text as HTML; empty if it has more than letters, signs and indices."""
+    """Return simple math text as HTML, or "" if it has more than letters, signs and indices."""
     # fmt: off
     names = (
         "alpha", "beta", "gamma", "delta", "varepsilon", "theta", "lambda", "mu", "xi", "sigma",
@@ -224,14 +224,14 @@ def html_symbol(symbol: str) -> Html:
 
 
 def text_table(heading: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]) -> str:
-    """Return a heading and aligned lines of label and text."""
+    """Return a heading and rows of label and text as aligned lines."""
     safe = {printable_text(label): printable_text(text) for label, text in dict(rows).items()}
     width = max(map(len, safe), default=0)
     return "\n".join([heading, *(f"  {label:{width}}  {text}" for label, text in safe.items())])
 
 
 def html_columns(rows: Iterable[Mapping[str, str]]) -> Html:
-    """Return rows of text by the heading of their column as a table of HTML."""
+    """Return rows of text, by the heading of their column, as an HTML table."""
     rows = list(rows)
     cells = [("th", [*rows[0]]), *(("td", [*row.values()]) for row in rows)]
     lines = (
@@ -242,7 +242,7 @@ def html_columns(rows: Iterable[Mapping[str, str]]) -> Html:
 
 
 def html_table(rows: Mapping[str, str], picture: Html = Html()) -> Html:  # noqa: B008 - immutable
-    """Return rows of label and text as a table of HTML, next to a picture if there is one."""
+    """Return rows of label and text as an HTML table, next to a picture if there is one."""
     line = (
         '<tr><th style="text-align:left;vertical-align:top;padding-right:1em">$label</th>'
         '<td style="text-align:left">$text</td></tr>'

@@ -20,7 +20,7 @@ EXTRAS = {
 
 
 class MissingExtraError(ImportError):
-    """A package is missing that an extra installs; the message states the command."""
+    """Error: a package of an optional extra is not installed; the message states the command."""
 
 
 def describe_missing(purpose: str, package: str) -> str:
@@ -33,7 +33,7 @@ def describe_missing(purpose: str, package: str) -> str:
 
 
 def check_extra(package: str, purpose: str) -> None:
-    """Check that a package of an extra is installed.
+    """Raise a MissingExtraError if a package of an optional extra is not installed.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def check_extra(package: str, purpose: str) -> None:
 
 @contextmanager
 def require_extra(purpose: str) -> Iterator[None]:
-    """Import optional packages in the block; the error for a missing package names its extra.
+    """Raise a MissingExtraError if an import in the block fails for a package of an extra.
 
     Parameters
     ----------

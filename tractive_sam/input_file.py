@@ -36,7 +36,7 @@ def open_regular(path: str | PathLike[str]) -> BinaryIO:
 
 
 def read_text(path: str | PathLike[str], max_bytes: int, encoding: str = "utf-8") -> str:
-    """Return the text of a regular file or of a pipe.
+    """Return the text of a regular file or a pipe, of at most `max_bytes`.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def read_text(path: str | PathLike[str], max_bytes: int, encoding: str = "utf-8"
 
 
 def read_columns(path: str | PathLike[str], max_bytes: int = 2**26) -> dict[str, list[str]]:
-    """Read a text file with a header row; separators are semicolons, tabs or commas.
+    """Return the cells of a text file by column; separators are semicolons, tabs or commas.
 
     If columns are separated by semicolons or tabs, a comma is a decimal sign. Empty lines and lines
     that begin with # are skipped.
@@ -104,14 +104,14 @@ def read_columns(path: str | PathLike[str], max_bytes: int = 2**26) -> dict[str,
 
 
 def _content(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
-    """Yield lines with their numbers, without empty ones and comments."""
+    """Yield (line number, line) of the lines that are neither empty nor comments."""
     for number, line in enumerate(lines, 1):
         if line.strip() and not line.lstrip().startswith("#"):
             yield number, line
 
 
 def read_piped(max_bytes: int, encoding: str = "utf-8") -> str:
-    """Return the text of the standard input.
+    """Return the text of the standard input, of at most `max_bytes`.
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def read_piped(max_bytes: int, encoding: str = "utf-8") -> str:
 
 
 def _read_limited(file: BinaryIO, max_bytes: int, encoding: str, name: str) -> str:
-    """Read and decode a file, with one form of line ends."""
+    """Return the text of an open file with Unix line ends; raise an OSError above `max_bytes`."""
     content = file.read(max_bytes + 1)
     if len(content) > max_bytes:
         reason = f"larger than the limit of {max_bytes} bytes for a file of this kind"

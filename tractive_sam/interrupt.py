@@ -24,7 +24,7 @@ _received: list[str] = []
 
 
 class _SignalState:
-    """State of the signal handling. Global, because signals belong to the process.
+    """State of the signal handling of the process (one for all threads).
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def raise_if_interrupted() -> None:
 
 
 def note_signals(seconds: float, early: Iterable[int] = ()) -> None:
-    """Note signals that stop the program, until the process ends; call it in the main thread.
+    """Note signals that stop the program, instead of stopping it at once; for the main thread.
 
     Some code runs long without checking the note (imports, drawing). The process is ended if it
     still runs `seconds` after the signal. In a `protect_cleanup` block a KeyboardInterrupt is
@@ -87,7 +87,7 @@ def note_signals(seconds: float, early: Iterable[int] = ()) -> None:
 
 @contextmanager
 def protect_cleanup() -> Iterator[None]:
-    """Interrupt the block only by an exception, so that it can clean up."""
+    """Let signals stop the block only by an exception, so that the block can clean up."""
     _state.protected += 1
     try:
         yield
@@ -124,7 +124,7 @@ def delay_interrupt() -> Iterator[None]:
 
 
 def mark_reported() -> None:
-    """Note that the program has printed why it ends; it then prints nothing more."""
+    """Note that the program has printed why it ends, so that nothing more is printed."""
     _state.reported = True
 
 
@@ -140,7 +140,7 @@ def ignore_signals() -> None:
 
 
 def _note_signal(number: int, _frame) -> None:
-    """Note a signal and start the timer; end the process if a signal was noted before."""
+    """Note a signal and start the timer; at the second signal, end the process."""
     if _received:
         _end_at_once("ended at once")
     _received.append(signal.Signals(number).name)
@@ -148,14 +148,14 @@ def _note_signal(number: int, _frame) -> None:
 
 
 def _start_timer() -> None:
-    """Start a timer that calls `_end_overdue` after `seconds`; not available on Windows."""
+    """Start a timer that ends the process after the grace period; not available on Windows."""
     if _state.seconds and hasattr(signal, "setitimer"):
         signal.signal(signal.SIGALRM, _end_overdue)
         signal.setitimer(signal.ITIMER_REAL, _state.seconds)
 
 
 def _end_overdue(_number: int, _frame) -> None:
-    """End the process, or raise KeyboardInterrupt in a `protect_cleanup` block."""
+    """End a process that has not ended in time; in `protect_cleanup`, raise KeyboardInterrupt."""
     if not _state.seconds:
         return
     if not _state.protected:

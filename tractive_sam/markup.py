@@ -24,7 +24,7 @@ Content: TypeAlias = "str | Iterable[Html]"
 
 
 def as_html(content: Content) -> Html:
-    """Return HTML unchanged, a sequence of HTML joined, and text escaped."""
+    """Return text escaped as HTML, HTML unchanged, and a sequence of HTML joined."""
     if isinstance(content, Html):
         return content
     if isinstance(content, str):
@@ -33,7 +33,7 @@ def as_html(content: Content) -> Html:
 
 
 def fill(template: str, /, **content: Content) -> Html:
-    """Return a template with each placeholder $name replaced by its content.
+    """Return a template with each placeholder $name replaced by its content, escaped.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ _NONE, _INLINE = "'none'", "'unsafe-inline'"
 
 
 def _digest(content: str) -> str:
-    """Return the hash that a browser computes for the content of an element."""
+    """Return the hash "'sha256-...'" that a browser computes for a script or style."""
     # Only pages need them, and loading them takes longer than printing help.
     from base64 import b64encode  # noqa: PLC0415
     from hashlib import sha256  # noqa: PLC0415

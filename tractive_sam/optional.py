@@ -10,10 +10,10 @@ from typing import Any
 
 
 class LazyPackage(ModuleType):
-    """A package that is imported for its first attribute."""
+    """Stand-in for an optional package that is imported when an attribute is first used."""
 
     def __getattr__(self, name: str) -> Any:
-        """Return an attribute of the package; tools that look for special names load nothing."""
+        """Import the package, and return its attribute; special names import nothing."""
         if name.startswith("__"):
             raise AttributeError(name)
         return getattr(import_module(self.__name__), name)

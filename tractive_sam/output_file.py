@@ -22,7 +22,7 @@ TEMPORARY = ".new"
 
 
 class OutputError(OSError):
-    """An output that cannot be written; an earlier file is unchanged.
+    """Error: an output cannot be written; an earlier file is unchanged.
 
     Examples
     --------
@@ -35,7 +35,7 @@ class OutputError(OSError):
 
 
 class OutputPlaceError(OutputError):
-    """An output with a name or folder that cannot be used; nothing was written."""
+    """Error: the name or folder of an output cannot be used; nothing was written."""
 
 
 class OutputFile:
@@ -53,7 +53,7 @@ class OutputFile:
         self.output, self._descriptor = output, descriptor
 
     def write(self, data: bytes | memoryview, position: int) -> None:
-        """Write all of the data from a position on.
+        """Write all of the data at a position of the file, in bytes.
 
         Raises
         ------
@@ -67,7 +67,7 @@ class OutputFile:
                 remaining = remaining[os.write(self._descriptor, remaining) :]
 
     def read(self, size: int, position: int) -> bytes:
-        """Read at most `size` bytes from a position on; fewer at the end of the file."""
+        """Return at most `size` bytes from a position of the file; fewer at its end."""
         os.lseek(self._descriptor, position, os.SEEK_SET)
         parts: list[bytes] = []
         while size and (part := os.read(self._descriptor, size)):
@@ -81,7 +81,7 @@ class OutputFile:
             os.ftruncate(self._descriptor, size)
 
     def copy(self, source: Path, block: int = 2**24) -> int:
-        """Copy another file, `block` bytes at a time, and return its size in bytes."""
+        """Write the content of another file into this one, and return its size in bytes."""
         position = 0
         with _report_failure(self.output), source.open("rb") as file:
             while data := file.read(block):
@@ -92,7 +92,7 @@ class OutputFile:
 
 @contextmanager
 def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]:
-    """Write a file that replaces an earlier one, if any, when the block ends.
+    """Yield a temporary file that replaces `path` when the block ends without an error.
 
     It gets the permissions of the file that it replaces, or the default permissions. If the block
     raises an exception, nothing changes. Symbolic links are resolved.
@@ -117,7 +117,7 @@ def replace_file(path: Path, *, exclusive: bool = False) -> Iterator[OutputFile]
 
 @contextmanager
 def _open_replacement(path: Path, exclusive: bool) -> Iterator[OutputFile]:
-    """Open a temporary file that replaces the output at the end; arguments as in `replace_file`."""
+    """Yield a temporary file that replaces the output at the end; see `replace_file`."""
     with _report_failure(path, OutputPlaceError):
         target = resolve_link(path)
         mode = _permissions(target, exclusive)
@@ -150,7 +150,7 @@ def _open_replacement(path: Path, exclusive: bool) -> Iterator[OutputFile]:
 def write_file(
     path: str | os.PathLike[str], content: str | bytes | memoryview, *, exclusive: bool = False
 ) -> Path:
-    """Write a file atomically, text as UTF-8; see `replace_file` for arguments and errors.
+    """Write text (as UTF-8) or bytes to a file, completely or not at all, and return its path.
 
     A terminal, a pipe or another device is written to directly.
     """
@@ -167,7 +167,7 @@ def write_file(
 
 
 def append_to_file(path: Path, data: bytes) -> None:
-    """Append to a file in one write if possible; create the file if it does not exist.
+    """Append bytes to a file, in one write if possible; create the file if it does not exist.
 
     If the disk becomes full, a part of the data may remain: readers must recognize it.
 
@@ -183,7 +183,7 @@ def append_to_file(path: Path, data: bytes) -> None:
 
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
-    """Create a folder for outputs and its parent folders, unless they exist.
+    """Create a folder for outputs, with its parents, unless it exists; return its path.
 
     Raises
     ------
@@ -197,7 +197,7 @@ def make_folder(path: str | os.PathLike[str]) -> Path:
 
 
 def check_folder(path: Path) -> None:
-    """Check that a temporary file can be created beside a file; raises as `replace_file` does."""
+    """Raise an error if no temporary file can be created in the folder of a path."""
     with _report_failure(path, OutputPlaceError):
         temporary = temporary_path(path)
         try:
@@ -208,7 +208,7 @@ def check_folder(path: Path) -> None:
 
 
 def resolve_link(path: Path) -> Path:
-    """Return the target of a symbolic link, or the path itself if it is no link.
+    """Return the target of a symbolic link, or else the path itself; an error for circular links.
 
     Raises
     ------
@@ -224,12 +224,12 @@ def resolve_link(path: Path) -> Path:
 
 
 def hidden_path(path: Path, suffix: str) -> Path:
-    """Return the path of a hidden file in the folder of a file: `.NAME` and a suffix."""
+    """Return the path of a hidden file next to a file: "." + name + suffix."""
     return path.with_name(f".{short_name(path)}{suffix}")
 
 
 def short_name(path: Path, longest: int = 180) -> str:
-    """Return the name of a file, or its hash if it is too long for a prefix and a suffix.
+    """Return the name of a file, or a hash of the name if it is longer than `longest` bytes.
 
     Parameters
     ----------
@@ -248,18 +248,18 @@ def temporary_path(path: Path) -> Path:
 
 
 def is_write_protected(path: Path) -> bool:
-    """Check whether a file is read-only; its mode counts for the administrator, too."""
+    """Return whether a file is read-only, also by its mode alone, which root could ignore."""
     by_mode = path.stat().st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH)
     return not by_mode or not os.access(path, os.W_OK)
 
 
 def is_disk_failure(error: Exception) -> bool:
-    """Check whether the disk is full or fails, rather than that a name or folder is unsuitable."""
+    """Return whether an error means a full or failing disk, rather than an unsuitable path."""
     return getattr(error, "errno", None) in (errno.ENOSPC, errno.EDQUOT, errno.EIO)
 
 
 def describe_os_error(error: Exception) -> str:
-    """Return the cause and remedy of a system error, also one that HDF5 reports as text."""
+    """Return the cause and cure of a system error as text, also of one that HDF5 reports."""
     # Cause and remedy of each error of the operating system, by error number.
     cures = {
         errno.ENOSPC: "the disk is full; make room, or choose another",
@@ -297,7 +297,7 @@ def _report_failure(path: Path, kind: type[OutputError] = OutputError) -> Iterat
 
 
 def _permissions(target: Path, exclusive: bool) -> int | None:
-    """Return the permissions of the file to be replaced; None if it does not exist."""
+    """Return the permissions of a file to be replaced, or None; an error if it must not be."""
     try:
         mode = target.stat().st_mode
     except FileNotFoundError:
@@ -315,7 +315,7 @@ def _permissions(target: Path, exclusive: bool) -> int | None:
 
 
 def _is_stream(path: Path) -> bool:
-    """Check whether a path leads to a terminal, a pipe or another device."""
+    """Return whether a path is a terminal, a pipe or another device."""
     with suppress(OSError, ValueError):
         mode = path.stat().st_mode
         opened = str(path).startswith(("/dev/std", "/dev/fd/", "/proc/"))

@@ -4,5 +4,5 @@ from pathlib import Path
 
 
 def find_hook_folders() -> list[str]:
-    """Return the folder of the hook, for the entry point of PyInstaller."""
+    """Return the folders of PyInstaller hooks of this package (entry point)."""
     return [str(Path(__file__).with_name("pyinstaller_hooks"))]

@@ -12,7 +12,7 @@ _COMMANDS = re.compile(
 
 
 def printable_text(text: str, max_length: int | None = 2000) -> str:
-    """Return a text without control characters of terminals, cut to a length.
+    """Return a text without terminal control characters, cut to `max_length` characters.
 
     The replacement character U+FFFD takes the place of each control character.
 

@@ -8,7 +8,7 @@ __all__ = ["app", "main"]
 
 
 def main(grace: float = 1.0, objects: int = 10_000) -> None:
-    """Run the program; SIGINT, SIGTERM and SIGHUP end it within a grace period.
+    """Run the program `tractive-sam`; SIGINT, SIGTERM and SIGHUP end it within a grace period, s.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def main(grace: float = 1.0, objects: int = 10_000) -> None:
 
 
 def _record_signals() -> list[int]:
-    """Handle signals with the modules that Python has loaded; return the list of received ones."""
+    """Handle signals early, without slow imports; return the list that collects their numbers."""
     # The part of `signal` that is in C, without the modules that `signal` loads.
     import _signal  # type: ignore[import-not-found]
 

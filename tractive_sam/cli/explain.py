@@ -54,7 +54,7 @@ def explain(
 
 
 def print_description(title: str, sections: Iterable[Any]) -> None:
-    """Print the sections of a `Description`, each with its rows, under a title."""
+    """Print a title and the sections of a `Description`, each with its rows."""
     out = console()
     if title:
         out.print(title, style="bold")
@@ -67,7 +67,7 @@ def print_description(title: str, sections: Iterable[Any]) -> None:
 
 
 def _describe_table(file: str, settings: list[str] | None) -> tuple[str, Iterable[Any]]:
-    """Return the title and the description of a table of creep forces or its design."""
+    """Return title and description of a creep-force table, or of the design of one."""
     from tractive_sam import tables
 
     _refuse_settings(file, settings, "a table of creep forces")
@@ -81,7 +81,7 @@ def _describe_table(file: str, settings: list[str] | None) -> tuple[str, Iterabl
 def _describe_study(
     file: Path, settings: list[str] | None, workers: int | None
 ) -> tuple[str, Iterable[Any]]:
-    """Return the title and the description of a study."""
+    """Return title and description of a study: its cases, memory and time."""
     from tractive_sam.operators import cores
     from tractive_sam.studies import Study, explain_study
 
@@ -91,13 +91,13 @@ def _describe_study(
 
 
 def _refuse_settings(file: str | Path, settings: list[str] | None, kind: str) -> None:
-    """Refuse `--set` for a file that is no scene."""
+    """End with an error if `--set` is given for a file that is not a scene."""
     if settings:
         raise error_exit(ExitStatus.INVALID, f"--set changes a scene only, and {file} is {kind}")
 
 
 def _mention_tables(study: str) -> None:
-    """Print a note if a study might be meant as a table of creep forces."""
+    """Print a note if a study file could also be the design of a creep-force table."""
     from tractive_sam.schema import SceneError
     from tractive_sam.tables import TableDesign
 

@@ -19,7 +19,7 @@ from tractive_sam.cli.scene_input import RESULTS, Settings, read_scene
 
 
 class BodyName(StrEnum):
-    """The bodies."""
+    """Names of the bodies as choices of an option: A, B."""
 
     A = "A"
     B = "B"
@@ -119,7 +119,7 @@ def export(
 
 
 def _select_block(opened: "ts.State | ts.History", block: str | None) -> "ts.State | ts.History":
-    """Return the history of one block of a duty cycle; a scene or history without blocks itself."""
+    """Return the history of one block of a duty cycle; without blocks, the input unchanged."""
     if isinstance(opened, ts.State):
         if block is not None:
             raise LookupError(
@@ -136,7 +136,7 @@ def _select_block(opened: "ts.State | ts.History", block: str | None) -> "ts.Sta
 def _open_source(
     source: str, settings: list[str] | None, revolution: float | None
 ) -> "ts.State | ts.History":
-    """Return the history in a results file, or the contact of a scene."""
+    """Return the history in a results file, or the solved contact of a scene."""
     if Path(source).suffix in RESULTS:
         if settings:
             message = f"--set changes a scene, and {source} is a results file; omit --set"

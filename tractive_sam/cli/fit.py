@@ -104,7 +104,7 @@ def fit(
 
 
 def _check_folder(path: Path) -> None:
-    """End with a message if the folder of an output does not exist."""
+    """End with an error if the folder of an output file does not exist."""
     if not path.absolute().parent.is_dir():
         raise error_exit(
             ExitStatus.INVALID, f"{path}: the folder {path.parent} does not exist; create it first"
@@ -112,7 +112,7 @@ def _check_folder(path: Path) -> None:
 
 
 def print_fit(result: "ts.FitResult") -> None:
-    """Print the tables of a fit, and its caveats."""
+    """Print the tables of a fit, its summary and its caveats."""
     out = console()
     for rows in result.tables().values():
         table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -129,7 +129,7 @@ def print_fit(result: "ts.FitResult") -> None:
 
 
 def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
-    """Print a fit, also one that was interrupted; False if the file is no fit."""
+    """Print a fit, also an interrupted one, and return True; False if the file is no fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
@@ -150,7 +150,7 @@ def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
 
 
 def plot_fit(file: Path, folder: Path | None, format: str, dpi: int, measured: bool) -> bool:
-    """Draw the figures of a fit; False if the file is no fit."""
+    """Save the figures of a fit and return True; False if the file is no fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
@@ -167,7 +167,7 @@ def plot_fit(file: Path, folder: Path | None, format: str, dpi: int, measured: b
 
 
 def write_fit_report(file: Path, output: Path | None, measured: bool) -> bool:
-    """Write the page of a fit; False if the file is no fit."""
+    """Write the HTML page of a fit and return True; False if the file is no fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
@@ -182,14 +182,14 @@ def write_fit_report(file: Path, output: Path | None, measured: bool) -> bool:
 
 
 def _refuse_measured(file: Path, measured: bool) -> None:
-    """End with a message if measured points are given for a fit, which has its own."""
+    """End with an error if `--measured` is given for a fit, which contains its data."""
     if measured:
         cure = "its figures show the data of the fit; --measured is for files of tractive-sam run"
         raise error_exit(ExitStatus.INVALID, f"{file} is a fit: {cure}")
 
 
 def _open_fit(file: Path) -> "ts.FitResult":
-    """Open the file of a fit; exit with a message if that fails."""
+    """Open the file of a fit; end with an error if that fails."""
     with report_errors():
         from tractive_sam.fitting import open_fit
 
@@ -197,7 +197,7 @@ def _open_fit(file: Path) -> "ts.FitResult":
 
 
 def _open_complete_fit(file: Path) -> "ts.FitResult":
-    """Open the file of a fit that has estimates; exit with a message otherwise."""
+    """Open the file of a fit that has estimates; otherwise end with an error."""
     result = _open_fit(file)
     if not result.finished:
         cure = "tractive-sam fit resumes it"

@@ -49,7 +49,7 @@ def locus(
 
 
 def _write(locus: "ts.rail.ContactLocus", scene: "ts.Scene", output: Path) -> None:
-    """Write the table of a locus, and its figures beside it."""
+    """Write the contact points of a wheelset as CSV, and their figures next to the file."""
     import numpy as np
 
     from tractive_sam import plot

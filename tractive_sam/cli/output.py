@@ -21,7 +21,7 @@ from tractive_sam.safe_text import printable_text
 
 
 class ExitStatus(IntEnum):
-    """Exit statuses."""
+    """Exit statuses of the program: done, invalid input, not converged or stopped early."""
 
     DONE = 0
     INVALID = 2
@@ -29,22 +29,22 @@ class ExitStatus(IntEnum):
 
 
 class _Console(Console):
-    """A console that prints nothing once its reader has left, like `head` after the first lines.
+    """Console that discards its output once the reader of a pipe has left, as `head` does.
 
     Control characters in titles, messages and names do not reach the terminal.
     """
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return a cell or a line as it is printed."""
+        """Return a cell or line of text without control characters, as it is printed."""
         return super().render_str(printable_text(text), **options)
 
     def on_broken_pipe(self) -> None:
-        """Discard the rest of the output; the exit status of the command does not change."""
+        """Discard the rest of the output if its reader has left, with an unchanged exit status."""
         discard_output(sys.stderr if self.stderr else sys.stdout)
 
 
 def replace_missing_signs() -> None:
-    """Replace signs that the encoding of an output lacks, for example µm by um."""
+    """Set stdout and stderr to replace signs that their encoding lacks, as µm by um."""
     signs = {
         "µ": "u",
         "±": "+-",
@@ -77,7 +77,7 @@ def discard_output(stream: TextIO) -> None:
 
 
 def console(stderr: bool = False, error: bool = False, width: int = 120) -> Console:
-    """Return a console of the standard output or the standard error, as they are at present.
+    """Return a rich console on the current standard output or standard error.
 
     Parameters
     ----------
@@ -98,7 +98,7 @@ def console(stderr: bool = False, error: bool = False, width: int = 120) -> Cons
 
 @dataclass
 class _Command:
-    """State of the running command.
+    """State of the running command: whether it is quiet, and the notes it has printed.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ _RUNNING: ContextVar[_Command] = ContextVar("_RUNNING")
 
 @contextmanager
 def running_command() -> Iterator[None]:
-    """Begin a command: it is not quiet, and has printed no note."""
+    """Mark the block as a new command: not quiet, no notes printed yet."""
     token = _RUNNING.set(_Command())
     try:
         yield
@@ -126,12 +126,12 @@ def running_command() -> Iterator[None]:
 
 
 def _running() -> _Command:
-    """Return the state of the running command, or of one that begins."""
+    """Return the state of the running command; a new state outside of commands."""
     return _RUNNING.get(None) or _Command()
 
 
 def _set_quiet(quiet: bool) -> bool:
-    """Suppress output except errors, if quiet."""
+    """Set whether the command prints only errors, and return that value (callback of --quiet)."""
     _running().quiet = quiet
     return quiet
 
@@ -149,7 +149,7 @@ Quiet: TypeAlias = Annotated[
 
 
 def print_note(text: str) -> None:
-    """Print a note if the command has not printed it before, for the scene or a block of it."""
+    """Print a note on the standard error, unless the command has already printed it."""
     printed = _running().notes
     if (content := text.removeprefix("duty: ")) not in printed:
         printed.add(content)
@@ -182,7 +182,7 @@ def print_line(text: object) -> None:
 
 
 def error_exit(status: ExitStatus, *parts: str | tuple[str, str]) -> typer.Exit:
-    """Print an error, and return the exception that ends the command with a status."""
+    """Print an error message, and return an exception that ends the command with an exit status."""
     print_message(("error: ", "bold red"), *parts, error=True)
     mark_reported()
     return typer.Exit(status)
@@ -190,7 +190,7 @@ def error_exit(status: ExitStatus, *parts: str | tuple[str, str]) -> typer.Exit:
 
 @contextmanager
 def show_progress() -> Iterator[Callable[[float, str, str], None]]:
-    """Show the progress of a command on the standard error.
+    """Show the progress of the block on the standard error; yield the function that updates it.
 
     Yields
     ------
@@ -219,7 +219,7 @@ def show_progress() -> Iterator[Callable[[float, str, str], None]]:
 
 @contextmanager
 def report_warnings() -> Iterator[list[warnings.WarningMessage]]:
-    """Print warnings as notes, each once; yield those recorded so far."""
+    """Print the warnings of the block as notes, each once; yield the list that records them."""
     with warnings.catch_warnings(record=True) as recorded:
         warnings.simplefilter("always")
         yield recorded
@@ -229,7 +229,7 @@ def report_warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 @contextmanager
 def report_compiling() -> Iterator[None]:
-    """Print a note once kernels are compiled, as the first run takes longer."""
+    """Print a note if the block compiles kernels, as the first run then takes longer."""
     from tractive_sam.kernels import compiled
 
     line = "compiling kernels not yet used here: up to 30 seconds; later commands load them"
@@ -239,7 +239,7 @@ def report_compiling() -> Iterator[None]:
 
 @contextmanager
 def report_errors() -> Iterator[None]:
-    """Turn errors that the user can cure into messages and an exit status."""
+    """End the command with a message if the block raises an error that the user can correct."""
     from tractive_sam.extras import MissingExtraError
     from tractive_sam.output_file import OutputError, OutputPlaceError
     from tractive_sam.schema import SceneError
@@ -269,7 +269,7 @@ def report_errors() -> Iterator[None]:
 
 
 def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
-    """Print faults, which have a key, the given value and the allowed ones; return the exit."""
+    """Print faults (key, given, allowed), and return the exception that ends the command."""
     from tractive_sam.schema import SceneError
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"

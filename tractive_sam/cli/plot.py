@@ -14,7 +14,7 @@ from tractive_sam.cli.show import Results
 
 
 class Format(StrEnum):
-    """Formats of figures, as `tractive_sam.plot.FORMATS`."""
+    """File formats of figures as choices of an option, as `tractive_sam.plot.FORMATS`."""
 
     PNG = "png"
     PDF = "pdf"
@@ -22,14 +22,14 @@ class Format(StrEnum):
 
 
 class UnitSystem(StrEnum):
-    """Units of figures, as `tractive_sam.plot.UNITS`."""
+    """Unit systems of figures as choices of an option, as `tractive_sam.plot.UNITS`."""
 
     HERTZ = "hertz"
     SI_MM = "si-mm"
 
 
 def _parse_width(text: str) -> float:
-    """Return a width in mm; the unit mm may be omitted."""
+    """Return the width in mm of a text as "84mm" or "84"; raise an error outside 30 to 1000."""
     number = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:mm)?", text.strip())
     if number is None or not 30.0 <= float(number[1]) <= 1000.0:
         raise typer.BadParameter(f"{text!r} is not a width; use 30mm to 1000mm, as in 84mm")
@@ -85,7 +85,7 @@ Animated = Annotated[
 
 
 def _find_blocks(history: "ts.History", names: list[str]) -> list[int]:
-    """Return the indices of blocks of a duty cycle; end with a message if one does not exist."""
+    """Return the indices of named duty blocks ("all": every one); end with an error if unknown."""
     if names == ["all"]:
         return list(range(len(history.block_names)))
     try:

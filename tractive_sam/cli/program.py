@@ -36,7 +36,7 @@ from tractive_sam.safe_text import printable_text
 
 @contextmanager
 def _handle_end() -> Iterator[None]:
-    """Handle signals that stop a command, and readers of its output that leave."""
+    """End the command with its exit status after a signal, or when its output has no reader."""
     try:
         interrupt.raise_if_interrupted()
         yield
@@ -54,10 +54,10 @@ def _handle_end() -> Iterator[None]:
 
 
 class _CommandGroup(TyperGroup):
-    """Group of the commands, whose failures and signals end with a message and an exit status."""
+    """Group of all commands, which turns failures and signals into a message and an exit status."""
 
     def make_context(self, *arguments: Any, **options: Any) -> Any:
-        """Parse the arguments; end with a message and an exit status if they are not valid."""
+        """Parse the arguments; end with a message and an exit status if they are invalid."""
         with _handle_end():
             return super().make_context(*arguments, **options)
 
@@ -86,7 +86,7 @@ for command in (
 
 
 def run_program() -> None:
-    """Run the program on the arguments of the process."""
+    """Run the command that the arguments of the process name."""
     replace_missing_signs()
     try:
         app()
@@ -97,7 +97,7 @@ def run_program() -> None:
 
 
 def _print_version(wanted: bool) -> None:
-    """Print the version and exit, if wanted."""
+    """Print the version and exit, if `wanted` (callback of --version)."""
     if wanted:
         from importlib.metadata import version
 

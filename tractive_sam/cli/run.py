@@ -89,7 +89,7 @@ def run(
 def _compute(
     scene: "ts.Scene", path: Path, start: "ts.History | None", resume: bool
 ) -> tuple["ts.History", set[str]]:
-    """Compute a scene into a file; return its history, and the notes that were printed."""
+    """Run or resume a scene into a file; return its history, and the notes that were printed."""
     from tractive_sam.run import roll, show_roll_progress
 
     before = _modified_at(path)
@@ -110,7 +110,7 @@ def _compute(
 
 
 def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> None:
-    """Print the last record, all of it or the main results, the load, and the remaining notes."""
+    """Print the last record (all quantities if `verbose`), the load, and notes not yet printed."""
     from tractive_sam.cli import tables
     from tractive_sam.results import caveats, describe_balances
 
@@ -130,7 +130,7 @@ def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> N
 
 
 def _describe_existing(path: Path, scene: "ts.Scene") -> str:
-    """Describe a results file that must not be replaced, and what to do instead."""
+    """Return the message for a results file that exists already: its content, and what to do."""
     from tractive_sam.run import describe_differences
 
     cure = "-o FILE.h5 writes this run into another file"
@@ -150,5 +150,5 @@ def _describe_existing(path: Path, scene: "ts.Scene") -> str:
 
 
 def _modified_at(path: Path) -> int | None:
-    """Return the time of the last change of a file; None if it does not exist."""
+    """Return the modification time of a file, ns, or None if it does not exist."""
     return path.stat().st_mtime_ns if path.exists() else None

@@ -16,7 +16,7 @@ STANDARD_INPUT = "-"
 
 
 def complete_scenes(incomplete: str) -> list[str]:
-    """Return the built-in scenes, scene files and folders that begin with a text."""
+    """Return the completions of a scene argument: built-in names, scene files and folders."""
     from glob import escape
 
     from tractive_sam.scene import builtin_names
@@ -28,7 +28,7 @@ def complete_scenes(incomplete: str) -> list[str]:
 
 
 def complete_keys(incomplete: str) -> list[str]:
-    """Return the keys of a scene that begin with a text, for example ``load.normal=``."""
+    """Return the completions of a `--set` argument: keys as ``load.normal=``."""
     from tractive_sam.scene import Scene
     from tractive_sam.schema import key_groups
 
@@ -62,7 +62,7 @@ Settings: TypeAlias = Annotated[
 
 
 def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
-    """Read a scene, change its settings, and print its warnings as notes.
+    """Return the scene of a name, file or standard input, changed by settings; print its warnings.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
 
 
 def _from_standard_input(max_bytes: int = 2**26) -> "ts.Scene":
-    """Read a scene from the standard input, of at most that many bytes."""
+    """Return the scene read from the standard input; end with an error beyond `max_bytes`."""
     from tractive_sam.input_file import read_piped
     from tractive_sam.scene import Scene
 
@@ -104,7 +104,7 @@ def _from_standard_input(max_bytes: int = 2**26) -> "ts.Scene":
 
 
 def _refuse_results_and_studies(name: str) -> None:
-    """Refuse a results file and a study, and name the commands that read them."""
+    """End with an error if the file is a results file or a study, naming the right commands."""
     from tractive_sam.studies import is_study
 
     if Path(name).suffix in RESULTS and Path(name).is_file():

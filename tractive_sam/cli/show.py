@@ -56,7 +56,7 @@ def show(
 
 
 def _print_csv(history: "ts.History") -> None:
-    """Print every record as a line of CSV."""
+    """Print a history as CSV, a line for each record."""
     columns = history.numbers()
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(map(csv_cell, columns))
@@ -64,7 +64,7 @@ def _print_csv(history: "ts.History") -> None:
 
 
 def _print_tables(history: "ts.History") -> None:
-    """Print the run, its records, and all numbers of the last one."""
+    """Print the tables of a history: the run, its records, and all quantities of the last one."""
     from tractive_sam.cli import tables
 
     out = console()
@@ -76,7 +76,7 @@ def _print_tables(history: "ts.History") -> None:
 
 
 def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
-    """Print the description of a table of creep forces."""
+    """Print a creep-force table as a description or as JSON; refuse CSV."""
     from tractive_sam.tables import explain_table, open_table, table_as_dict
 
     if as_csv:

@@ -96,7 +96,7 @@ def study_show(
 
 
 def print_failures(results: "ts.StudyResults", max_lines: int = 10) -> None:
-    """Print the failed cases with their messages, at most that many."""
+    """Print the failed cases of a study with their messages, at most `max_lines` of them."""
     failed = [row for row in results.rows if row.status == "failed"]
     for row in failed[:max_lines]:
         print_message((f"{row.case} failed: ", "bold red"), row.message)
@@ -105,7 +105,7 @@ def print_failures(results: "ts.StudyResults", max_lines: int = 10) -> None:
 
 
 def report_versions(results: "ts.StudyResults") -> None:
-    """Print a note if several versions of this package computed the cases."""
+    """Print a note if several versions of this package computed the cases of a study."""
     if len(results.versions) > 1:
         counts = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
         cure = "to compute them again, remove the files of one version (see study-show --csv)"
@@ -115,7 +115,7 @@ def report_versions(results: "ts.StudyResults") -> None:
 
 
 def _case_table(results: "ts.StudyResults") -> Table:
-    """Return a table of the cases, one a row."""
+    """Return a terminal table of the cases of a study: changed keys, status and results."""
     from tractive_sam.cli.tables import select_columns
     from tractive_sam.description import format_setting
     from tractive_sam.results import columns

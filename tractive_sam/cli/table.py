@@ -108,7 +108,7 @@ def table(
 
 
 def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | None, Any]) -> None:
-    """Refuse a file that does not exist, a missing output, and folders that do not exist."""
+    """End with an error if the file, the output option or the folder of an output is missing."""
     from tractive_sam.tables import builtin_tables, is_table
 
     exists = is_table(file)
@@ -126,7 +126,7 @@ def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | Non
 
 
 def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.CreepTable":
-    """Build a table into a file, and print the number of its nodes whenever some are added."""
+    """Build a table into a file, with a progress display of its nodes, and return it."""
     rounds: list[int] = []
     try:
         with show_progress() as update, report_warnings():
@@ -144,7 +144,7 @@ def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.
 
 
 def _describe_cost_and_errors(about: Mapping[str, Any]) -> str:
-    """Describe the contacts, CPU time and errors of a table, as far as its file has them."""
+    """Return the contacts, CPU time and errors of a table as text, as far as its file has them."""
     cost = {"contacts": "{} contacts", "cpu_seconds": "{:.3g} s of one core"}
     parts = [form.format(about[name]) for name, form in cost.items() if name in about]
     text = ", ".join(["", *parts])
@@ -158,7 +158,7 @@ def _describe_cost_and_errors(about: Mapping[str, Any]) -> str:
 
 
 def _check_names(header: Path | None, fmu: Path | None) -> None:
-    """Refuse names and missing packages before anything is computed."""
+    """End with an error for unsuitable names of C and FMU files, or if fmpy is missing."""
     from tractive_sam.extras import check_extra
     from tractive_sam.lookup import check_name
 
@@ -175,7 +175,7 @@ def _check_names(header: Path | None, fmu: Path | None) -> None:
 
 
 def _write_header(built: "ts.CreepTable", path: Path) -> None:
-    """Write a table as a C header."""
+    """Write a creep-force table as C code: a header and, next to it, a source file."""
     from tractive_sam.lookup import c_sources
     from tractive_sam.output_file import write_file
 
@@ -185,7 +185,7 @@ def _write_header(built: "ts.CreepTable", path: Path) -> None:
 
 
 def _write_fmu(built: "ts.CreepTable", path: Path, fmi: Literal[2, 3]) -> None:
-    """Write a table as a functional mock-up unit."""
+    """Write a creep-force table as a functional mock-up unit; note if it was not compiled."""
     try:
         if not ts.write_fmu(built, path, fmi):
             cure = "fmpy compile adds the binary on a machine with a compiler"
@@ -195,7 +195,7 @@ def _write_fmu(built: "ts.CreepTable", path: Path, fmi: Literal[2, 3]) -> None:
 
 
 def _write_text(built: "ts.CreepTable", path: Path) -> None:
-    """Write a table as text columns."""
+    """Write the nodes of a creep-force table as columns of text."""
     from tractive_sam.lookup import columns_of
     from tractive_sam.output_file import write_file
 
@@ -203,7 +203,7 @@ def _write_text(built: "ts.CreepTable", path: Path) -> None:
 
 
 def _write_figure(built: "ts.CreepTable", path: Path) -> None:
-    """Write the figure of the errors of a table."""
+    """Write the figure of the errors of a creep-force table at its check points."""
     from tractive_sam.plot import DPI, table_errors
 
     try:

@@ -14,7 +14,7 @@ from tractive_sam.scene import describe_load
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the table of records.
+    """A column of the printed table of records: quantity, heading, number format and factor.
 
     Attributes
     ----------
@@ -34,13 +34,13 @@ class Column:
     factor: float = 1
 
     def format_value(self, value: float) -> str:
-        """Return a value of the column as text."""
+        """Return a value of the quantity as text, times the factor of the column."""
         value *= self.factor
         return format(int(value) if self.format == "d" else value, self.format)
 
 
 def select_columns(columns: Collection[str], creepages: bool = False) -> list[Column]:
-    """Return the columns of the table of records.
+    """Return the columns of the printed table of records, by the columns that a history has.
 
     Parameters
     ----------
@@ -71,18 +71,18 @@ def select_columns(columns: Collection[str], creepages: bool = False) -> list[Co
 
 
 def run_table(history: "ts.History") -> Table:
-    """Return a table of the scene and the status, the balances and the cost of a history."""
+    """Return a terminal table of a history: scene, status, balances and cost."""
     rows = {"scene": history.title, "status": history.status, "message": history.message}
     return _label_table(rows | describe_history(history))
 
 
 def load_table(history: "ts.History") -> Table:
-    """Return a table of the load and the wear of the scene, in several units."""
+    """Return a terminal table of the load and the wear law of a scene, in several units."""
     return _label_table(describe_load(history.scene))
 
 
 def _label_table(rows: Mapping[str, str]) -> Table:
-    """Return a table of labels and texts."""
+    """Return a terminal table of labels and texts."""
     table = Table.grid(padding=(0, 2))
     for label, text in rows.items():
         table.add_row(label, text)
@@ -90,7 +90,7 @@ def _label_table(rows: Mapping[str, str]) -> Table:
 
 
 def last_record(history: "ts.History", solver: bool = False) -> Table:
-    """Return a table of the last record, one quantity a row.
+    """Return a terminal table of the last record, one quantity a row.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def last_record(history: "ts.History", solver: bool = False) -> Table:
 
 
 def main_results(history: "ts.History", max_rows: int = 15) -> Table:
-    """Return a table of the main results of the last record that are not zero.
+    """Return a terminal table of the main results of the last record that are not zero.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def main_results(history: "ts.History", max_rows: int = 15) -> Table:
 
 
 def _quantity_table(rows: "Iterable[tuple[str, str, ts.Quantity]]") -> Table:
-    """Return a table of quantities: name, number, unit and meaning."""
+    """Return a terminal table of quantities: name, value, unit and meaning."""
     table = Table(box=box.SIMPLE_HEAD, show_header=False)
     table.add_column(style="bold")
     table.add_column(justify="right")
@@ -142,7 +142,7 @@ def _quantity_table(rows: "Iterable[tuple[str, str, ts.Quantity]]") -> Table:
 
 
 def record_table(history: "ts.History", max_rows: int = 20) -> Table:
-    """Return a table of records at about equal distances along the course, one a row."""
+    """Return a terminal table of at most `max_rows` records, at about equal distances."""
     count, coordinate = len(history), history.coordinate
     heading = "\n".join(filter(None, (coordinate.symbol or coordinate.name, _unit_of(coordinate))))
     has_creepages = "creepage_found" in history.columns and any(map(math.isfinite, history["xi_x"]))
@@ -160,12 +160,12 @@ def record_table(history: "ts.History", max_rows: int = 20) -> Table:
 
 
 def _unit_of(quantity: "ts.Quantity") -> str:
-    """Return the unit of a quantity; empty if it has none."""
+    """Return the unit of a quantity, or "" if it is dimensionless."""
     return "" if quantity.unit == "1" else quantity.unit
 
 
 def _select_spaced(places: list[float], count: int) -> list[int]:
-    """Return the rows of at most that many ascending places, close to equal distances."""
+    """Return the indices of at most `count` of ascending values, at about equal distances."""
     if len(places) <= count:
         return list(range(len(places)))
     first, last = places[0], places[-1]
