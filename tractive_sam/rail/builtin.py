@@ -22,7 +22,7 @@ Piece = tuple[Array, Array]
 
 
 def s1002_pieces(spacing: float = 0.1) -> list[Piece]:
-    """Return the pieces H to A of the wheel profile S1002, from the flange back to the field side.
+    """Return the pieces of the wheel profile S1002, from the flange back to the field side.
 
     Neighbouring pieces differ by up to 1.2e-4 mm at their joints, due to rounded coefficients.
     """
@@ -43,7 +43,7 @@ def s1002_pieces(spacing: float = 0.1) -> list[Piece]:
 
 
 def _s1002() -> Profile:
-    """Return S1002 with continuous joints: pieces towards the flange are moved up to 9e-5 mm."""
+    """Return the wheel profile S1002 with gaps between its pieces closed (up to 9e-5 mm)."""
     closed = s1002_pieces()
     for k in range(len(closed) - 2, -1, -1):
         points, tangents = closed[k]
@@ -52,7 +52,7 @@ def _s1002() -> Profile:
 
 
 def _rail_head(first: float, second: float) -> Profile:
-    """Return a rail head of tangent arcs R 300, R 80 and R 13 mm, and flanks 1:20.
+    """Return a rail head of arcs R 300, R 80 and R 13 mm that meet at `first` and `second`, mm.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def _rail_head(first: float, second: float) -> Profile:
 def _arc(
     centre: tuple[float, float], radius: float, first: float, last: float, spacing: float
 ) -> Piece:
-    """Return an arc between two lateral positions, z = z_c + radius * sqrt(1 - ...)."""
+    """Return a piece of a profile: a circular arc between two lateral positions."""
     start, end = (np.arcsin(np.clip((y - centre[0]) / abs(radius), -1, 1)) for y in (first, last))
     angles = np.linspace(start, end, _number(abs(radius) * (end - start), spacing))
     points = np.stack(
@@ -92,7 +92,7 @@ def _arc(
 def _polynomial(
     coefficients: tuple[float, ...], first: float, last: float, spacing: float
 ) -> Piece:
-    """Return a polynomial z(y), its coefficients from the constant on."""
+    """Return a piece of a profile: a polynomial z(y) between two lateral positions."""
     y = np.linspace(first, last, _number(last - first, spacing))
     shape = np.polynomial.Polynomial(coefficients)
     slope = shape.deriv()(y)
@@ -101,7 +101,7 @@ def _polynomial(
 
 
 def _number(length: float, spacing: float) -> int:
-    """Return the number of points over a length at a largest spacing."""
+    """Return the number of points that divide a length with at most this spacing."""
     return int(np.ceil(length / spacing)) + 1
 
 
@@ -114,7 +114,7 @@ BUILTIN: Mapping[str, Callable[[], Profile]] = {
 
 
 def builtin_profile(name: str) -> Profile:
-    """Return a built-in profile, one of `BUILTIN`.
+    """Return a built-in wheel or rail profile, by one of the names in `BUILTIN`.
 
     Raises
     ------

@@ -15,12 +15,12 @@ from .wheelset import Wheel
 
 
 class NoContactError(ValueError):
-    """The wheel does not rest on the rail."""
+    """Error of a wheel position in which the wheel does not rest on the rail."""
 
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Vertical distance of a wheel from the rail, along the points of the wheel that can touch it.
+    """Vertical distance between wheel and rail at points of the wheel.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class Clearance:
 
     @classmethod
     def measure(cls, wheel: Wheel, rail: Profile, s: Array) -> Clearance:
-        """Measure the distance at arc lengths of the wheel profile."""
+        """Return the clearance at arc lengths of the wheel profile."""
         points, angles = wheel.silhouette(s)
         y = np.nan_to_num(points[:, 1], nan=1e9)
         rail_s = rail.locate(y, near=_top(rail))
@@ -54,7 +54,7 @@ class Clearance:
         return cls(s, points, gap, np.stack((angles, rail.angle(rail_s))), rail_s)
 
     def refined(self, wheel: Wheel, rail: Profile, window: float, parts: int = 8) -> Clearance:
-        """Return the distance at denser points of the part within a window above its minimum."""
+        """Return the clearance at denser points where it is within `window` of its minimum."""
         near = self.gap <= self.gap.min() + window
         near[1:] |= near[:-1]
         near[:-1] |= near[1:]
@@ -66,12 +66,12 @@ class Clearance:
 
 
 def _top(rail: Profile) -> float:
-    """Return y of the highest node of a rail."""
+    """Return y of the highest point of a rail."""
     return float(rail.points[np.argmin(rail.points[:, 1]), 0])
 
 
 def find_contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
-    """Return the points of first touch of wheel and rail, and of near touch.
+    """Return the clearance at the points of first touch, and within `window` of them.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def find_contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Cle
 def _equal_angles(
     wheel: Wheel, rail: Profile, around: Array, parts: int = 16, times: int = 3
 ) -> float:
-    """Return the arc length near a node at which wheel and rail have the same angle.
+    """Return the arc length near a node at which wheel and rail have equal angles (touch).
 
     The interval is divided several times, and interpolated linearly at last: nodes 0.4 mm apart
     leave less than 1e-9 mm. The distance is stationary there.
@@ -152,7 +152,7 @@ def lowest_gap(wheel: Wheel, rail: Profile) -> float:
 
 
 def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-11) -> float:
-    """Return the roll at which both wheels of a wheelset touch equal rails, rad.
+    """Return the roll angle, rad, at which both wheels of a wheelset touch equal rails.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-11) -> float:
 
 
 def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) -> None:
-    """Raise an error unless the wheel rests on the rail with its tread or the face of its flange.
+    """Raise a NoContactError unless the wheel rests on its tread or the face of its flange.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) 
 
 
 def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> list[Patch]:
-    """Return the patches of a wheel under a vertical load, the one with most load first.
+    """Return the contact patches of a wheel under a vertical load, the largest load first.
 
     Patches are the separate regions in which the undeformed bodies overlap if they approach each
     other as far as the load requires, estimated from the areas of overlap as for Hertz contacts.
@@ -246,7 +246,7 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
 
 @dataclass(frozen=True, eq=False)
 class _Overlap:
-    """A region in which the undeformed bodies overlap: a part of a `Clearance`."""
+    """Region in which the undeformed wheel and rail overlap: a part of a `Clearance`."""
 
     clearance: Clearance
     part: slice
@@ -262,26 +262,26 @@ class _Overlap:
         return np.asarray(weights / weights.sum())
 
     def _mean(self, values: Array) -> float:
-        """Return the weighted mean over the overlap of values at all points."""
+        """Return the mean of values at all points, weighted by the squared overlap."""
         return float(self._weights @ values[self.part])
 
     @cached_property
     def _angles(self) -> Array:
-        """Mean of the angles of wheel and rail at all points, rad."""
+        """Means of the angles of wheel and rail at all points of the clearance, rad."""
         return np.asarray(self.clearance.angles.mean(axis=0))
 
     @cached_property
     def angle(self) -> float:
-        """Mean angle, rad."""
+        """Contact angle of the overlap: weighted mean of the angles, rad."""
         return self._mean(self._angles)
 
     @property
     def _half_length(self) -> Array:
-        """Half length of the overlap in x at its points, mm."""
+        """Half length of the overlap in x at each of its points, mm."""
         return np.sqrt(2.0 * self.radius * self.depth)  # cos(angle) cancels
 
     def force(self, e_star: float) -> float:
-        """Return the vertical force of a Hertz contact with an equal area of overlap, N."""
+        """Return the vertical force, N, of a Hertz contact with the area of the overlap."""
         y = self.clearance.points[self.part, 1]
         cosine = np.cos(self.angle)
         area = 2.0 * (self._half_length * np.gradient(y)).sum() / cosine if y.size > 1 else 0.0
@@ -289,7 +289,7 @@ class _Overlap:
         return float(normal * cosine)
 
     def patch(self, wheel: Wheel, rail: Profile, limits: tuple[float, float]) -> Patch:
-        """Return the patch of the overlap, between lateral positions in the track, mm."""
+        """Return the contact patch at the centre of the overlap."""
         points = self.clearance.points
         y = self._mean(points[:, 1])
         z = float(rail.at(rail.locate(y, near=_top(rail)))[1])
@@ -302,7 +302,7 @@ class _Overlap:
 
 
 def _overlaps(clearance: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
-    """Return the regions of overlap of a wheel at a depth, mm, below the first touch."""
+    """Return the overlap regions when the wheel is lowered by a depth, mm, below first touch."""
     overlap = depth - clearance.gap
     edges = np.flatnonzero(np.diff(np.concatenate(([0], (overlap > 0.0).astype(int), [0]))))
     parts = [part for first, last in edges.reshape(-1, 2) for part in _divide(overlap, first, last)]
@@ -317,7 +317,7 @@ def _overlaps(clearance: Clearance, wheel: Wheel, depth: float) -> list[_Overlap
 
 
 def _divide(overlap: Array, first: int, last: int, share: float = 0.5) -> list[slice]:
-    """Divide a region of overlap between its maxima.
+    """Return slices that divide an overlap region at minima between its maxima.
 
     In Hertz contacts the surfaces touch in the area in which the undeformed bodies overlap by more
     than half of the approach. So two patches are separate if the overlap between them falls below

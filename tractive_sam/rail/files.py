@@ -24,13 +24,13 @@ Kind = Literal["wheel", "rail"]
 
 
 class ProfileError(ValueError):
-    """A profile file cannot be used."""
+    """Error of a profile file that cannot be used."""
 
 
 def read_profile(
     path: str | PathLike[str], kind: Kind, unit: str | None = None, smoothing: float | None = None
 ) -> Profile:
-    """Read a profile from a file.
+    """Read a wheel or rail profile from a file.
 
     Lines that begin with two numbers, separated by blanks, tabs, commas or semicolons, are points:
     lateral position and height. Directions may be reversed: the flange shows which side of a wheel
@@ -69,7 +69,7 @@ def read_profile(
 
 
 def _read_points(text: str) -> Array:
-    """Return the points of a file, shape (n, 2)."""
+    """Return the numbers in the text of a profile file as points (n, 2)."""
     block = re.search(r"point\.begin(.*?)point\.end", text, re.DOTALL)
     points = []
     for line in (block[1] if block else text).splitlines():
@@ -84,7 +84,7 @@ def _read_points(text: str) -> Array:
 
 
 def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) -> Profile:
-    """Return the profile through, or near, measured points.
+    """Return the smooth profile through measured points, or near them with `smoothing`.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
 
 
 def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
-    """Return the interpolating spline, or the smoothing spline with the given distance."""
+    """Return a profile that interpolates points, or smooths them within a distance."""
     if smoothing is None:
         curve = scipy.interpolate.CubicSpline(s, points)
         return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
@@ -145,7 +145,7 @@ def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
 
 
 def _outward(points: Array, kind: Kind) -> Array:
-    """Return points with y outward and z down: flange or flanks reach below the tread or top."""
+    """Return points in the standard orientation, y outward and z down."""
     middle = np.median(points[:, 1])
     above, below = points[:, 1].max() - middle, middle - points[:, 1].min()
     down = above > below  # flange or flanks reach farther from the tread than anything else
@@ -159,7 +159,7 @@ def _outward(points: Array, kind: Kind) -> Array:
 
 
 def _check_size(points: Array, kind: Kind) -> None:
-    """Raise an error if lengths are probably in another unit."""
+    """Raise a ProfileError if the size of a profile suggests another unit."""
     width, limits = float(np.ptp(points[:, 0])), {"wheel": (60.0, 200.0), "rail": (25.0, 120.0)}
     lower, upper = limits[kind]
     if not lower <= width <= upper:
@@ -169,7 +169,7 @@ def _check_size(points: Array, kind: Kind) -> None:
 
 
 def _check_crossing(points: Array) -> None:
-    """Raise an error if the profile crosses itself: segments that intersect, next ones apart."""
+    """Raise a ProfileError if a profile crosses itself."""
     if (np.diff(points[:, 0]) > 0.0).all():
         return  # a graph over y
     a, d = points[:-1], np.diff(points, axis=0)
@@ -186,7 +186,7 @@ def _check_crossing(points: Array) -> None:
 
 
 def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:
-    """Write a profile that vehicle programs read: SIMPACK's layout for .prw and .prr, or columns.
+    """Write a profile to a file: SIMPACK format (.prw, .prr), or two columns.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from .wheelset import Wheel
 
 @dataclass(frozen=True, eq=False)
 class ContactLocus:
-    """Points of touch of the wheels of a wheelset and the rails, over its lateral position.
+    """Contact points of the wheels of a wheelset on the rails, over its lateral position.
 
     Arrays of sides have the right wheel first. Positions of the left side refer to its mirror.
 
@@ -114,12 +114,12 @@ class ContactLocus:
 
     @property
     def _potential(self) -> scipy.interpolate.PPoly:
-        """Antiderivative of -y'' over y: of a linear interpolant of the radius difference."""
+        """Potential energy of the lateral motion (Klingel), a function of the position."""
         values = self.radius_difference / (self.tape_distance * self.nominal_radius)
         return scipy.interpolate.make_interp_spline(self.y, values, k=1).antiderivative()
 
     def extremes(self, amplitude: float) -> tuple[float, float]:
-        """Return the extreme positions of a motion, which have equal potential energy."""
+        """Return the extreme lateral positions of a motion with this amplitude, mm."""
         potential = self._potential
 
         def excess(middle: float) -> float:
@@ -142,7 +142,7 @@ class ContactLocus:
             )
 
     def columns(self) -> dict[str, Array]:
-        """Return the locus as columns by name, angles in degrees, lengths in mm."""
+        """Return the locus as columns of a table by name, in degrees and mm."""
         sides: dict[str, Array] = {}
         for k, side in enumerate(("right", "left")):
             sides |= {
@@ -158,7 +158,7 @@ class ContactLocus:
 def find_locus(
     wheel: Wheel, rail: Profile, positions: Sequence[float], roll: float | None = None
 ) -> ContactLocus:
-    """Return the contact locus over lateral positions.
+    """Return the contact locus of a wheelset over lateral positions, mm.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from .wheelset import Wheel
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """A contact patch in its own tangent plane.
+    """Contact patch of a wheel on a rail, in its tangent plane (x rolling, y outward).
 
     In the plane x points along the rolling direction and y outward, up the flange of the wheel if
     the angle is negative; distances normal to it are positive from the rail to the wheel.
@@ -46,32 +46,32 @@ class Patch:
 
     @property
     def lateral(self) -> Array:
-        """Unit vector of y in the track frame."""
+        """Unit vector of the patch's y axis in the track frame."""
         return np.array([0.0, np.cos(self.angle), np.sin(self.angle)])
 
     @property
     def normal(self) -> Array:
-        """Unit vector from the rail to the wheel in the track frame."""
+        """Unit normal of the patch, from the rail to the wheel, in the track frame."""
         return np.array([0.0, np.sin(self.angle), -np.cos(self.angle)])
 
     @cached_property
     def wheel_s(self) -> float:
-        """Arc length of the wheel profile at the origin, mm."""
+        """Arc length of the wheel profile at the patch's origin, mm."""
         return float(self.wheel_at(np.zeros((1, 1)), np.zeros((1, 1)))[1][0, 0])
 
     @property
     def rolling_radius(self) -> float:
-        """Radius of the wheel at the origin, mm."""
+        """Rolling radius of the wheel at the patch's origin, mm."""
         return self.wheel.radius + float(self.wheel.profile.at(self.wheel_s)[1])
 
     @property
     def radius_x(self) -> float:
-        """Radius of the wheel in the plane through x and the normal, mm."""
+        """Radius of curvature of the wheel at the patch's origin, in the plane of x, mm."""
         return self.rolling_radius / float(np.cos(self.angle))
 
     @cached_property
     def opening(self) -> float:
-        """Least distance of wheel and rail normal to the plane, mm.
+        """Smallest distance between wheel and rail along the patch's normal, mm.
 
         A prismatic rail is nearest to the wheel at a point of its silhouette. The points around the
         origin are searched, as far as the undeformed bodies overlap on either side: normals of a
@@ -93,17 +93,17 @@ class Patch:
         return float(gap.min())
 
     def rail_profile(self, y: Array) -> tuple[Array, Array]:
-        """Return height of the rail over the plane, mm, and its arc length, at y, shape (n,)."""
+        """Return height over the patch's plane, mm, and arc length of the rail at y (n,)."""
         s = self.rail.locate(y, self.origin[1:], self.angle, near=float(self.origin[1]))
         return (self.rail.at(s) - self.origin[1:]) @ self.normal[1:], s
 
     def wheel_profile(self, y: Array) -> tuple[Array, Array]:
-        """Return height of the wheel over the plane at x = 0, and its arc length, shape (n,)."""
+        """Return height over the patch's plane, mm, and arc length of the wheel at x = 0 and y."""
         height, s = self.wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
         return height[0], s[0]
 
     def angle_range_over(self, y: Array) -> float:
-        """Return the difference of the contact angles over positions in the plane, rad.
+        """Return the range (largest minus smallest) of the contact angle over y (n,), rad.
 
         The contact angle is the mean of the angles of wheel and rail.
         """
@@ -111,7 +111,7 @@ class Patch:
         return float(np.ptp(0.5 * (wheel + self.rail.angle(self.rail_profile(y)[1]))))
 
     def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
-        """Return the normal distance of the undeformed surfaces, mm.
+        """Return the distance of the undeformed surfaces normal to the patch, mm, (n_x, n_y).
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class Patch:
         return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
 
     def wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
-        """Return height of the wheel over points of the plane, and arc length of its profile.
+        """Return height of the wheel over points of the patch's plane, and its arc lengths.
 
         By Newton's method for the point of the wheel on the normal, exact for any yaw and roll.
         """
@@ -155,7 +155,7 @@ class Patch:
         return height, s
 
     def rigid_slip(self, x: Array, y: Array, pitch: float = 0.0) -> Array:
-        """Return the slip of the wheel over the rail per rolling speed.
+        """Return the rigid slip of the wheel over the rail per rolling speed, (2, n_x, n_y).
 
         Parameters
         ----------
@@ -180,7 +180,7 @@ class Patch:
         return np.stack((velocity[0], np.tensordot(self.lateral, velocity, 1)))
 
     def creepages(self, pitch: float = 0.0) -> tuple[float, float, float]:
-        """Return longitudinal and lateral creepage and spin (1/mm) at the origin."""
+        """Return longitudinal and lateral creepage and spin (1/mm) at the patch's origin."""
         axle = -(1.0 + pitch) / self.wheel.radius * self.wheel.turn[:, 1]
         velocity = np.array([1.0, 0.0, 0.0]) + np.cross(axle, self.origin - self.wheel.centre)
         spin = self.lateral @ np.cross(axle, np.array([1.0, 0.0, 0.0]))

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A cross-section as a smooth curve over its arc length.
+    """Cross-section of a wheel or rail: a smooth curve over its arc length.
 
     Lateral positions y increase outward, from the track centre to the field side; z points
     downwards. The origin of a wheel profile is the tread datum, of a rail profile the middle of its
@@ -44,14 +44,14 @@ class Profile:
 
     @classmethod
     def from_pieces(cls, pieces: list[tuple[Array, Array]]) -> Profile:
-        """Join pieces of points and unit tangents; each begins at the end of the one before."""
+        """Return the profile that joins pieces (points, unit tangents) end to end."""
         points = np.concatenate([p[k > 0 :] for k, (p, _) in enumerate(pieces)])
         tangents = np.concatenate([t[k > 0 :] for k, (_, t) in enumerate(pieces)])
         return cls(arc_lengths(points, tangents), points, tangents)
 
     @classmethod
     def from_curve(cls, curve: Callable[[Array, int], Array], s: Array) -> Profile:
-        """Return the profile along a curve.
+        """Return the profile along a parametric curve, given its derivatives.
 
         Parameters
         ----------
@@ -67,20 +67,20 @@ class Profile:
 
     @cached_property
     def _curve(self) -> scipy.interpolate.CubicHermiteSpline:
-        """Cubic through the nodes with their tangents, a function of the arc length."""
+        """Cubic spline through the nodes with their tangents, over the arc length."""
         return scipy.interpolate.CubicHermiteSpline(self.s, self.points, self.tangents)
 
     def at(self, s: ArrayLike, order: int = 0) -> Array:
-        """Return y and z, or a derivative with respect to s, shape (..., 2)."""
+        """Return (y, z) at arc lengths s, or a derivative by s, shape (..., 2)."""
         return np.asarray(self._curve(s, order))
 
     def angle(self, s: ArrayLike) -> Array:
-        """Return the angle of the tangent, rad: positive if z increases outward."""
+        """Return the angle of the tangent at arc lengths s, rad."""
         tangent = self.at(s, 1)
         return np.arctan2(tangent[..., 1], tangent[..., 0])
 
     def curvature(self, s: ArrayLike) -> Array:
-        """Return the change of the angle over the arc length, 1/mm."""
+        """Return the curvature (change of angle over arc length) at arc lengths s, 1/mm."""
         first, second = self.at(s, 1), self.at(s, 2)
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return np.asarray(cross / (first**2).sum(axis=-1) ** 1.5)
@@ -92,7 +92,7 @@ class Profile:
         angle: float = 0.0,
         near: float | None = None,
     ) -> Array:
-        """Return the arc length at positions along an inclined axis.
+        """Return the arc lengths at positions v along an inclined axis.
 
         Parameters
         ----------
@@ -129,7 +129,7 @@ class Profile:
         return np.asarray(self.at(self.locate(y))[..., 1])
 
     def moved(self, angle: float, shift: ArrayLike) -> Profile:
-        """Return the profile after a rotation and a shift.
+        """Return the profile rotated by an angle, rad, and then shifted, mm.
 
         Parameters
         ----------
@@ -142,7 +142,7 @@ class Profile:
         return Profile(self.s, self.points @ turn + np.asarray(shift), self.tangents @ turn)
 
     def worn(self, depth: ArrayLike, outward: float) -> Profile:
-        """Return the profile with material removed along its normal.
+        """Return the profile after removal of a depth along its normal at each node.
 
         Parameters
         ----------
@@ -162,7 +162,7 @@ class Profile:
 
 
 def arc_lengths(points: Array, tangents: Array) -> Array:
-    """Return the arc length at points with unit tangents, shape (n,), mm.
+    """Return the arc lengths of points with unit tangents, from 0, shape (n,), mm.
 
     Each chord counts as the chord of a circular arc between its tangents, an error of fifth order.
     """

@@ -20,7 +20,7 @@ from .profile import Array, Profile
 def place_rail(
     rail: Profile, inclination: float, gauge: float, gauge_depth: float = 14.0
 ) -> Profile:
-    """Return the right rail in the track frame.
+    """Return the right rail's profile placed in the track frame: inclined, at the gauge.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def place_rail(
 
 @dataclass(frozen=True, eq=False)
 class Wheel:
-    """A right wheel at its position in the track.
+    """Right wheel of a wheelset, at its position in the track.
 
     Attributes
     ----------
@@ -87,12 +87,12 @@ class Wheel:
     z: float = 0.0
 
     def mirrored(self) -> Self:
-        """Return the wheel of the other side in the mirror."""
+        """Return the left wheel of the wheelset, mirrored to a right one."""
         return replace(self, y=-self.y, yaw=-self.yaw, roll=-self.roll)
 
     @cached_property
     def turn(self) -> Array:
-        """Rotation from the frame of the wheelset to the frame of the track, shape (3, 3)."""
+        """Rotation matrix from the frame of the wheelset to the track frame, shape (3, 3)."""
         c, s = np.cos(self.yaw), np.sin(self.yaw)
         about_z = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         c, s = np.cos(self.roll), np.sin(self.roll)
@@ -100,16 +100,16 @@ class Wheel:
 
     @property
     def centre(self) -> Array:
-        """Middle of the axle in the track frame, mm."""
+        """Middle of the wheelset's axle in the track frame, mm."""
         return np.array([0.0, self.y, self.z - self.radius])
 
     @property
     def datum(self) -> float:
-        """Distance of the tread datum from the middle of the axle, mm."""
+        """Lateral distance of the tread datum from the middle of the axle, mm."""
         return 0.5 * self.inner + self.tape_line
 
     def silhouette(self, s: Array) -> tuple[Array, Array]:
-        """Return the points of the surface with a normal perpendicular to the rail.
+        """Return the points of the wheel at which a straight rail can touch it, and angles.
 
         A prismatic rail can touch the wheel there only. On the circle of each point of the profile
         this is a linear equation in the cosine and sine of the angle around the axle.
@@ -140,5 +140,5 @@ class Wheel:
         return points @ self.turn.T + self.centre, np.arctan2(-normals[:, 1], normals[:, 2])
 
     def at_contact(self, gap: float) -> Self:
-        """Return the wheel lowered by a vertical distance, mm."""
+        """Return the wheel lowered by a vertical gap, mm, so that it touches the rail."""
         return replace(self, z=self.z + gap)

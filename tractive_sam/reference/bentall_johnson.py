@@ -8,7 +8,7 @@ from tractive_sam.mechanics import CombinedMaterial
 # Slip changes sign at the pressure p0 cos t; half of the load lies between these two points if 2t +
 # sin 2t = pi/2. This is cos(t) / 2 at its root, 0.457 in the literature.
 def bentall_johnson_creepage(material: CombinedMaterial, a: float, radius: float) -> float:
-    """Return the creepage xi_x of free rolling cylinders, mu -> 0: -0.457 kappa a / R.
+    """Return the creepage of free rolling dissimilar cylinders, mu -> 0: -0.457 kappa a / R.
 
     With kappa = 2 K / (1 - nu). Source: Bentall & Johnson, Int. J. Mech. Sci. 9 (1967) 389, in
     the closed form that the limit allows: with vanishing tractions the slip is

@@ -13,7 +13,7 @@ from tractive_sam.mechanics import HertzLine
 
 @dataclass(frozen=True)
 class Carter:
-    """Steady rolling of cylinders of equal materials under a longitudinal creepage.
+    """Carter's solution: rolling cylinders of equal material under longitudinal creepage.
 
     The contact sticks over a strip of half-width c that touches the leading edge x = a and slips
     behind it. Sources: Carter, Proc. R. Soc. A 112 (1926) 151; Johnson, Contact Mechanics
@@ -88,7 +88,7 @@ class Carter:
 
     @property
     def _drive(self) -> float:
-        """Sign of the force on A: against the slip."""
+        """Sign of the tangential force on body A, opposite to the slip."""
         return -math.copysign(1.0, self.creepage)
 
     def _from_stick_centre(self, x: ArrayLike) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ Stress = NDArray[np.float64]
 
 
 def hertz_axis_stress(z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
-    """Return the stresses on the axis below the pressure p0 sqrt(1 - r²/a²).
+    """Return the stresses on the z axis below a Hertz pressure on a circle of radius a.
 
     With s = z/a: sigma_zz = -p0 / (1 + s²) and
     sigma_xx = sigma_yy = -p0 ((1 + nu) (1 - s atan(1/s)) - 1 / (2 (1 + s²))).
@@ -96,7 +96,7 @@ def circle_shear_stress(
 
 
 def _moments(x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float) -> dict[str, Stress]:
-    """Return S_ijk and the potentials of the load sqrt(1 - r²/a²) on a circle.
+    """Return potentials of the load sqrt(1 - r²/a²) on a circle and their derivatives, by name.
 
     S_ijk is the integral of 3 r_i r_j r_k / R^5 times the load over the circle; psi_xx, psi_xy,
     chi_xxy and chi_xyy are the integrals of the derivatives of psi = ln(R + z) and chi = z psi - R.

@@ -22,7 +22,7 @@ from .kalker_table import CREEP_COEFFICIENTS, POISSON_RATIOS
 
 
 class CreepCoefficients(NamedTuple):
-    """Kalker's coefficients of longitudinal, lateral, coupled and pure spin creepage.
+    """Kalker's creep coefficients C11, C22, C23 and C33.
 
     Examples
     --------
@@ -51,7 +51,7 @@ class CreepForces(NamedTuple):
 
 
 def creep_coefficients(a_over_b: float, poisson: float) -> CreepCoefficients:
-    """Interpolate Kalker's table.
+    """Return Kalker's creep coefficients, interpolated from his table.
 
     Cubic splines of the logarithms over log(a/b), then the parabola through the three tabulated
     Poisson's ratios: exact at every entry of the table.
@@ -91,7 +91,7 @@ def linear_creep_forces(
     xi_y: float = 0.0,
     spin: float = 0.0,
 ) -> CreepForces:
-    """Return the creep forces for vanishing slip.
+    """Return the creep forces of Kalker's linear theory, for vanishing slip.
 
     Parameters
     ----------
@@ -126,13 +126,13 @@ def linear_creep_forces(
 
 @functools.cache
 def _log_coefficients() -> CubicSpline:
-    """Return the spline of the log of the coefficients, shape (4, 3), over log(a/b)."""
+    """Spline of the logarithms of the creep coefficients, (4, 3), over log(a/b)."""
     ratios, *coefficients = zip(*CREEP_COEFFICIENTS, strict=True)
     return CubicSpline(np.log(ratios), np.log(np.moveaxis(np.array(coefficients), 0, 1)))
 
 
 def _parabola_weights(poisson: float) -> list[float]:
-    """Return the Lagrange weights of the tabulated Poisson's ratios."""
+    """Return weights that interpolate between the tabulated Poisson's ratios."""
     return [
         math.prod((poisson - ratio) / (node - ratio) for ratio in POISSON_RATIOS if ratio != node)
         for node in POISSON_RATIOS

@@ -18,7 +18,7 @@ Stress = NDArray[np.float64]
 
 
 def line_pressure_stress(x: ArrayLike, z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
-    """Return the stresses below the pressure p0 sqrt(1 - x²/a²).
+    """Return the plane-strain stresses below the pressure p0 sqrt(1 - x²/a²) on a strip.
 
     With (m + i n)² = a² + (z + i x)² and f = (z² + n²) / (m² + n²):
 
@@ -41,7 +41,7 @@ def line_pressure_stress(x: ArrayLike, z: ArrayLike, a: float, p0: float, nu: fl
 
 
 def line_shear_stress(x: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float) -> Stress:
-    """Return the stresses below the shear q0 sqrt(1 - x²/a²) along +x.
+    """Return the plane-strain stresses below the shear q0 sqrt(1 - x²/a²) on a strip.
 
     With m, n of `line_pressure_stress`: sigma_zz and sigma_xz are the sigma_xz and sigma_xx of the
     pressure q0, and sigma_xx = (q0/a) (n (2 - (z² - m²) / (m² + n²)) - 2 x).
@@ -59,7 +59,7 @@ def line_shear_stress(x: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float
 
 
 def _coordinates(x: Stress, z: Stress, a: float) -> tuple[Stress, Stress, Stress]:
-    """Return m >= 0, n with the sign of x, and m² + n².
+    """Return m, n and m² + n² of McEwen's solution at points (x, z).
 
     The sum is 1 instead of 0 on the edges of the contact: it only divides 0 there.
     """
@@ -70,6 +70,6 @@ def _coordinates(x: Stress, z: Stress, a: float) -> tuple[Stress, Stress, Stress
 
 
 def _plane_strain(xx: Stress, zz: Stress, xz: Stress, nu: float) -> Stress:
-    """Return the six stress components from those in the plane; the strain in y is zero."""
+    """Return all six stress components from xx, zz and xz in plane strain."""
     zero = np.zeros_like(xx)
     return np.stack([xx, nu * (xx + zz), zz, zero, xz, zero])

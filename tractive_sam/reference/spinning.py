@@ -77,7 +77,7 @@ def full_slip_with_spin(
 def _angles_around(
     pole: np.ndarray, distance: float, points: int, max_points: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the angles at which rays from a pole meet the unit disc, and their weights."""
+    """Return the angles of rays from a pole that meet the unit disc, and their weights."""
     if distance < 1.0:
         # Near the edge the integrand has a peak as wide as the distance of the pole from it.
         count = int(min(max_points, points * (1.0 + 0.3 / (1.0 - distance))))

@@ -19,7 +19,7 @@ from tractive_sam.store.errors import StorageError
 
 
 class WritableFile(h5py.File):
-    """An HDF5 file for writing; `check` reports errors of the disk instead of HDF5.
+    """HDF5 file for writing that reports disk errors when `check` is called, not in HDF5.
 
     HDF5 would end the process if it could not write while it closes a file.
 
@@ -41,19 +41,19 @@ class WritableFile(h5py.File):
         super().__init__(self._content, mode, libver=self.libver, rdcc_nbytes=0)
 
     def check(self) -> None:
-        """Raise OutputError if a write has failed."""
+        """Raise an OutputError if an earlier write failed."""
         if self._content.error is not None:
             raise self._content.error
 
     def close(self) -> None:
-        """Close the file; an interrupt is delayed, since HDF5 cannot handle an exception here."""
+        """Close the file; interrupts are delayed until it is closed."""
         with delay_interrupt():
             super().close()
 
 
 @contextmanager
 def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]:
-    """Change a copy of a file, or an empty file, which replaces the file when the block ends.
+    """Yield a copy of a file, or an empty one, that replaces the file when the block ends.
 
     If the block fails or the process is killed, the file is unchanged. Each copy has a unique name,
     so two processes never write to the same copy. The next `sole_writer` removes the copies of
@@ -83,12 +83,12 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
 
 
 def _is_of_disk(error: Exception) -> bool:
-    """Check whether an error comes from the disk, reported by the system or by HDF5."""
+    """Return whether an error comes from the disk."""
     return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 
 class _UnfailingFile:
-    """A file object for HDF5 that never raises: after a failed write it stores data in memory.
+    """File object for HDF5 that does not raise errors: after one, data stay in memory.
 
     HDF5 can read these data again.
     """

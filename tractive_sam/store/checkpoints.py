@@ -7,7 +7,7 @@ from time import perf_counter
 
 
 class Checkpoints:
-    """Schedule of checkpoints that limits their share of the wall time; the first is immediate.
+    """Timer of checkpoints that limits the share of the wall time spent on them.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ class Checkpoints:
 
     @contextmanager
     def take(self) -> Iterator[None]:
-        """Measure the duration of the block, a checkpoint, and schedule the next one."""
+        """Measure the duration of the block, one checkpoint, and schedule the next one."""
         start = perf_counter()
         yield
         end = perf_counter()

@@ -23,7 +23,7 @@ CHECKS = ("check_points", "check_errors", "check_told")
 
 @dataclass(frozen=True, eq=False)
 class StoredTable:
-    """Content of the file of a creep-force table.
+    """Arrays and attributes of a creep-force table as its file holds them.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class StoredTable:
 
 
 def read_creep_table(path: Path) -> StoredTable:
-    """Read the file of a creep-force table.
+    """Return the checked content of the file of a creep-force table.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def read_creep_table(path: Path) -> StoredTable:
 
 
 def _read_table(file: h5py.File) -> StoredTable:
-    """Read all arrays and attributes, without a check of their shapes."""
+    """Return all arrays and attributes of an open file, with unchecked shapes."""
     about = _read_attributes(file)
     names = tuple(about["axes"].split())
     for name in names:
@@ -98,7 +98,7 @@ def _read_table(file: h5py.File) -> StoredTable:
 
 
 def _read_numbers(file: h5py.File, name: str) -> np.ndarray:
-    """Read a numeric dataset; links and external datasets are refused."""
+    """Return a numeric dataset as an array; links and external datasets are refused."""
     try:
         return numeric_dataset(get_member(file, name))[()]
     except (KeyError, ValueError) as error:
@@ -106,7 +106,7 @@ def _read_numbers(file: h5py.File, name: str) -> np.ndarray:
 
 
 def _read_attributes(file: h5py.File) -> dict[str, Any]:
-    """Read and check the attributes; some groups must be complete or absent."""
+    """Return the checked attributes of the file by name."""
     # Attributes that are positive numbers; all except the first scale the table of a scene.
     positive = ("tolerance", "a", "b", "load", "mu", "shear")
     # Attributes that summarize the measured errors of gradients.
@@ -141,7 +141,7 @@ def _read_attributes(file: h5py.File) -> dict[str, Any]:
 
 
 def _decode_attribute(value: Any) -> Any:
-    """Return an attribute as text or number; netCDF stores a number as an array of length 1."""
+    """Return an HDF5 attribute as text or number."""
     if isinstance(value, np.ndarray | np.generic) and value.size == 1:
         value = value.item()
     return value.decode() if isinstance(value, bytes) else value

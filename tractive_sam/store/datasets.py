@@ -19,7 +19,7 @@ loss of a page that contains all of a chunk with its checksum would not be notic
 
 
 def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
-    """Create a dimension scale of texts for other readers.
+    """Create an HDF5 dimension scale of texts.
 
     Some of them do not support texts of fixed length. So these texts have a variable length, and
     this package never reads them.
@@ -32,7 +32,7 @@ def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: st
 def create_scale(
     group: h5py.Group, name: str, values: np.ndarray, quantity: Quantity
 ) -> h5py.Dataset:
-    """Create a dimension scale that can grow."""
+    """Create an HDF5 dimension scale that can grow."""
     chunk = max(len(values), CHUNK_BYTES // 8)
     dataset = group.create_dataset(
         name, data=values, maxshape=(None,), chunks=(chunk,), fletcher32=True
@@ -82,7 +82,7 @@ def plane_path(body: str, plane: Plane | str, block: int | None = None) -> str:
 
 
 def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
-    """Add a further array from which the run resumes."""
+    """Add an array to the group of arrays from which a run resumes."""
     chunks = tuple(max(1, n) for n in values.shape)
     about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
     describe_dataset(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 
 class ResultsError(Exception):
-    """A results file that cannot be read or written.
+    """Error of a results file that cannot be read or written.
 
     Examples
     --------
@@ -17,7 +17,7 @@ class ResultsError(Exception):
 
 
 class DamagedError(ResultsError):
-    """A results file with lost data; compute it again.
+    """Error of a results file with lost data, which must be computed again.
 
     Examples
     --------
@@ -33,18 +33,18 @@ class DamagedError(ResultsError):
 
 
 class StorageError(ResultsError):
-    """A file that can no longer be written, for example because the disk is full.
+    """Error of a file that can no longer be written, for example on a full disk.
 
     The content before the last change is unchanged.
     """
 
 
 class FileInUseError(ResultsError):
-    """A file that another process writes."""
+    """Error of a file that another process is writing."""
 
 
 class GapError(ValueError):
-    """A file of a measured gap that cannot be used.
+    """Error of a file of a measured gap that cannot be used.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class GapError(ValueError):
         self._parts = path, value, allowed, table
 
     def for_table(self, table: str) -> "GapError":
-        """Return the error for a file that another table of the scene names."""
+        """Return the error with the name of the table that names the file."""
         path, value, allowed, _ = self._parts
         return GapError(path, value, allowed, table)
 

@@ -25,7 +25,7 @@ Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class _GapData:
-    """Content of a file: values over x and y, and the units of the axes and of the values."""
+    """Raw content of a gap file: x, y, values, and their units."""
 
     x: np.ndarray
     y: np.ndarray
@@ -34,7 +34,7 @@ class _GapData:
 
 
 def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
-    """Read a separation on a rectangular grid.
+    """Read a gap from a file or its arrays, and return the separation on a grid in mm.
 
     ===============  ==============================================================
     .h5              datasets x (n_x,), y (n_y,) and separation (n_x, n_y), in the
@@ -79,7 +79,7 @@ def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
 
 
 def _read(settings: scene.Gap) -> Gap:
-    """Read, check and convert a gap to mm; arguments and errors as in `read_gap`."""
+    """Return a gap converted to mm and checked."""
     if settings.file is None:
         return settings.in_mm(settings.x, settings.y, settings.separation)
     path = settings.file
@@ -131,7 +131,7 @@ def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
 
 
 def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
-    """Read named arrays, or a single array, of an .npz file."""
+    """Read a gap from the named arrays, or the single array, of an .npz file."""
     # Names of the measured quantity in files.
     value_names = ("separation", "height", "z")
     arrays = read_archive(path)
@@ -151,7 +151,7 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
 
 
 def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
-    """Return the gap of a structured array or of a matrix."""
+    """Return the gap in a structured array or in a matrix."""
     if array.dtype.names is not None:
         missing = [name for name in NAMES if name not in array.dtype.names]
         if missing:
@@ -161,7 +161,7 @@ def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapD
 
 
 def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
-    """Return values as an array of finite numbers, or raise GapError."""
+    """Return values as an array; raise a GapError unless all are finite numbers."""
     array = np.asarray(values, float)
     wrong = np.argwhere(~np.isfinite(array))
     if wrong.size:
@@ -194,7 +194,7 @@ def _read_text(path: Path, settings: scene.Gap) -> _GapData:
 def _gap_from_matrix(
     path: Path, settings: scene.Gap, array: np.ndarray, names: tuple[str, ...] = ()
 ) -> _GapData:
-    """Return the gap of a matrix: a map with `step`, a profile of two columns, or points."""
+    """Return the gap in a matrix: heights over a grid, a profile, or points (x, y, z)."""
     if array.ndim == 2 and settings.step is not None:
         x, y = (
             step * (np.arange(n) - 0.5 * (n - 1))
@@ -210,14 +210,14 @@ def _gap_from_matrix(
 
 
 def _check_body(path: Path, settings: scene.Gap, names: tuple[str, ...]) -> None:
-    """Check that a profile has a body, or the name of a separation."""
+    """Raise a GapError if a profile of heights has no body and no name of a separation."""
     if settings.body is None and names[-1:] != ("separation",):
         cure = 'gap.body = "A" or "B" for heights of this body; or the header y, separation'
         raise GapError(path, "a profile without a body or the header separation", cure)
 
 
 def _gap_from_profile(settings: scene.Gap, place: np.ndarray, values: np.ndarray) -> _GapData:
-    """Return the gap of a profile over x or y, constant in the other direction."""
+    """Return the gap of a profile over x or y that is constant in the other direction."""
     if place.ndim == 1 and place.size > 1 and place[0] > place[-1]:
         place, values = place[::-1], values[::-1]
     ends, both = np.array([-ALONG, ALONG]), np.stack([values, values])
@@ -235,7 +235,7 @@ _READERS = {
 
 
 def _gap_from_points(path: Path, points: np.ndarray) -> _GapData:
-    """Return the gap of points (n, 3), sorted into a grid."""
+    """Return the gap of unordered points (n, 3) that form a grid."""
     if points.ndim != 2 or points.shape[1] != len(NAMES):
         cure = (
             "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a matrix"
@@ -258,7 +258,7 @@ def _gap_from_points(path: Path, points: np.ndarray) -> _GapData:
 
 
 def _check_grid(path: Path, data: _GapData) -> None:
-    """Check that the axes increase, the shapes match and no number is too large."""
+    """Raise a GapError unless axes increase, shapes match, and numbers are moderate."""
     for name, axis in (("x", data.x), ("y", data.y)):
         if axis.ndim != 1 or axis.size < 2:
             raise GapError(path, f"{name} of shape {axis.shape}", f"at least 2 values of {name}")

@@ -18,7 +18,7 @@ _NAME = re.compile(r"""\s*["']?([^\W\d_]+)[\s_]*[\[(]?\s*(nm|[uµμ]m|mm|m)?\s*[
 
 @dataclass(frozen=True)
 class TextTable:
-    """Rows of cells, with the names and units of the columns if a header states them.
+    """Cells of a text file, with names and units of columns from its header.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class TextTable:
 
 
 def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
-    """Read a table; the separator and the decimal sign follow from its lines.
+    """Return the cells of a text file, whose separator and decimal sign are detected.
 
     Parameters
     ----------
@@ -106,12 +106,12 @@ def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
 
 
 def first_place(places: Sequence[str]) -> str:
-    """Return the first of several faulty places, and the number of the others."""
+    """Return the first of several faulty places, with the number of others, as text."""
     return places[0] if len(places) == 1 else f"{places[0]} and {len(places) - 1} more"
 
 
 def is_number(cell: str) -> bool:
-    """Check whether a cell contains a number."""
+    """Return whether a cell contains a number."""
     try:
         float(cell)
     except ValueError:
@@ -120,7 +120,7 @@ def is_number(cell: str) -> bool:
 
 
 def _choose_splitter(line: str) -> Callable[[str], list[str]]:
-    """Return a function that splits lines like this row of numbers into cells."""
+    """Return a function that splits lines in the format of this line into cells."""
     for separator in (";", "\t"):
         if separator in line:
             return lambda row: [cell.strip().replace(",", ".") for cell in row.split(separator)]
@@ -132,7 +132,7 @@ def _choose_splitter(line: str) -> Callable[[str], list[str]]:
 
 
 def _parse_header(cells: list[str]) -> list[tuple[str, str]]:
-    """Return (name, unit) of each column; the unit may be empty. Return [] if this is no header."""
+    """Return (name, unit) of each column of a header line; [] if the line is no header."""
     matches = [match for cell in cells if (match := _NAME.fullmatch(cell))]
     if len(matches) < len(cells):
         return []

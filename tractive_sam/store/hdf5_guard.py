@@ -19,7 +19,7 @@ _HEAD, _OBJECT, _SIGNATURE = 16, 16, b"GCOL"
 
 
 def get_member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
-    """Return the group or dataset of a name, if it is stored in the file itself.
+    """Return a group or dataset by name; links to other files are refused.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def get_member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
 def check_claimed_size(
     group: h5py.Group, claimed: int, ratio: int = 1032, min_bytes: int = 2**26
 ) -> None:
-    """Check that a file is large enough for the data that it claims, before memory is allocated.
+    """Raise an error if a file is too small for the amount of data that it claims to hold.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def check_claimed_size(
 
 
 def numeric_dataset(dataset: h5py.Dataset) -> h5py.Dataset:
-    """Return a dataset after a check that it is numeric and that the file is large enough for it.
+    """Return a dataset, checked to be numeric and to fit the size of its file.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def numeric_dataset(dataset: h5py.Dataset) -> h5py.Dataset:
 
 
 def has_endless_heap(path: Path) -> bool:
-    """Check whether a heap of texts would keep HDF5 reading for ever."""
+    """Return whether a damaged heap of texts would make HDF5 read for ever."""
     # Last superblock version of files that may contain texts in heaps that this package reads.
     last_heap_superblock = 2
     with path.open("rb") as file:
@@ -99,7 +99,7 @@ def has_endless_heap(path: Path) -> bool:
 
 
 def _is_endless_heap(content: mmap.mmap, position: int) -> bool:
-    """Check whether the heap at a position contains an object of size zero."""
+    """Return whether the heap at a position contains an object of size zero."""
     if position + _HEAD > len(content):
         return False
     end = min(position + unpack_from("<Q", content, position + 8)[0], len(content))

@@ -139,13 +139,13 @@ def create_layout(
 
 
 def set_status(file: h5py.File, status: str, message: str) -> None:
-    """Set the status of the computation and its message."""
+    """Write status and message of the computation into a results file."""
     set_text(file["scene"], "status", status)
     set_text(file["scene"], "message", message)
 
 
 def set_scene(file: h5py.File, scene: Scene) -> None:
-    """Set the text of the scene, or replace it when a run is continued with changed limits."""
+    """Write the text of the scene into a results file, or replace it."""
     # Attributes for other readers, texts of variable length: this package never reads them.
     description = ("units", "long_name")
     # Attributes for other readers: the Hertz solution of the unworn contact.
@@ -174,7 +174,7 @@ def digest(text: str) -> str:
 
 
 def set_versions(file: h5py.File, previous: Sequence[tuple[int, Mapping[str, str]]]) -> None:
-    """Add the current package versions, unless they equal the previous ones."""
+    """Append the current program versions to a results file, if they have changed."""
     current = versions()
     if not previous or previous[-1][1] != current:
         previous = [*previous, (len(file["history/record"]) if previous else 0, current)]
@@ -182,7 +182,7 @@ def set_versions(file: h5py.File, previous: Sequence[tuple[int, Mapping[str, str
 
 
 def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
-    """Create the columns, fields, planes and bodies of records that the file does not contain."""
+    """Create the datasets of columns, fields and stresses that records have and a file lacks."""
     created: set[str] = set()
     for record in records:
         if not record.columns.keys() <= created:
@@ -200,7 +200,7 @@ def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
 
 
 def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
-    """Create the missing fields of a record, and describe the user-defined ones."""
+    """Create the datasets of a record's fields that a file lacks."""
     quantities = {BOUND.name: BOUND, **record.user_fields}
     for name in (name for name in record.fields if name not in fields):
         _create_field(fields, quantities[name], record.coordinate)
@@ -209,7 +209,7 @@ def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
 
 
 def _add_user_defined(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
-    """Store the description of user-defined quantities, so that any reader understands the file."""
+    """Store the descriptions of user-defined quantities in a results file."""
     # Attributes that are stored only if they are set: earlier versions do not know them.
     relation_names = ("place_of", "error_of")
     # Attributes of a user-defined quantity that are stored.
@@ -238,7 +238,7 @@ def _create_columns(
     columns: Mapping[str, Quantity],
     lengths: Mapping[str, int] = MappingProxyType({}),
 ) -> None:
-    """Create the missing columns, and describe the user-defined ones.
+    """Create the datasets of columns that a file lacks.
 
     Parameters
     ----------
@@ -276,7 +276,7 @@ def _create_columns(
 def _create_plane(
     group: h5py.Group, grid: h5py.Group, plane: "PlaneStress", coordinate: Quantity
 ) -> None:
-    """Create the datasets of the stress on a plane."""
+    """Create the datasets for the stress on one plane."""
     group.attrs["position"] = plane.position
     record = create_scale(group, "record", np.empty(0, int), ROW)
     create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
@@ -296,7 +296,7 @@ def _create_plane(
 def _create_cycle(
     group: h5py.Group, file: h5py.File, fatigue: BodyFatigue, coordinate: Quantity
 ) -> None:
-    """Create the datasets of the fatigue of a body, and those from which a run resumes."""
+    """Create the datasets for the fatigue of one body."""
     record = create_scale(group, "record", np.empty(0, int), ROW)
     create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     group["y"] = file["grid/y"]
@@ -314,7 +314,7 @@ def _create_cycle(
 def _link_axes(
     group: h5py.Group, grid: h5py.Group, history: h5py.Group
 ) -> tuple[h5py.Dataset, ...]:
-    """Link the dimensions of a field into its group, and return them: (block,) x, y."""
+    """Link the axes of fields into a group, and return them: (block,) x, y."""
     group["x"], group["y"] = grid["x"], grid["y"]
     if "block" not in history:
         return group["x"], group["y"]
@@ -323,14 +323,14 @@ def _link_axes(
 
 
 def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> None:
-    """Create the datasets of the last state."""
+    """Create the datasets of the state from which a run resumes."""
     first, *axes = _link_axes(state, grid, history)
     for name, quantity in FIELDS.items():
         create_rows(state, name, quantity, (first, *axes), rows=len(first))
 
 
 def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
-    """Create the datasets of the columns."""
+    """Create the datasets of the given columns."""
     create_scale(history, "record", np.empty(0, int), ROW)
     history["y"] = grid["y"]
     _create_columns(history, columns)
@@ -343,7 +343,7 @@ def _create_fields(
     coordinate: Quantity,
     quantities: Mapping[str, Quantity],
 ) -> None:
-    """Create the datasets of the stored fields."""
+    """Create the datasets of the given fields."""
     record = create_scale(fields, "record", np.empty(0, int), ROW)
     axes = _link_axes(fields, grid, history)
     create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
@@ -353,7 +353,7 @@ def _create_fields(
 
 
 def _create_field(fields: h5py.Group, quantity: Quantity, coordinate: Quantity) -> None:
-    """Create a further field; its value is nan in earlier records."""
+    """Create the dataset of one further field; earlier records have nan."""
     scales = tuple(fields[name] for name in ("record", "block", "x", "y") if name in fields)
     rows, along = len(fields["record"]), coordinate.name
     create_rows(fields, quantity.name, quantity, scales, rows, coordinate=along, **COMPRESSED)

@@ -18,7 +18,7 @@ from tractive_sam.store.opening import ResultsFile
 
 
 def update_scene_text(text: str) -> str:
-    """Return the text of a scene in present keys, with the defaults of this format written out.
+    """Return the TOML text of an old scene with present keys and explicit old defaults.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def update_scene_text(text: str) -> str:
 
 
 def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
-    """Read the fields after one of the last two records, by the names of `FIELDS`.
+    """Return the fields after one of the last two records of an old file, by name.
 
     Raises
     ------
@@ -61,12 +61,12 @@ def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
 
 
 def read_bodies(file: ResultsFile) -> tuple[str, ...]:
-    """Return the bodies with computed stress."""
+    """Return the bodies with stored stress in an old file."""
     return file.labels("history/body") if "history/body" in file else ()
 
 
 def read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
-    """Return (first row, package versions) of the programs that computed the file."""
+    """Return (first row, versions) of the programs that computed an old file."""
     version_prefix = "version_"
     names = [name for name in file.attributes("scene") if name.startswith(version_prefix)]
     packages = {name.removeprefix(version_prefix): file.text("scene", name) for name in names}
@@ -74,14 +74,14 @@ def read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
 
 
 def column_names(column: str) -> tuple[str, ...]:
-    """Return the names of a column: the present name, and its name in this format."""
+    """Return the present name of a column and its name in old files."""
     return column, *(before for before, present in RENAMED_COLUMNS.items() if present == column)
 
 
 def write_history(
     history: History, count: int, state: dict[str, np.ndarray], scene: Scene, file: h5py.File
 ) -> None:
-    """Write the first records of a history and the state after them to an empty file."""
+    """Write the first records of an old history, and its state, to an empty file."""
     layout.create_layout(file, scene, history.grid)
     records = [_read_record(history, row) for row in range(count)]
     for record in records:
@@ -92,7 +92,7 @@ def write_history(
 
 
 def _read_record(history: History, row: int) -> Record:
-    """Read a record with its fields and stress."""
+    """Return one record of a history with its fields and stress."""
     revolution = int(history["revolution"][row])
     values = {}
     for name, quantity in history.columns.items():

@@ -12,7 +12,7 @@ from tractive_sam.store.errors import FileInUseError
 
 @contextmanager
 def hold_lock(path: Path) -> Iterator[None]:
-    """Hold a lock in the block, for all machines that share the file; then remove the file.
+    """Within the block, hold a lock file that excludes other processes and machines.
 
     A file system without locks is accepted: a results file then still has only one writer (see
     `HistoryWriter`), but a later writer takes over from an earlier one.
@@ -44,7 +44,7 @@ def hold_lock(path: Path) -> Iterator[None]:
 
 
 def is_locked(path: Path) -> bool:
-    """Check whether a process holds the lock."""
+    """Return whether a process holds the lock of a file."""
     if not path.exists():
         return False
     try:

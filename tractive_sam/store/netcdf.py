@@ -16,7 +16,7 @@ from tractive_sam.store.hdf5_guard import has_endless_heap
 def write_netcdf(
     path: str | PathLike[str], dataset: Any, encoding: Mapping[str, Mapping[str, Any]] | None = None
 ) -> None:
-    """Write a dataset as a netCDF file, first in memory: HDF5 does not survive a full disk.
+    """Write an xarray Dataset to a netCDF file, which appears when it is complete.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def write_netcdf(
 
 
 def netcdf_format(path: str | PathLike[str]) -> str:
-    """Return the attribute ``format`` of a netCDF file; empty if there is none."""
+    """Return the attribute "format" of a netCDF file; empty if there is none."""
     try:
         with open_to_read(Path(path)) as file:
             name = file.attrs.get("format", "")
@@ -55,7 +55,7 @@ def netcdf_format(path: str | PathLike[str]) -> str:
 
 
 def read_netcdf(path: str | PathLike[str]) -> Any:
-    """Read a netCDF file into memory.
+    """Return the content of a netCDF file as an xarray Dataset in memory.
 
     Parameters
     ----------

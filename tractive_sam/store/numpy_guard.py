@@ -12,7 +12,7 @@ from tractive_sam.input_file import open_regular
 
 
 def read_array(path: Path) -> np.ndarray:
-    """Read the array of an .npy file.
+    """Return the array in an .npy file, without executing stored objects.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def read_array(path: Path) -> np.ndarray:
 
 
 def read_archive(path: Path, max_bytes: int = 2**31) -> dict[str, np.ndarray]:
-    """Read the arrays of an .npz file, by name.
+    """Return the arrays in an .npz file by name, up to `max_bytes` bytes.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def read_archive(path: Path, max_bytes: int = 2**31) -> dict[str, np.ndarray]:
 
 
 def _read_checked(file: IO[bytes], size: int) -> np.ndarray:
-    """Read an array after a check that `size`, in bytes with the header, is large enough for it."""
+    """Return an array from a file of `size` bytes, checked before memory is allocated."""
     version = npy.read_magic(file)
     header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
     shape, _, dtype = header(file)

@@ -23,7 +23,7 @@ from tractive_sam.store.versions import FORMAT, FORMAT_VERSION
 
 @contextmanager
 def open_results(path: Path) -> Iterator["ResultsFile"]:
-    """Open a results file for reading.
+    """Open a results file for reading within the block.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def open_results(path: Path) -> Iterator["ResultsFile"]:
 
 
 def _open(path: Path) -> h5py.File:
-    """Open an HDF5 file for reading, or raise an error that states the damage."""
+    """Return an HDF5 file opened for reading; errors state the damage."""
     if has_endless_heap(path):
         raise _damage_error(path, "its texts")
     try:
@@ -65,13 +65,13 @@ def _open(path: Path) -> h5py.File:
 
 
 def _damage_error(path: Path, problem: str) -> DamagedError:
-    """Return the error of a damaged file, with the remedy."""
+    """Return the error of a damaged file, with advice."""
     cure = "copy it again, or run its scene again"
     return DamagedError(f"{path} is truncated or damaged ({problem}); {cure}")
 
 
 class ResultsFile:
-    """A results file that is open for reading.
+    """Results file that is open for reading, with checked access to its content.
 
     Each method raises ResultsError if the data are damaged or were replaced by another program.
     Names are paths within the file, for example "history/Qx".
@@ -90,7 +90,7 @@ class ResultsFile:
         self.path, self._file = path, file
 
     def check_format(self) -> None:
-        """Check that this is a results file in a supported format."""
+        """Raise an error unless this is a results file in a supported format."""
         kind = self.text("/", "format", "")
         if kind.startswith("creep-force"):
             cure = f"tractive-sam show {self.path}, or tractive-sam table {self.path} --figure"
@@ -114,7 +114,7 @@ class ResultsFile:
 
     @property
     def version(self) -> int:
-        """Version of the format."""
+        """Version of the file format."""
         with self._report_damage("format_version"):
             return int(self._file.attrs["format_version"])
 
@@ -147,7 +147,7 @@ class ResultsFile:
             return len(self._item(name))
 
     def numbers(self, name: str, shape: tuple[int, ...], optional: bool = False) -> np.ndarray:
-        """Read the first rows of a dataset, of a shape; nan if it is optional and missing."""
+        """Return the first rows of a dataset, in a shape; nan if it is optional and missing."""
         if optional and name not in self:
             return np.full(shape, np.nan)
         self.check(name, shape)
@@ -155,19 +155,19 @@ class ResultsFile:
             return numeric_dataset(self._item(name))[: shape[0]]
 
     def all_numbers(self, name: str) -> np.ndarray:
-        """Read all numbers of a dataset."""
+        """Return a numeric dataset as an array."""
         with self._report_damage(name):
             return numeric_dataset(self._item(name))[...]
 
     def row(self, name: str, row: int) -> np.ndarray:
-        """Read one row of a dataset."""
+        """Return one row of a dataset."""
         with self._report_damage(name):
             dataset = self._item(name)
             check_claimed_size(dataset, dataset.nbytes // max(len(dataset), 1))
             return dataset[row]
 
     def check(self, name: str, shape: tuple[int, ...]) -> None:
-        """Check that a dataset is numeric with at least a shape's rows, without reading it."""
+        """Raise an error unless a dataset is numeric and has at least the rows of a shape."""
         with self._report_damage(name):
             dataset = self._item(name)
             numbers = dataset.dtype.kind in "fiu" and dataset.maxshape[0] is None
@@ -176,7 +176,7 @@ class ResultsFile:
                 raise ValueError(f"{described}, not numbers of the shape {shape}")
 
     def text(self, name: str, attribute: str | None = None, default: str | None = None) -> str:
-        """Read a text: a dataset, or an attribute of it."""
+        """Return a text dataset, or a text attribute of a member."""
         with self._report_damage(f"{name} {attribute or ''}".rstrip()):
             item = self._item(name)
             if attribute is None:
@@ -187,26 +187,26 @@ class ResultsFile:
             return decode_text(item.attrs[attribute])
 
     def labels(self, name: str) -> tuple[str, ...]:
-        """Read a dataset of texts."""
+        """Return a dataset of texts as a tuple."""
         with self._report_damage(name):
             item = self._item(name)
             check_claimed_size(item, item.nbytes)
             return tuple(map(decode_text, item[:].tolist()))
 
     def attribute(self, name: str, attribute: str, default: ArrayLike | None = None) -> np.ndarray:
-        """Read a numeric attribute; with a default, files may lack it."""
+        """Return a numeric attribute of a member, or the default if it is missing."""
         with self._report_damage(f"{name} {attribute}"):
             attributes = self._item(name).attrs
             missing = default is not None and attribute not in attributes
             return np.asarray(default if missing else attributes[attribute], float)
 
     def attributes(self, name: str) -> tuple[str, ...]:
-        """Return the names of all attributes."""
+        """Return the names of all attributes of a member."""
         with self._report_damage(name):
             return tuple(self._item(name).attrs.keys())
 
     def verify(self) -> None:
-        """Read all numbers, so that HDF5 compares every checksum."""
+        """Read all numbers, so that HDF5 checks every checksum; raise an error on damage."""
         # Not by `visit`: it may end the process if a page of the file is lost (HDF5 2.0).
         pending, groups = ["/"], set()
         while pending:
@@ -224,16 +224,16 @@ class ResultsFile:
                         _ = item[chunk]
 
     def _item(self, name: str) -> h5py.Group | h5py.Dataset:
-        """Return the group or dataset of a name; links are refused."""
+        """Return a group or dataset by name; links are refused."""
         return get_member(self._file, name)
 
     def damage_error(self, problem: str) -> DamagedError:
-        """Return the error for a problem of this file."""
+        """Return the error that describes damage of this file."""
         return _damage_error(self.path, problem)
 
     @contextmanager
     def _report_damage(self, name: str) -> Iterator[None]:
-        """Raise any error of the block as DamagedError; the block only calls h5py."""
+        """Within the block, turn any error of h5py into a DamagedError."""
         try:
             yield
         except MemoryError:

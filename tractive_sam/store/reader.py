@@ -40,7 +40,7 @@ from tractive_sam.store.stored_records import StoredCycles, StoredField, StoredS
 
 
 def open_history(path: str | PathLike[str]) -> History:
-    """Read a results file; its fields are read on access.
+    """Open a results file as a history, whose fields are read when accessed.
 
     A column that the file does not contain reads as nan.
 
@@ -66,7 +66,7 @@ def open_history(path: str | PathLike[str]) -> History:
 
 
 def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
-    """Read the state after the last record with a solved contact.
+    """Return the arrays from which a run resumes after the record of a row, by name.
 
     Its names are listed in `FIELDS`, for a transient also in `BEFORE`, and by observers.
 
@@ -109,7 +109,7 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
 
 
 def _read_history(file: ResultsFile) -> History:
-    """Read the columns and prepare the access to fields, stress and fatigue."""
+    """Return the history in a file; fields, stress and fatigue are read when accessed."""
     n, m = file.records, file.length("fields/record")
     mesh = (file.length("grid/x"), file.length("grid/y"))
     half_x, half_y = map(float, file.attribute("grid", "half_length"))
@@ -160,7 +160,7 @@ def _read_laws(file: ResultsFile) -> dict[str, LawRecord]:
 
 
 def _read_cycles(file: ResultsFile, scene: Scene, length: int) -> dict[str, StoredCycles]:
-    """Return the fatigue of each body; its datasets are checked, but not read."""
+    """Return the fatigue of each body, read when accessed."""
     cycles: dict[str, StoredCycles] = {}
     settings = scene.fatigue
     if settings is None or "fatigue" not in file:
@@ -187,7 +187,7 @@ def _shape_of_fields(file: ResultsFile) -> tuple[int, ...]:
 def _read_column(
     file: ResultsFile, column: Quantity, records: int, mesh: tuple[int, int]
 ) -> np.ndarray:
-    """Read a column; nan if the file does not contain it."""
+    """Return the values of a column; nan if the file lacks it."""
     lengths = dict(zip("xy", mesh, strict=True))
     for dim in {"block", *PROFILES}.intersection(column.dims):
         lengths[dim] = file.length(f"history/{dim}")
@@ -209,7 +209,7 @@ def _read_column(
 def _read_user_defined(
     group: str, dims: tuple[tuple[str, ...], ...], file: ResultsFile
 ) -> list[Quantity]:
-    """Return the user-defined columns or fields of a group."""
+    """Return the user-defined columns or fields that a group describes."""
     try:
         described = json.loads(file.text(group, layout.USER, "[]"))
         quantities = [
@@ -229,12 +229,12 @@ def _read_user_defined(
 
 
 def _stored_names(group: str, names: Iterable[str], file: ResultsFile) -> list[str]:
-    """Return the names that a group of the file contains."""
+    """Return those names that a group of the file contains."""
     return [name for name in names if f"{group}/{name}" in file]
 
 
 def _read_scene(file: ResultsFile) -> Scene:
-    """Read the scene; its warnings were printed when it was computed."""
+    """Return the scene in a file, without repeating its warnings."""
     text = file.text("scene")
     if file.version > 1 and file.text("scene", "digest") != layout.digest(text):
         raise file.damage_error("scene: the text has changed since it was written")
@@ -268,7 +268,7 @@ def _read_stresses(
     block: int | None = None,
     shift: float = 0.0,
 ) -> dict[tuple[str, str], StoredStress]:
-    """Return the stress by body and plane; its datasets are checked, but not read."""
+    """Return the stress by (body, plane), read when accessed."""
     stresses, path = {}, "stress" if block is None else f"stress/block-{block}"
     for body in sorted({*BODIES}.intersection(file.names(path) if path in file else ())):
         for plane in file.names(f"{path}/{body}"):

@@ -13,7 +13,7 @@ from tractive_sam.store.opening import open_results
 
 @dataclass(frozen=True)
 class StoredField:
-    """A field as a sequence over records; each access reads the file.
+    """Sequence of a field over records, read from the file when accessed.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class StoredField:
 
 @dataclass(frozen=True)
 class StoredStress:
-    """Stress on a plane as a sequence over records; each access reads the file.
+    """Sequence of the stress on a plane over records, read from the file when accessed.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class StoredStress:
 
 @dataclass(frozen=True)
 class StoredCycles:
-    """Fatigue of a body as a sequence over records; each access reads the file.
+    """Sequence of the fatigue of a body over records, read from the file when accessed.
 
     Attributes
     ----------

@@ -10,13 +10,13 @@ import numpy as np
 
 
 def set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
-    """Set an attribute to a text of fixed length."""
+    """Set an HDF5 attribute to a text of fixed length."""
     encoded = text.encode()
     node.attrs.create(name, encoded, dtype=_text_type(encoded))
 
 
 def decode_text(value: str | bytes) -> str:
-    """Return a text that h5py read as str or bytes.
+    """Return an HDF5 text as str.
 
     Raises
     ------
@@ -29,11 +29,11 @@ def decode_text(value: str | bytes) -> str:
 
 
 def create_text(group: h5py.Group, name: str, text: str) -> h5py.Dataset:
-    """Create a dataset that contains one text."""
+    """Create an HDF5 dataset with one text."""
     encoded = text.encode()
     return group.create_dataset(name, data=np.array(encoded, _text_type(encoded)))
 
 
 def _text_type(encoded: bytes) -> np.dtype:
-    """Return the type of a text with a final zero byte: netCDF-C 4.9.0 reads up to a zero."""
+    """Return the HDF5 type of an encoded text with a final zero byte."""
     return h5py.string_dtype("utf-8", len(encoded) + 1)

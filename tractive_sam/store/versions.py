@@ -16,7 +16,7 @@ def versions() -> dict[str, str]:
 
 
 def _version(package: str) -> str:
-    """Return the version of a package."""
+    """Return the version of an installed package, or a note that it is missing."""
     try:
         return version(package)
     except PackageNotFoundError:  # run from a source tree

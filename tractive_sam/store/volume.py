@@ -63,7 +63,7 @@ SURFACE = {
 
 @dataclass(frozen=True)
 class Image:
-    """A grid of points at equal distances; the index of x varies fastest.
+    """Regular grid of points for ParaView, with x varying fastest.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ def write_volume(
     about: Mapping[str, str | float],
     overwrite: bool = False,
 ) -> None:
-    """Write the layers of a volume one by one; the file appears when all are written.
+    """Write stress layer by layer to a VTKHDF file, which appears when it is complete.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ def write_surface(
     scene: Scene,
     overwrite: bool = False,
 ) -> None:
-    """Write the surface step by step; the file appears when all steps are written.
+    """Write surface fields step by step to a VTKHDF file, which appears when it is complete.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def write_surface(
 def _open_volume(
     path: Path, scene: Scene, about: Mapping[str, str | float], overwrite: bool
 ) -> Iterator[WritableFile]:
-    """Create a file with scene, format and versions; it appears when the block ends."""
+    """Yield a new VTKHDF file with scene and versions; it appears when the block ends."""
     format_version = 1
     version_prefix = "version_"
     _check_suffix(path)
@@ -177,7 +177,7 @@ def _open_volume(
 
 
 def check_volume(path: Path, overwrite: bool = False) -> None:
-    """Check that a volume can be written, before it is computed.
+    """Raise an error unless a volume file can be written, before it is computed.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
 
 
 def _check_suffix(path: Path) -> None:
-    """Raise an error unless a file has the suffix that ParaView needs."""
+    """Raise an error unless a file has the suffix .vtkhdf, by which ParaView opens it."""
     # Suffix by which ParaView recognizes the format.
     suffix = ".vtkhdf"
     if path.suffix != suffix:
@@ -199,7 +199,7 @@ def _check_suffix(path: Path) -> None:
 
 
 def _check_kind(path: Path) -> None:
-    """Check that a file is a volume of this package."""
+    """Raise an error unless an existing file is a volume of this package."""
     try:
         with open_to_read(path) as file:
             kind = decode_text(file.attrs.get("format", ""))
@@ -212,7 +212,7 @@ def _check_kind(path: Path) -> None:
 def _create_arrays(
     file: h5py.File, image: Image, quantities: Mapping[str, Quantity], outer: tuple[int, ...]
 ) -> dict[str, h5py.Dataset]:
-    """Describe the image and create its arrays; `outer` are their dimensions before y."""
+    """Write the grid of points and create its arrays; return them by name."""
     # Number of components of vectors and tensors.
     components = {"stress": (6,), "traction": (3,), "slip": (3,)}
     vtk = file.create_group("VTKHDF")

@@ -22,7 +22,7 @@ from tractive_sam.store.lock import hold_lock, is_locked
 
 @contextmanager
 def sole_writer(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> Iterator[None]:
-    """Prevent other processes from writing a file in the block.
+    """Within the block, hold the right to write a file, which excludes other processes.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def sole_writer(path: Path, overwrite: bool, check_kind: Callable[[Path], None])
 
 
 def is_written(path: Path) -> bool:
-    """Check whether a process writes a file."""
+    """Return whether a process is writing a file."""
     return is_locked(lock_path(path))
 
 
@@ -62,7 +62,7 @@ def lock_path(path: Path) -> Path:
 
 
 def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
-    """Check that a file can be written; creates a temporary file in its folder.
+    """Raise an error unless a file can be written.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def resolve_target(path: Path) -> Path:
 
 
 def _check_replaceable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
-    """Check that an existing file may be replaced."""
+    """Raise an error unless an existing file may be replaced."""
     if not overwrite:
         raise ResultsError(f"{path} exists; choose another name, or replace it with overwrite=True")
     try:

@@ -33,7 +33,7 @@ PENDING_BYTES = 2**24
 
 
 class HistoryWriter:
-    """Writes the records of one computation.
+    """Writer of a results file: appends records, and stores them at checkpoints.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ class HistoryWriter:
         records: int | None = None,
         checkpoints: Checkpoints | None = None,
     ) -> Self:
-        """Continue an existing results file after its last record with a solved contact.
+        """Return a writer that continues a results file after its last resumable record.
 
         Parameters
         ----------
@@ -141,7 +141,7 @@ class HistoryWriter:
     def _initialise(
         self, path: str | Path, mesh: tuple[int, int], checkpoints: Checkpoints | None
     ) -> None:
-        """Set the path, the mesh (n_x, n_y) and the schedule, with no pending record."""
+        """Set the attributes of a writer without pending records."""
         self.path, self._mesh, self._run = Path(path), mesh, uuid4().hex
         self._checkpoints = checkpoints or Checkpoints()
         # The number of records on disk, and the records that wait: both change at once.
@@ -171,7 +171,7 @@ class HistoryWriter:
         grid: Grid | None = None,
         state: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        """Add a record; it is written to the disk at the next checkpoint.
+        """Append a record, which is written to the disk at the next checkpoint.
 
         Parameters
         ----------
@@ -208,7 +208,7 @@ class HistoryWriter:
                 self._write()
 
     def finish(self, status: str, message: str = "") -> None:
-        """Write all records to the disk, with the status of the computation.
+        """Write all pending records and the final status to the disk.
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ class HistoryWriter:
         self._write((status, message))
 
     def _write(self, ended: tuple[str, str] | None = None) -> None:
-        """Replace the file by a copy with all pending records."""
+        """Write all pending records to a copy of the file that then replaces it."""
         with atomic_rewrite(self.path) as file:
             self._check_run(file)
             if self._grid is not None:
@@ -243,7 +243,7 @@ class HistoryWriter:
         self._state = None
 
     def _check_run(self, file: File) -> None:
-        """Check that the file still belongs to this run, so that two runs never mix records."""
+        """Raise an error if the file no longer belongs to this run."""
         if file.attrs.get(self.run) != self._run.encode():
             cure = "choose a separate file for each run"
             raise ResultsError(f"another run has taken over {self.path}; {cure}")
@@ -258,7 +258,7 @@ def _field_bytes(record: Record) -> int:
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
-    """Check that a mesh equals the previous one or is wider, and that the record has this mesh."""
+    """Raise an error if a mesh is smaller than the last one, or a record has another mesh."""
     widen_field(np.empty(before), mesh)
     for name, quantity in record.columns.items():
         if quantity.dims == ("y",):
@@ -269,7 +269,7 @@ def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) 
 
 @contextmanager
 def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
-    """Reserve a results file for one run, from the first reading to the last record.
+    """Within the block, reserve a results file for one run.
 
     Raises
     ------
@@ -283,7 +283,7 @@ def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
 
 
 def check_results(path: Path, overwrite: bool = False) -> None:
-    """Check that a results file can be written, before a long computation.
+    """Raise an error unless a results file can be written, before a long computation.
 
     Raises
     ------
@@ -294,13 +294,13 @@ def check_results(path: Path, overwrite: bool = False) -> None:
 
 
 def _check_kind(path: Path) -> None:
-    """Raise an error unless a file is a results file."""
+    """Raise an error unless an existing file is a results file."""
     with open_results(path):
         pass
 
 
 def _describe_stop(error: BaseException) -> str:
-    """Return the message of the error that stopped a computation."""
+    """Return the message for an error that stopped a computation."""
     if isinstance(error, KeyboardInterrupt):
         return f"interrupted by {error}" if str(error) else "interrupted"
     return f"{type(error).__name__}: {error}".removesuffix(": ")

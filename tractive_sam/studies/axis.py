@@ -30,7 +30,7 @@ SAMPLE = "sample"
 
 
 def _check_key(key: str) -> str:
-    """Return a key; raise an error unless scenes have it."""
+    """Return a key unchanged; raise a ValueError unless scenes have it."""
     try:
         Scene.find_field(key)
     except SceneError as error:
@@ -46,7 +46,7 @@ _SPACING = '"linear" or "logarithmic"'
 
 
 def _check_values(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault unless values or a complete range is given, and not both."""
+    """Report an axis unless it gives either values or a complete range."""
     ends = [name for name in ("start", "stop", "number") if name in entries.given]
     allowed = "values, or start, stop and number; not both"
     if "values" in entries.given:
@@ -57,7 +57,7 @@ def _check_values(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_distinct(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault if a value is repeated."""
+    """Report a value that is repeated in an axis."""
     values = entries["values"] or ()
     if len({_make_hashable(value) for value in values}) < len(values):
         yield Fault("values", shorten(values), "each value once")
@@ -78,7 +78,7 @@ def _make_hashable(value: Any) -> Any:
 
 
 def _check_spacing(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault of a logarithmic range across zero."""
+    """Report a logarithmic range across zero."""
     start, stop = entries["start"], entries["stop"]
     if entries["spacing"] == "logarithmic" and start is not None and stop is not None:
         if start * stop > 0.0:
@@ -87,13 +87,13 @@ def _check_spacing(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_range(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault if start and stop are equal."""
+    """Report a range whose start equals its stop."""
     if entries["start"] is not None and entries["start"] == entries["stop"]:
         yield Fault("stop", f"{entries['stop']:g}", "another number than start")
 
 
 class Values(Table):
-    """An entry of the scene and its values: a list, or a range from start to stop.
+    """Key of the scene with its values: a list, or a range from start to stop.
 
     Examples
     --------
@@ -113,7 +113,7 @@ class Values(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_values, _check_spacing, _check_range)
 
     def column(self) -> tuple[Any, ...]:
-        """Return the values of the entry."""
+        """Return the values of the key, listed or computed from the range."""
         if self.values is not None:
             return self.values
         number, start, stop = (
@@ -123,7 +123,7 @@ class Values(Table):
 
 
 def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of zipped entries with another number of values."""
+    """Report zipped keys with another number of values than the axis."""
     wanted = _length(entries["values"], entries["number"])
     for k, zipped in enumerate(entries["zip"]):
         if len(zipped.column()) != wanted:
@@ -132,24 +132,24 @@ def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _length(values: tuple | None, number: int | None) -> int | None:
-    """Return the number of values."""
+    """Return the number of values of a list, or else the number given for a range."""
     return number if values is None else len(values)
 
 
 def _check_zipped_entries(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of zipped entries that vary twice."""
+    """Report keys that are zipped twice, or with themselves."""
     yield from _find_repeated_keys("zip", [entries["key"]], entries["zip"])
 
 
 def _check_variables(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of sampled variables that are repeated."""
+    """Report keys that a Latin hypercube samples twice."""
     yield from _find_repeated_keys("variable", [], entries["variable"])
 
 
 def _find_repeated_keys(
     name: str, before: list[str], tables: Iterable[Values | Bounds]
 ) -> Iterator[Fault]:
-    """Yield faults of tables with an entry that varies already."""
+    """Yield a fault for each table whose key is already among the keys before it."""
     for k, table in enumerate(tables):
         if table.key in before:
             yield Fault(f"{name}[{k}].key", f"{table.key} again", "each entry of the scene once")
@@ -157,7 +157,7 @@ def _find_repeated_keys(
 
 
 class Axis(Values):
-    """An axis of a study; entries zipped with it take their values in step with it.
+    """Axis of a study: a key with values; keys zipped with it vary together with it.
 
     Examples
     --------
@@ -177,13 +177,13 @@ class Axis(Values):
     )
 
     def dimension(self) -> Dimension:
-        """Return the values by key."""
+        """Return the axis as a dimension of the cases: values of its keys."""
         columns = {axis.key: axis.column() for axis in (self, *self.zip)}
         return Dimension(self.key, columns)
 
 
 class Bounds(Table):
-    """An entry of the scene and the interval in which it is sampled.
+    """Key of the scene and the interval in which a Latin hypercube samples it.
 
     Examples
     --------
@@ -200,7 +200,7 @@ class Bounds(Table):
 
 
 class Latin(Table):
-    """A Latin hypercube: every entry's interval is divided evenly among the samples.
+    """Latin hypercube: random samples that divide the interval of every key evenly.
 
     Examples
     --------
@@ -219,7 +219,7 @@ class Latin(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_variables,)
 
     def dimension(self) -> Dimension:
-        """Return the samples by key."""
+        """Return the samples as a dimension of the cases: values of all keys."""
         from scipy.stats import qmc  # half a second, which other studies need not wait for
 
         hypercube = qmc.LatinHypercube(len(self.variable), rng=np.random.default_rng(self.seed))
@@ -235,7 +235,7 @@ class Latin(Table):
 
 @dataclass(frozen=True)
 class Dimension:
-    """One direction in which cases are counted.
+    """Direction in which the cases of a study are counted, with the values of its keys.
 
     Attributes
     ----------
@@ -259,14 +259,14 @@ class Dimension:
         return len(next(iter(self.columns.values())))
 
     def at(self, place: int) -> dict[str, Any]:
-        """Return the entries at one place."""
+        """Return the values of the keys at an index along the dimension."""
         return {key: column[place] for key, column in self.columns.items()}
 
 
 def _between(
     key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
 ) -> tuple[float | int, ...]:
-    """Return values at shares of the range from start to stop; integers for integer entries."""
+    """Return values between start and stop at shares 0 to 1, on a linear or logarithmic scale."""
     # Decimal digits of the values of a range: further digits are rounding.
     digits = 12
     if spacing == "logarithmic":
@@ -279,6 +279,6 @@ def _between(
 
 
 def _is_integer(key: str) -> bool:
-    """Return whether an entry is an integer."""
+    """Return whether the values of a key of the scene are integers."""
     kind = Scene.find_field(key).annotation
     return kind is int or int in get_args(kind)

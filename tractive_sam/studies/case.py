@@ -24,7 +24,7 @@ DIGEST = 16
 
 @dataclass(frozen=True)
 class Case:
-    """One scene of a study.
+    """One case of a study: its number, the values that vary, and its scene.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ class Case:
 
     @property
     def name(self) -> str:
-        """Name of its files, without suffix."""
+        """File name of the case without suffix: its number and the hash of its scene."""
         return f"{self.number:05d}-{self.digest}"
 
     def __str__(self) -> str:
@@ -65,7 +65,7 @@ class Case:
 
 
 def cases(study: Study) -> list[Case]:
-    """Return every case of a study.
+    """Return all cases of a study, with their scenes checked.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def cases(study: Study) -> list[Case]:
 
 
 def _changes(study: Study) -> Iterator[dict[str, Any]]:
-    """Yield the values that vary, case by case."""
+    """Yield the values by key of every case."""
     dimensions = study.dimensions
     for index in np.ndindex(study.shape):
         places = zip(dimensions, index, strict=True)
@@ -117,14 +117,14 @@ def _changes(study: Study) -> Iterator[dict[str, Any]]:
 
 
 def _merge_faults(same: list[tuple[Fault, Case]]) -> Fault:
-    """Return one of several equal faults, with the number of their cases."""
+    """Return the first of equal faults, with the number of cases that have it."""
     fault, case = same[0]
     where = f"in {case}" if len(same) == 1 else f"in {case} and {len(same) - 1} more"
     return replace(fault, given=f"{fault.given} {where}")
 
 
 def _digest(scene: Scene, contents) -> str:
-    """Return the hash of a scene, the content of its files, and the version of the methods.
+    """Return a hash of a scene, of the files it names, and of the methods' version.
 
     Results of versions with different methods or files are never mixed.
     """
@@ -137,19 +137,19 @@ def _digest(scene: Scene, contents) -> str:
 
 @cache
 def _generation() -> str:
-    """Return the versions of the methods and of results files."""
+    """Return a text with the versions of the methods and of the results format."""
     first, second, *_ = (*versions()["tractive-sam"].split("."), "")
     return f"{first}.{second} {FORMAT_VERSION}"
 
 
 def _contents(gap: Gap, file: Path, table: str) -> bytes:
-    """Return the hash of the file of a measured gap, which is read as a check."""
+    """Return the hash of a gap file, after reading it as a check."""
     read_gap(gap, table)
     return hashlib.sha256(file.read_bytes()).digest()
 
 
 def title_of(key: str) -> str:
-    """Return the meaning of a key of the scene with its unit; in a list, with its index."""
+    """Return the meaning and unit of a key of the scene, for titles."""
     title = Scene.find_field(key).title or key
     within, bracket, _ = key.rpartition("].")
     return f"{within}]: {title}" if bracket else title

@@ -21,7 +21,7 @@ from tractive_sam.output_file import append_to_file, write_file
 
 @dataclass(frozen=True)
 class LoggedCases:
-    """Content of the log of complete cases.
+    """Entries of the log of complete cases, and the number of damaged lines.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class LoggedCases:
 
 
 class CaseLog:
-    """The log of complete cases of a study.
+    """File that logs the complete cases of a study, line by line with checksums.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ class CaseLog:
         self.path = path
 
     def read(self) -> LoggedCases:
-        """Read all entries that are undamaged."""
+        """Return all undamaged entries of the log."""
         lines = self._lines()
         entries = [entry for _, entry in lines if entry is not None]
         by_case = {entry["digest"]: entry for entry in entries}
         return LoggedCases(by_case, len(lines) - len(entries))
 
     def append(self, entry: Mapping[str, Any]) -> None:
-        """Add an entry.
+        """Append an entry as a line with a checksum.
 
         Raises
         ------
@@ -78,7 +78,7 @@ class CaseLog:
         append_to_file(self.path, b"\n%08x %b" % (crc32(text), text))
 
     def drop_damaged(self) -> None:
-        """Remove lines that are damaged or cut.
+        """Rewrite the log without lines that are damaged or cut.
 
         Raises
         ------
@@ -89,7 +89,7 @@ class CaseLog:
         write_file(self.path, b"".join(b"\n%b" % line for line in undamaged))
 
     def _lines(self) -> list[tuple[bytes, dict[str, Any] | None]]:
-        """Return the lines that are not empty, and their entries; None for a damaged one."""
+        """Return (line, entry) of each line of the log; the entry of a damaged line is None."""
         if not self.path.is_file():
             return []
         lines, checked_before = [], False

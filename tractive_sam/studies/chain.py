@@ -12,7 +12,7 @@ Chain = tuple[Task, ...]
 
 
 def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
-    """Return the position of each case, by its number, if each follows one of its neighbours."""
+    """Return the position of each case in an order in which neighbours follow one another."""
     places = np.array([np.ravel_multi_index(place, shape) for place in neighbouring_places(shape)])
     return np.argsort(places)
 
@@ -20,7 +20,7 @@ def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
 def make_chains(
     tasks: Iterable[Task], single: Container[str] = (), *, longest: float = 2.0
 ) -> list[Chain]:
-    """Divide tasks into chains.
+    """Divide tasks into chains, which are computed one after another by one worker.
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ Answer = TypeVar("Answer")
 
 @dataclass(frozen=True)
 class Waits:
-    """Waiting times for a scheduler and its workers, s.
+    """Waiting times and patience with a scheduler and its workers, s.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ WAITS = Waits()
 
 
 class SchedulerLostError(ConnectionError):
-    """The scheduler does not exist or was lost; complete cases remain complete.
+    """Error of a scheduler that does not exist or was lost; complete cases stay complete.
 
     Examples
     --------
@@ -75,12 +75,12 @@ class SchedulerLostError(ConnectionError):
 
 
 class _DisconnectedError(Exception):
-    """The connection to the scheduler broke, or it lost its tasks."""
+    """Raised if the connection to the scheduler breaks, or it loses its tasks."""
 
 
 @contextmanager
 def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "Security | None"]]:
-    """Start processes on this machine.
+    """Start a scheduler and workers on this machine for the block; yield (address, security).
 
     They accept connections from this machine only, and show no web page of their state. Everyone
     who reaches a port of dask without TLS can run any program through it, also other users.
@@ -146,7 +146,7 @@ def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "
 
 
 def _close_unused_clients() -> None:
-    """Close clients that found no scheduler, before another event loop is started.
+    """Close clients whose connection failed, before another event loop starts.
 
     The garbage collector closes these clients at any time. If the lock of the loops is held at that
     time, it would wait forever.
@@ -155,7 +155,7 @@ def _close_unused_clients() -> None:
 
 
 def _silence_worker(dask_worker: "Worker") -> None:
-    """Suppress messages of a worker about aborted cases and lost connections.
+    """Suppress a worker's messages about aborted cases and lost connections.
 
     The client reports both; if a command ends while a worker reports to the scheduler, the worker
     would print a traceback.
@@ -166,18 +166,18 @@ def _silence_worker(dask_worker: "Worker") -> None:
 
 
 def _is_no_lost_connection(record: logging.LogRecord) -> bool:
-    """Return whether a message has another reason than a closed connection."""
+    """Return whether a log message does not come from a closed connection."""
     return not (record.exc_info and isinstance(record.exc_info[1], OSError))
 
 
 def _close_pages(dask_scheduler: "Scheduler") -> None:
-    """Close the port at which a scheduler shows its state."""
+    """Close the port on which a scheduler serves its status pages."""
     dask_scheduler.http_server.stop()
 
 
 @contextmanager
 def _signals_blocked() -> Iterator[None]:
-    """Block Ctrl-C in threads that are started in this block, and in their processes.
+    """Within the block, block Ctrl-C in new threads and processes.
 
     A terminal sends it to all processes of a command. The client ends the workers; otherwise each
     worker would print a traceback.
@@ -200,7 +200,7 @@ def on_cluster(
     log: Callable[[str], None],
     security: "Security | None" = None,
 ) -> Iterator[tuple[Task, CaseOutcome]]:
-    """Run tasks on the workers of a scheduler; yield them with their outcomes as they end.
+    """Run tasks on the workers of a scheduler; yield (task, outcome) as they end.
 
     Parameters
     ----------
@@ -246,7 +246,7 @@ def _repeat_until_done(
     log: Callable[[str], None],
     security: "Security | None",
 ) -> Iterator[Answer]:
-    """Yield the results of `submit` with ever new clients, until nothing remains."""
+    """Yield the results of `submit`, which is repeated with new clients until nothing remains."""
     patience = WAITS.first
     while remaining:
         try:
@@ -264,7 +264,7 @@ def _repeat_until_done(
 
 
 def _report_workers(client: "Client", log: Callable[[str], None]) -> None:
-    """Report missing workers, and workers that are slow."""
+    """Log that a scheduler has no workers, or workers with several threads."""
     threads = client.nthreads()
     if not threads:
         log("the scheduler has no workers yet; dask worker ADDRESS --nthreads 1 starts one")
@@ -274,7 +274,7 @@ def _report_workers(client: "Client", log: Callable[[str], None]) -> None:
 
 
 def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcome | None:
-    """Return a failure, or None if the case has more records than at the previous death."""
+    """Return a failure if a case made no progress before its worker died again; else None."""
     before = killed.get(task.case.digest, 0)
     killed[task.case.digest] = records
     if records > before:
@@ -287,7 +287,7 @@ def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcom
 def _client(
     address: str, patience: float, log: Callable[[str], None], security: "Security | None"
 ) -> Iterator["Client"]:
-    """Connect to a scheduler, and wait for it as long as patience allows, s."""
+    """Within the block, connect to a scheduler; wait for it at most `patience` seconds."""
     from distributed import Client  # of an extra
     from distributed.comm import get_address_host_port  # of an extra
 
@@ -320,7 +320,7 @@ def _client(
 def _submit_chains(
     client: "Client", chains: list[Chain]
 ) -> Iterator[tuple[Task, int, CaseOutcome | None]]:
-    """Submit every chain once.
+    """Submit every chain once; yield (task, length of chain, outcome) as they end.
 
     Yields each task with the length of its chain and its outcome, None if its workers died.
     """
@@ -337,7 +337,7 @@ Call = tuple[str, float, tuple[Any, ...]]
 
 
 def _submit_calls(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "Future"]]:
-    """Submit calls; yield the number of each, and its future, as they end."""
+    """Submit calls to a scheduler; yield (index, future) as they end."""
     from distributed import as_completed  # of an extra
 
     unique = uuid4().hex  # the scheduler must not take a call for an earlier one
@@ -368,7 +368,7 @@ def computed(
     log: Callable[[str], None],
     security: "Security | None" = None,
 ) -> Iterator[tuple[int, Any]]:
-    """Call functions on the workers of a scheduler; yield number and result as they end.
+    """Run function calls on the workers of a scheduler; yield (index, result) as they end.
 
     The calls of a worker that dies are submitted to others. If the scheduler is lost, all remaining
     calls are submitted again.
@@ -416,7 +416,7 @@ def computed(
 
 
 def _result(future: "Future") -> Any:
-    """Return the result of a call, or raise its error."""
+    """Return the result of a finished call, or raise its error."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":
@@ -430,7 +430,7 @@ def _result(future: "Future") -> Any:
 
 
 def check_installed() -> None:
-    """Check that dask.distributed is installed.
+    """Raise an ImportError unless dask.distributed is installed.
 
     Raises
     ------
@@ -448,7 +448,7 @@ def check_installed() -> None:
 
 
 def _worker_call(chain: Chain) -> tuple[Any, ...]:
-    """Return the function that a worker calls for a chain, and its arguments.
+    """Return the function that a worker calls for a chain of tasks, with its arguments.
 
     A chain is a tuple of tasks that a worker receives together.
     """
@@ -459,7 +459,7 @@ def _worker_call(chain: Chain) -> tuple[Any, ...]:
 
 
 def _outcomes(future: "Future", number: int) -> Sequence[CaseOutcome | None]:
-    """Return the outcomes of the cases of a chain, None if its workers died."""
+    """Return the outcomes of the cases of a finished chain; None for each if its workers died."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":

@@ -17,7 +17,7 @@ from tractive_sam.studies.design import Study, StudyError
 
 
 def explain_study(study: Study, workers: int) -> Description:
-    """Describe the cases of a study, and estimate their time and disk space.
+    """Return sections that describe the cases of a study, with expected time and disk space.
 
     Parameters
     ----------
@@ -63,18 +63,18 @@ def explain_study(study: Study, workers: int) -> Description:
 
 
 def _describe_space(volume: float, files: int) -> str:
-    """Describe space on the disk, bytes."""
+    """Describe an amount of disk space, bytes, and a number of files as text."""
     size = f"{volume / 1e6:.0f} MB" if volume > 1e6 else f"{volume / 1e3:.0f} kB"
     return f"at most about {size} in {'one file' if files == 1 else f'{files} files'}"
 
 
 def estimates(cases: list[Case], with_files: bool = True) -> list[float]:
-    """Return the expected time of each case on a core of this machine, s."""
+    """Return the estimated CPU time of each case on this machine, s."""
     return _estimate_times(_models(cases), with_files)
 
 
 def check_memory(cases: list[Case], workers: int) -> None:
-    """Check that the memory of this machine suffices for that many processes.
+    """Raise an error unless the machine has memory for so many simultaneous cases.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def check_memory(cases: list[Case], workers: int) -> None:
 
 
 def _describe_axes(study: Study) -> list[tuple[str, str]]:
-    """Return the keys that vary, with the number of values, the first ones and the last."""
+    """Return rows with the keys that vary, their number of values, and their range."""
     rows = []
     for dimension in study.dimensions:
         for key, column in dimension.columns.items():
@@ -106,7 +106,7 @@ def _describe_axes(study: Study) -> list[tuple[str, str]]:
 
 
 def _models(cases: list[Case]) -> list[Model]:
-    """Return the model of each case; cases may share a measured gap, which is read once."""
+    """Return the model of each case; gap files are read once."""
     read = cache(read_gap)
     models = []
     for case in cases:
@@ -118,7 +118,7 @@ def _models(cases: list[Case]) -> list[Model]:
 def _estimate_times(
     models: list[Model], with_files: bool, *, file: float = 0.1, uzawa: float = 20.0
 ) -> list[float]:
-    """Return the seconds of each case: one mesh of a kind is timed, others follow from their size.
+    """Return the estimated seconds of each case, from timing one mesh of each kind.
 
     Parameters
     ----------
@@ -146,18 +146,18 @@ def _estimate_times(
 
 
 def _pace(alike: list[Model]) -> float:
-    """Return the measured seconds of an application over its work, for the median model."""
+    """Return the measured seconds of an elastic response per unit of work."""
     typical = sorted(alike, key=_work)[len(alike) // 2]
     return explain.seconds_per_application(typical) / _work(typical)
 
 
 def _work(model: Model) -> float:
-    """Return a measure of the work of an application."""
+    """Return the relative work of an elastic response of a model."""
     return explain.transform_work(model.grid.elements)
 
 
 def _file_size(model: Model, empty: float = 2e5) -> float:
-    """Return the size of an uncompressed results file, bytes; an empty one has `empty`."""
+    """Return the estimated size of a model's results file, bytes."""
     scene, (nx, ny) = model.scene, model.grid.elements
     saved = len(scene.schedule.save)
     numbers = (saved + 1) * len(FIELDS) * nx * ny  # also the state from which a run resumes

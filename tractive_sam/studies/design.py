@@ -32,7 +32,7 @@ from tractive_sam.studies.axis import MAX_CASES, Axis, Dimension, Latin
 
 
 class StudyError(SceneError):
-    """Raised for a study that cannot be run, with all faults of the study and its scenes.
+    """Error that lists all faults of a study and of its scenes.
 
     Examples
     --------
@@ -48,13 +48,13 @@ class StudyError(SceneError):
 
 
 def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault of a study in which no entry varies."""
+    """Report a study in which no entry varies."""
     if not entries["axis"] and entries["latin"] is None:
         yield Fault("axis", "nothing", "at least one [[axis]], or a [latin] hypercube")
 
 
 def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of entries that vary more than once."""
+    """Report entries of the scene that vary more than once."""
     keys = Counter(
         key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns
     )
@@ -67,7 +67,7 @@ def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
-    """Report unknown keys that are not parameters of a law of another package."""
+    """Report unknown keys that are not parameters of a user-defined law."""
     keys = [key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns]
     for key in keys:
         name, _, entry_name = key.partition(".")
@@ -81,14 +81,14 @@ def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_count(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault of a study with too many cases."""
+    """Report a study with too many cases."""
     count = math.prod(map(len, _dimensions(entries["axis"], entries["latin"])))
     if count > MAX_CASES:
         yield Fault("axis", f"{count} cases", f"at most {MAX_CASES:.0e}")
 
 
 class Study(Document):
-    """A scene, and the entries of it that vary: every combination of the axes is a case.
+    """Study: a scene, and entries of it that vary; every combination of the axes is a case.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ class Study(Document):
             raise StudyError(faults)
 
     def entries(self) -> dict[str, Any]:
-        """Return the given entries, with the scene written out and settings applied.
+        """Return the given entries, with the scene written out and its settings applied.
 
         Relative files in it, which are sought from the working folder, become absolute.
         """
@@ -179,7 +179,7 @@ class Study(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables with their relative files resolved from a folder."""
+        """Let relative paths in the tables start from a folder; return the tables."""
         if "body" in tables:
             cure = 'scene = "FILE.toml", or them in [scene]; tractive-sam run computes a scene'
             raise SceneError([Fault(Fault.FILE, "the tables of a scene", cure)])
@@ -190,12 +190,12 @@ class Study(Document):
 
     @property
     def dimensions(self) -> tuple[Dimension, ...]:
-        """Directions in which cases are counted, the last one fastest."""
+        """Dimensions in which cases are counted (axes, samples), the last one fastest."""
         return _dimensions(self.axis, self.latin)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Number of values along each dimension."""
+        """Number of values along each dimension of the study."""
         return tuple(map(len, self.dimensions))
 
     def __len__(self) -> int:
@@ -203,7 +203,7 @@ class Study(Document):
 
 
 def is_study(path: str | PathLike[str]) -> bool:
-    """Return whether a file is TOML with keys of a study: axes or a Latin hypercube.
+    """Return whether a file is TOML with axes or a Latin hypercube of a study.
 
     Examples
     --------
@@ -218,7 +218,7 @@ def is_study(path: str | PathLike[str]) -> bool:
 
 
 def _setting_from(folder: Path, setting: Any) -> Any:
-    """Return a setting like ``gap.file=profile.csv`` with its file resolved from a folder."""
+    """Return a setting ("key=value") whose relative file path starts from a folder."""
     if not isinstance(setting, str) or setting.partition("=")[0].strip() not in FILE_KEYS:
         return setting
     ((key, file),) = parse_settings([setting]).items()
@@ -226,13 +226,13 @@ def _setting_from(folder: Path, setting: Any) -> Any:
 
 
 def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, ...]:
-    """Return the dimensions of axes and of a Latin hypercube."""
+    """Return the dimensions of axes, followed by that of a Latin hypercube."""
     of_axes = tuple(axis.dimension() for axis in axes)
     return of_axes if latin is None else (*of_axes, latin.dimension())
 
 
 def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
-    """Return the scene with its settings."""
+    """Return the scene of a study without some tables, and with its settings applied."""
     faults = [
         Fault(name, shorten(value), f"a list of {kind}")
         for name, value, kind in (
@@ -257,7 +257,7 @@ def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
 
 
 def _check_keys(without: Iterable[str]) -> None:
-    """Raise an error unless scenes have all keys."""
+    """Raise an error unless scenes have all of these keys."""
     for key in without:
         try:
             Scene.find_field(key)
@@ -266,7 +266,7 @@ def _check_keys(without: Iterable[str]) -> None:
 
 
 def _find_scene(scene: Scene | Mapping[str, Any] | str) -> Scene:
-    """Return a scene from a scene, a table or a name."""
+    """Return a scene from a scene, a table, or the name of a file or built-in scene."""
     if isinstance(scene, Scene):
         return scene
     if not isinstance(scene, str):

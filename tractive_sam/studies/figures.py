@@ -24,7 +24,7 @@ DEFAULTS = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max
 
 
 class Tabulated(Protocol):
-    """Results of a study as figures see them; `StudyResults` describes the members."""
+    """Protocol of study results that figures use; see `StudyResults`."""
 
     @property
     def study(self) -> Study:
@@ -32,14 +32,14 @@ class Tabulated(Protocol):
 
     @property
     def rows(self) -> Sequence[Any]:
-        """Its cases."""
+        """Results of its cases, one a case."""
 
     @property
     def quantities(self) -> Mapping[str, Quantity]:
-        """Known quantities."""
+        """Quantities that are known, by name."""
 
     def column(self, name: str) -> np.ndarray:
-        """Return a quantity of all cases."""
+        """Return the values of a quantity in all cases."""
 
 
 def save_figures(
@@ -50,7 +50,7 @@ def save_figures(
     at: Mapping[str, Any] | None = None,
     format: str = "png",
 ) -> list[Path]:
-    """Draw quantities of the last records over the axes of a study.
+    """Draw quantities of the last records over the axes of a study, and save the figures.
 
     Curves over the longest axis, one for each value of the second longest, and a map over both;
     samples of a Latin hypercube over each of their entries.
@@ -111,7 +111,7 @@ def save_figures(
 
 
 def first_figure(results: Tabulated) -> Figure | None:
-    """Return the figure of the first quantity that varies; None if an axis must be fixed."""
+    """Return a figure of the first quantity that varies, or None if there are too many axes."""
     try:
         index = _fix_axes(results, {})
         names = [name for name in DEFAULTS if name in results.quantities and _varies(results, name)]
@@ -122,14 +122,14 @@ def first_figure(results: Tabulated) -> Figure | None:
 
 
 def short_key(key: str, study: Study) -> str:
-    """Return the last part of a key, or all of it if another axis ends alike."""
+    """Return the last part of a key, or all of it if it is not unique in the study."""
     last = [dim.name.rpartition(".")[2] for dim in study.dimensions]
     short = key.rpartition(".")[2]
     return short if last.count(short) == 1 else key
 
 
 def _fix_axes(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
-    """Return an index into the cases with some axes fixed, and at most two others."""
+    """Return an index into the cases, with some axes fixed and at most two left."""
     dimensions = results.study.dimensions
     names = [dim.name for dim in dimensions]
     unknown = [key for key in at if key not in names]
@@ -166,7 +166,7 @@ def _varies(results: Tabulated, name: str) -> bool:
 
 
 def _size(results: Tabulated, name: str) -> float:
-    """Return the size that a small quantity is compared with."""
+    """Return the magnitude of a quantity, by which its variation is judged."""
     if name == "Mz":
         return float(np.nanmax(results.column("P") * results.column("half_width_x")))
     if name in ("Qx_over_P", "Qy_over_P", "stick_fraction"):
@@ -175,13 +175,13 @@ def _size(results: Tabulated, name: str) -> float:
 
 
 def _name_parts(fixed: Mapping[str, Any]) -> Iterator[str]:
-    """Yield the fixed values, for the name of a file."""
+    """Yield "keyvalue" for each fixed axis, as parts of a file name."""
     for key, value in fixed.items():
         yield re.sub(r"[^\w.+-]", "_", f"{key}{value}")
 
 
 def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterator[tuple[str, Any]]:
-    """Yield the kinds of figures, and the figures."""
+    """Yield (kind, figure) of a quantity over one or two axes, or over samples."""
     free = [
         dim for dim, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
     ]
@@ -204,7 +204,7 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
 
 
 def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
-    """Return the values of a key; by default of the first one, the key of the axis."""
+    """Return the values of a key (default: the axis's own) as a variable of figures."""
     key = key or next(iter(columns))
     numbers = all(isinstance(value, int | float) for value in columns[key])
     values = np.array(columns[key] if numbers else distinct_texts(columns[key]))
@@ -217,13 +217,13 @@ def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = 
 
 
 def distinct_texts(column: tuple) -> list[str]:
-    """Return values as texts, with their indices if some texts are equal."""
+    """Return values as texts; equal texts get their indices."""
     texts = [format_setting(value) for value in column]
     return [f"{k}: {text}" if texts.count(text) > 1 else text for k, text in enumerate(texts)]
 
 
 def _unit(key: str, scene: Scene) -> str:
-    """Return the unit of a key that has a symbol in figures; titles of others contain it."""
+    """Return the unit of a key that has a symbol in figures; empty for other keys."""
     units = {
         name: quantity.with_units_of(scene).unit
         for name, quantity in index_by_name(COLUMNS).items()

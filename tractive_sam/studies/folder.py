@@ -32,7 +32,7 @@ from tractive_sam.studies.task import CaseOutcome, Task
 
 
 class Folder:
-    """The folder of a study.
+    """Folder of a study: the study, results files, log of cases, and failures.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class Folder:
 
     @contextmanager
     def lock(self, study: Study) -> Iterator[None]:
-        """Create the folder of a study, and lock it for one client.
+        """Within the block, hold the folder for one client; create it if it is new.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Folder:
             yield
 
     def study(self) -> Study:
-        """Return the study of the folder.
+        """Return the study that is stored in the folder.
 
         Raises
         ------
@@ -99,7 +99,7 @@ class Folder:
         return Study.from_toml(self._study)
 
     def results(self) -> dict[str, Path]:
-        """Return the results files by the hash of their scenes."""
+        """Return the results files in the folder, by the hash of their scenes."""
         with os.scandir(self.path) as files:
             names = [file.name for file in files if file.name.endswith(".h5")]
         return {
@@ -109,11 +109,11 @@ class Folder:
         }
 
     def file_of(self, case: Case, results: dict[str, Path]) -> Path:
-        """Return the results file of a case, whether it exists or not."""
+        """Return the path of the results file of a case, existing or not."""
         return results.get(case.digest, self.path / f"{case.name}.h5")
 
     def log_complete(self, task: Task, outcome: CaseOutcome) -> None:
-        """Log the last record of a complete case; the size is 0 if it has no file."""
+        """Log a complete case with its last record, and remove its earlier failure."""
         entry = {
             "digest": task.case.digest,
             "size": 0 if task.file is None else task.file.stat().st_size,
@@ -125,12 +125,12 @@ class Folder:
         self._failure_file(task.case).unlink(missing_ok=True)
 
     def log_failure(self, case: Case, outcome: CaseOutcome) -> None:
-        """Write the reason why a case failed."""
+        """Write the reason of a failed case to a file."""
         by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
         write_file(self._failure_file(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
 
     def failures(self) -> dict[str, str]:
-        """Return the reasons why cases failed, by the hash of their scenes."""
+        """Return the reasons of failed cases, by the hash of their scenes."""
         return {
             file.stem: file.read_text(encoding="utf-8", errors="replace").partition("\n\n")[0]
             for file in self.path.glob("*.txt")
@@ -138,5 +138,5 @@ class Folder:
         }
 
     def _failure_file(self, case: Case) -> Path:
-        """Return the file with the reason of a failure."""
+        """Return the path of the file with the reason of a case's failure."""
         return self.path / f"{case.digest}.txt"

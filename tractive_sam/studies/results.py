@@ -35,7 +35,7 @@ STATUSES = (COMPLETE, RUNNING, INTERRUPTED, FAILED, WAITING)
 
 @dataclass(frozen=True)
 class CaseRow:
-    """The result of a case.
+    """Result of one case: status, message and the values of its last record.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class CaseRow:
 
 @dataclass(frozen=True)
 class StudyResults:
-    """All cases of a study with their results.
+    """Results of all cases of a study, with tables, figures and files of them.
 
     Attributes
     ----------
@@ -118,7 +118,7 @@ class StudyResults:
         return html_table(self._summary(), self._picture())
 
     def _summary(self, max_columns: int = 8) -> dict[str, str]:
-        """Return the title, the state and the values of a study, of at most that many keys."""
+        """Return title, state and the values that vary in a study as texts by label."""
         counts = ", ".join(f"{n} {status}" for status, n in self.counts.items() if n)
         rows = {"study": self.study.title or self.study.scene.title or "no title"}
         rows |= {"folder": str(self.path), "cases": f"{len(self)}: {counts}"}
@@ -129,7 +129,7 @@ class StudyResults:
         return rows
 
     def _picture(self) -> Html:
-        """Return curves of the first quantity that varies over one or two axes; else nothing."""
+        """Return a figure of the first quantity that varies as HTML; empty without."""
         from tractive_sam.studies.figures import first_figure  # which reads results
 
         figure = first_figure(self)
@@ -148,18 +148,18 @@ class StudyResults:
 
     @property
     def versions(self) -> dict[str, int]:
-        """Number of cases by the version of this package that computed them."""
+        """Number of cases by the package version that computed them."""
         return dict(sorted(Counter(row.version for row in self.rows if row.version).items()))
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Quantities of the last records, with units."""
+        """Quantities of the last records that are known, by name."""
         names = {name: None for row in self.rows for name in row.last}
         return {name: self._described[name] for name in names if name in self._described}
 
     @cached_property
     def _described(self) -> dict[str, Quantity]:
-        """All quantities that last records may have, known or not."""
+        """Descriptions of all quantities that records of the study may have, by name."""
         scene = self.rows[0].case.scene if self.rows else self.study.scene
         columns = [column.with_units_of(scene) for column in COLUMNS]
         of_bodies = [
@@ -174,11 +174,11 @@ class StudyResults:
 
     @cached_property
     def _names(self) -> set[str]:
-        """Names of all columns, totals and error bars included."""
+        """Names of all columns of the last records, with totals and error bars."""
         return {*self._described}.union(*(row.last for row in self.rows))
 
     def history(self, number: int) -> History:
-        """Return the history of a case.
+        """Return the history of a case, given its number.
 
         Raises
         ------
@@ -220,7 +220,7 @@ class StudyResults:
         return np.array([_at(row, name, revolution) for row in self.rows])
 
     def values(self, key: str) -> np.ndarray:
-        """Return the value of a key of the scene in each case: numbers, or else text.
+        """Return the values of a key of the scene in all cases: numbers, or else texts.
 
         Raises
         ------
@@ -233,7 +233,7 @@ class StudyResults:
         return _as_array([row.case.changes[key] for row in self.rows])
 
     def dataset(self, revolution: int | None = None) -> "xarray.Dataset":
-        """Return every quantity over the axes, with status and message of each case.
+        """Return all quantities over the axes of the study as an xarray Dataset.
 
         The dimensions are the keys of the axes, and `SAMPLE` of a Latin hypercube; keys that vary
         together with another one are coordinates as well.
@@ -313,13 +313,13 @@ class StudyResults:
         write_file(path, text.getvalue())
 
     def _heading(self, name: str) -> str:
-        """Return the heading of a column, with its unit."""
+        """Return the heading of a column in a CSV file, with its unit."""
         unit = self.quantities[name].unit
         return f"{name} [{unit}]" if unit not in ("", "1") else name
 
 
 def open_study(directory: str | PathLike[str]) -> StudyResults:
-    """Read the folder of a study, also while it runs.
+    """Read the results in the folder of a study, which may still run.
 
     Parameters
     ----------
@@ -365,13 +365,13 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
 
 
 def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
-    """Return the first and the last value; of numbers the smallest and the largest."""
+    """Return (smallest, largest) of numbers, or (first, last) of other values."""
     numbers = all(isinstance(value, int | float) for value in column)
     return (min(column), max(column)) if numbers else (column[0], column[-1])
 
 
 def _row(case: Case, file: Path, failure: str) -> CaseRow:
-    """Return the result of a case from its results file."""
+    """Return the result of a case, read from its results file."""
     running = is_written(file)
     if not file.exists():
         status = RUNNING if running else FAILED if failure else WAITING
@@ -391,7 +391,7 @@ def _row(case: Case, file: Path, failure: str) -> CaseRow:
 
 
 def _at(row: CaseRow, name: str, revolution: int) -> float:
-    """Return a quantity of a case at one revolution; nan if it is unknown."""
+    """Return the value of a quantity of a case at a revolution; nan if it is unknown."""
     if row.file is None:
         values = row.last if row.last.get("revolution") == revolution else {}
         return values.get(name, math.nan)
@@ -401,6 +401,6 @@ def _at(row: CaseRow, name: str, revolution: int) -> float:
 
 
 def _as_array(values: Sequence[Any]) -> np.ndarray:
-    """Return values as an array of numbers, or else of texts."""
+    """Return values as an array of numbers, or of texts if they are no numbers."""
     numbers = all(isinstance(x, int | float) and not isinstance(x, bool) for x in values)
     return np.array(values) if numbers else np.array([str(x) for x in values])

@@ -28,7 +28,7 @@ SCHEDULER_ENCRYPTS = (
 
 @dataclass(frozen=True)
 class StudyProgress:
-    """Progress of a study after a case has ended.
+    """Progress of a study when a case has ended: the case and the remaining time.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ def study(
     progress: Callable[[StudyProgress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> StudyResults:
-    """Run the cases of a study that are not complete, long ones first.
+    """Run the cases of a study that are not complete; return the results of all cases.
 
     If it keeps scalars, neighbours are computed one after another and start from each other:
     numbers depend on the number of workers and on interruptions, by at most the tolerance of the
@@ -196,7 +196,7 @@ def _run_tasks(
     encrypted: bool | None,
     log: Callable[[str], None],
 ) -> Iterator[tuple[Task, CaseOutcome]]:
-    """Yield the tasks with their outcomes, as they end."""
+    """Run tasks in this process, on local workers or a cluster; yield (task, outcome)."""
     if not tasks:
         return
     # Processes take seconds to start: less work is done in this one.
@@ -219,7 +219,7 @@ def _run_tasks(
 def _run_in_process(
     tasks: list[Task], log: Callable[[str], None]
 ) -> Iterator[tuple[Task, CaseOutcome]]:
-    """Yield the tasks with their outcomes, computed in this process."""
+    """Run tasks in this process; yield (task, outcome) as they end."""
     neighbours = SequentialRuns()
     for task in tasks:
         if task.file is None:
@@ -245,7 +245,7 @@ def _is_complete(file: Path) -> bool:
 
 
 def _count_records(task: Task) -> int:
-    """Return the number of records in the results file of a task."""
+    """Return the number of records in the results file of a task; 0 without."""
     if task.file is None:
         return 0
     try:

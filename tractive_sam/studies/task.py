@@ -12,7 +12,7 @@ COMPLETE, FAILED, LOCKED = "complete", "failed", "locked"
 
 @dataclass(frozen=True)
 class Task:
-    """A case to compute.
+    """Case to compute, with its results file and its estimated time.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Task:
 
 @dataclass(frozen=True)
 class CaseOutcome:
-    """The outcome of a case.
+    """Outcome of a computed case: status, message, and values of its last record.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class CaseOutcome:
 
 
 def summary(history: History, record: int = -1) -> dict[str, Any]:
-    """Return a record of a history as plain numbers; quantities of a body end in its name."""
+    """Return a record of a history as plain numbers by name, one for each body."""
     if not len(history):
         return {}
     row = {name: history[name][record].item() for name in history.of_dims()}

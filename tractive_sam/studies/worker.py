@@ -35,7 +35,7 @@ one thread by default.)"""
 
 
 def run_case(scene: Scene, path: str) -> CaseOutcome:
-    """Compute a scene into a results file, which is resumed if it exists.
+    """Roll a scene to a results file (resumed if it exists), and return the outcome.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def run_case(scene: Scene, path: str) -> CaseOutcome:
 
 
 def run_chain(scenes: Sequence[Scene]) -> list[CaseOutcome]:
-    """Compute neighbours, each from the solution of the previous one; no file is written.
+    """Compute scenes in memory, each from the solution before; return the outcomes.
 
     Parameters
     ----------
@@ -69,17 +69,17 @@ def run_chain(scenes: Sequence[Scene]) -> list[CaseOutcome]:
 
 
 def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> CaseOutcome:
-    """Compute a scene from the solution of the previous one; no file is written."""
+    """Compute a scene in memory from the solution of the last one; return the outcome."""
     return _outcome(lambda: _history_outcome(neighbours.roll(scene), versions()["tractive-sam"]))
 
 
 def _worker_name() -> str:
-    """Return the name of this machine and the number of this process."""
+    """Return the name of this machine and the id of this process."""
     return f"{socket.gethostname()}:{os.getpid()}"
 
 
 def _outcome(compute: Callable[[], CaseOutcome]) -> CaseOutcome:
-    """Return the outcome of a case, also if it fails."""
+    """Return the outcome of a computation; an error becomes a failed outcome."""
     began = perf_counter()
     try:
         outcome = compute()
@@ -92,7 +92,7 @@ def _outcome(compute: Callable[[], CaseOutcome]) -> CaseOutcome:
 
 
 def _compute_or_repeat(scene: Scene, file: Path) -> CaseOutcome:
-    """Compute a scene, from the beginning if its results file is damaged."""
+    """Compute a scene to a file, again from its beginning if the file is damaged."""
     try:
         return _compute(scene, file)
     except DamagedError as error:
@@ -104,7 +104,7 @@ def _compute_or_repeat(scene: Scene, file: Path) -> CaseOutcome:
 
 
 def _compute(scene: Scene, file: Path) -> CaseOutcome:
-    """Compute a scene into its results file, or resume it."""
+    """Compute a scene to a results file, or resume it; return the outcome."""
     if file.exists():
         history = open_history(file)
         if history.finished and history.scene == scene:
@@ -113,7 +113,7 @@ def _compute(scene: Scene, file: Path) -> CaseOutcome:
 
 
 def _history_outcome(history: History, version: str = "") -> CaseOutcome:
-    """Return the outcome of the case of a history."""
+    """Return the outcome of a case from its history."""
     status = COMPLETE if history.finished else FAILED
     by = version or history.versions.get("tractive-sam", "")
     return CaseOutcome(status, history.message, summary(history), version=by)

@@ -26,7 +26,7 @@ from tractive_sam.subsurface.surface import surface_points
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Course(ShortArrays):
-    """A sequence of contacts, and the displacement of the material at each of them.
+    """Sequence of contacts that material passes, with the rolling distance at each of them.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Course(ShortArrays):
     paths: int = 2**22
 
     def steps(self, away: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions (m,) and numbers (m,) of the contacts that the material passes.
+        """Return the rolling distances (m,) and the indices of the contacts (m,) there.
 
         If the bodies roll, the last contact continues with its tractions, and with `steady` the
         first contact precedes with its tractions.
@@ -86,7 +86,7 @@ class Course(ShortArrays):
 
 
 def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """Return the fatigue of the material of each body of [fatigue] in a sequence of contacts.
+    """Return the fatigue of bodies whose material passes a sequence of contacts, by body.
 
     The sequence is one cycle of every point. The results are the largest utilisation and the
     largest ball of all points of a row and a depth.
@@ -146,7 +146,7 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
 def _worst(
     laws: Laws, path: np.ndarray, material: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the largest radius, the largest value of the criterion and its position in each row.
+    """Return the largest path radius, criterion value and its position for each row.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ def _worst(
 def _paths(
     course: Course, x: np.ndarray, columns: np.ndarray, cycles: np.ndarray, dx: float
 ) -> Iterator[tuple[slice, np.ndarray, np.ndarray]]:
-    """Yield rows, positions of material (points,), and its paths (6, m, rows, points) at a depth.
+    """Yield (rows, positions, stress paths) of material points at one depth, in chunks of rows.
 
     The stress is interpolated between the positions at which it is computed.
 
@@ -212,7 +212,7 @@ def _paths(
 def _surface(
     course: Course, body: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the valid rows between the elements, and four results of each, shape (m,).
+    """Return a mask of valid rows at the surface, and four fatigue results of each row.
 
     A stress at an edge is assigned to the nearest corner of elements.
 
@@ -263,7 +263,7 @@ def _surface(
 def _grouped(
     stress: np.ndarray, column: np.ndarray, unloaded: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return paths (6, m, columns) of stresses (6, n) by the column of each, and the columns.
+    """Group stresses by the column of their point: return paths (6, m, columns), columns.
 
     Shorter paths end with their last stress again; all begin unloaded, if they are to.
     """

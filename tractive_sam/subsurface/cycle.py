@@ -52,7 +52,7 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
 def fatigue(
     contact: State, *, depths: np.ndarray | None = None, laws: Laws | None = None
 ) -> dict[str, BodyFatigue]:
-    """Return the fatigue of the material of each body of [fatigue] in a pass of the contact.
+    """Return the fatigue of each body's material in one pass of a contact, by body.
 
     The stress is computed layer by layer, and not stored.
 
@@ -94,7 +94,7 @@ def fatigue(
 def cycle_fatigue(
     contacts: Sequence[State], depths: np.ndarray, laws: Sequence[Laws]
 ) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """Return the fatigue of the material in consecutive passes of several contacts.
+    """Return the fatigue of each body's material in passes of several contacts, by body.
 
     The criterion applies to each pass separately. Residual stress is constant over all passes:
     shakedown refers to the path through all contacts.
@@ -165,7 +165,7 @@ def fatigue_table(contact: State) -> Fatigue:
 def _evaluate(
     laws: Sequence[Laws], cycles: Sequence[np.ndarray], limit: float
 ) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """Return the results of the cycles of consecutive passes.
+    """Return path radius, residual shear and utilisation of consecutive stress cycles.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def _evaluate(
 
 
 def _join_cycles(cycles: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the path through all cycles (6, n, n_y)."""
+    """Concatenate stress cycles of passes to one path (6, n, n_y)."""
     return cycles[0] if len(cycles) == 1 else np.concatenate(cycles, axis=1)
 
 
@@ -197,7 +197,7 @@ def layer_cycles(
     half_width: float | None = None,
     spaces: int = 12,
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield the stress paths at each depth below the surface.
+    """Yield (x of the layer, x beyond it, stress paths of the bodies) for each depth.
 
     Parameters
     ----------
@@ -248,7 +248,7 @@ def layer_cycles(
 
 
 def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int) -> np.ndarray:
-    """Return x of the stress path ahead of a layer and behind it, shape (2 spaces - 2,), mm.
+    """Return x of the sparse points ahead of and behind a layer of stress paths, mm.
 
     Friction causes tension behind the contact, and the hydrostatic tension of a deep point has its
     maximum at a distance of some depths over the friction coefficient. At the distance s from a
@@ -277,7 +277,7 @@ def _columns(grid: Grid, half_width: float, more: int, depth: float, spaces: int
 
 
 def _surface_cycles(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
-    """Yield for each body its name, the stress cycles at its surface, and the mask of valid rows.
+    """Yield (body, stress cycles at its surface, mask of valid rows) for each body.
 
     A point of the surface passes the contact along a row of element corners: the cycles have the
     shape (6, n, m), with stress components, n positions in x, the last one unloaded, and m rows. A
@@ -298,7 +298,7 @@ def _surface_cycles(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarra
 
 
 def average_rows(values: np.ndarray, is_valid: np.ndarray, below: np.ndarray) -> np.ndarray:
-    """Return the mean of the valid values on both sides of every row; else the value below."""
+    """Return the mean of the valid neighbours of each row, or the value `below` without any."""
     if values.size == below.size:  # a line
         return np.where(is_valid, values, below)
     count = np.zeros(below.size)

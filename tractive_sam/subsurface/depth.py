@@ -8,7 +8,7 @@ from tractive_sam.scene import Plane, Subsurface
 
 
 def depths(subsurface: Subsurface, a: float) -> np.ndarray:
-    """Return depths from the surface to ``subsurface.depth * a``, graded towards the surface.
+    """Return the depths of [subsurface], mm, graded towards the surface.
 
     z_i = depth a (i / (n - 1))^(3/2): friction causes a second maximum at the surface, with steeper
     gradients. With the default 64 points to 1.5 a the spacing is 0.003 a at the
@@ -49,13 +49,13 @@ def semi_axes(contact: State) -> tuple[float, float]:
 
 
 def default_depths(contact: State) -> np.ndarray:
-    """Return the depths of the [subsurface] of the scene, or of its defaults, mm."""
+    """Return the depths of the scene's [subsurface], or default ones, mm."""
     subsurface = contact.scene.subsurface or Subsurface(planes=(Plane("y", 0.0),))
     return depths(subsurface, semi_axes(contact)[0])
 
 
 def check_depths(values: ArrayLike) -> np.ndarray:
-    """Return depths as an array.
+    """Return depths as an array; raise a ValueError if one is negative or not finite.
 
     Raises
     ------

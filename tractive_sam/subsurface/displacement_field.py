@@ -108,7 +108,7 @@ def elastic_energy(contact: State, laws: Laws | None = None) -> float:
 
 
 def _half_spaces(contact: State, body: str, laws: Laws | None) -> HalfSpaces:
-    """Return the bodies as half-spaces, without an interfacial layer."""
+    """Return the bodies as half-spaces, for the displacement below their surface."""
     if body not in SIGNS:
         raise ValueError(f'a body is "A" or "B", not {body!r}')
     elasticity = (laws or Laws.of_contact(contact)).elasticity

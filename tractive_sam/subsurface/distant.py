@@ -9,7 +9,7 @@ from tractive_sam.results import Grid
 
 
 class DistantLoads:
-    """Tractions of a contact as point forces, for points outside the mesh.
+    """Point forces in place of a contact's tractions, for stress far from the mesh.
 
     Blocks of elements are halved until their sides are at most `widest` times their distance; each
     block becomes four forces with its load and moments (`kernels.stress_sum.stress_around`). The
@@ -61,7 +61,7 @@ class DistantLoads:
             self._sides.append((sign, stress_sum.cumulative_sums(loads)))
 
     def stress(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,), in all rows, at k depths.
+        """Return stresses (bodies, 6, n_x, n_y, k) at distant x (n_x,) in all rows at k depths.
 
         Depths ascend from above 0; x are beyond the ends of the grid.
         """

@@ -69,6 +69,6 @@ def stress_layers(
 def _layers(
     load: LoadedBodies, depths: np.ndarray, threads: int
 ) -> Iterator[tuple[float, np.ndarray]]:
-    """Yield depths and stresses in the axes of the contact."""
+    """Yield (depth, stress of the bodies) depth by depth, in the axes of the contact."""
     for depth, stress in zip(depths, load.source.layers(depths, threads), strict=True):
         yield float(depth), load.in_contact_axes(stress)

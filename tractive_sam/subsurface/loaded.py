@@ -15,7 +15,7 @@ from tractive_sam.subsurface.source import StressSource, stress_source
 
 
 class Loading(Protocol):
-    """Scene, grid and tractions, from which stress is computed: a `State`, or its stored fields.
+    """Protocol of a loaded surface: scene, grid and tractions, as `State` has them.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class Loading(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LoadedBodies:
-    """Bodies as half-spaces z >= 0, and the transformation of stress to the axes of the contact.
+    """Bodies of a contact as half-spaces z >= 0, with their tractions and stress solver.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class LoadedBodies:
         laws: Laws | None = None,
         beyond: int = 0,
     ) -> "LoadedBodies":
-        """Return the bodies of a contact, by default with the laws of its solution.
+        """Return the loaded bodies of a contact, with the elastic law of its solution.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class LoadedBodies:
         return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:
-        """Transform stresses (bodies, 6, ...) of the half-spaces to the axes of the contact."""
+        """Return stresses of half-spaces (bodies, 6, ...) in the axes of the contact."""
         for tensor, name in zip(stress, self.names, strict=True):
             tensor[4:] *= SIGNS[name]
         return stress

@@ -95,7 +95,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
 
 def maxima_by_body(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
-    """Return the largest stress in each body of [subsurface] of the scene; see `stress_maximum`.
+    """Return the largest stress in each body of the scene's [subsurface], by body.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def maxima_by_body(contact: State, laws: Laws | None = None) -> dict[str, Maximu
 
 
 def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[str, Maximum]:
-    """Return the largest stress in bodies, which share most of the work."""
+    """Return the largest stress in each of several bodies, by body."""
     laws = laws or Laws.of_contact(contact, ("elasticity", "criterion"))
     load, criterion = LoadedBodies.from_contact(contact, bodies, laws), laws.criterion
     if not load.tractions.any():
@@ -124,7 +124,7 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
 
 
 def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tuple[float, Point]]:
-    """Return the largest maximum of each body below its surface, and its position."""
+    """Return (value, position) of the largest stress below the surface of each body."""
     depths = _search_depths(levels)
     bound, floor = np.array(surface), float(depths[0])
     bodies, tops, values = _climb_to_maxima(levels, *_starts(levels, depths), floor, bound)
@@ -138,14 +138,14 @@ def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tu
 
 
 def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
-    """Return depths, mm, from below the elements down to the deepest possible maximum."""
+    """Return the depths, mm, at which the search for the largest stress starts."""
     first, deepest = _SEARCH.shallowest * levels.side, _SEARCH.deepest * levels.half_width
     count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
     return first * levels.growth ** np.arange(count)
 
 
 def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the bodies (n,) and points (n, 3) of the largest local maxima of the layers."""
+    """Return bodies (n,) and points (n, 3) of the largest local maxima of stress layers."""
     layers = [levels.layer(depth) for depth in depths]
     none = np.empty((len(layers[0].values), 0, 0))
     values = [none, *(layer.values for layer in layers), none]
@@ -166,7 +166,7 @@ def _climb_to_maxima(
     floor: float,
     surface: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Climb from points to maxima, by Newton steps on differences.
+    """Climb from points to local maxima of stress; return bodies, points and values.
 
     A search path is abandoned if it ends at or below another one, or at the floor below a larger
     stress at the surface.

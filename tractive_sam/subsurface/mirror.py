@@ -13,6 +13,6 @@ SIGNS = {"A": 1.0, "B": -1.0}
 
 
 def tractions_on_bodies(tractions: np.ndarray, signs: Sequence[float]) -> np.ndarray:
-    """Return the tractions (bodies, 3, ...) on half-spaces with signs, from those on body A."""
+    """Return the tractions (bodies, 3, ...) on each body's half-space, from those on body A."""
     each = np.array([(sign, sign, 1.0) for sign in signs])
     return tractions * each.reshape(*each.shape, *(1,) * (tractions.ndim - 1))

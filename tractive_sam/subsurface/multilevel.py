@@ -14,7 +14,7 @@ from tractive_sam.subsurface.surface import largest_at_surface
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """Equivalent stress of all bodies at one depth.
+    """Equivalent stress of all bodies on a regular mesh of points at one depth.
 
     Attributes
     ----------
@@ -32,13 +32,13 @@ class Layer:
     values: np.ndarray
 
     def points(self, i: np.ndarray, j: np.ndarray, deeper: np.ndarray) -> np.ndarray:
-        """Return points (n, 3) at i, j steps from the first one, at a multiple of the depth, mm."""
+        """Return points (n, 3), mm, at indices i, j of the layer, at a multiple of its depth."""
         (x, y), (dx, dy) = self.first, self.steps
         return np.stack((x + i * dx, y + j * dy, self.depth * deeper), axis=1)
 
 
 class _Side:
-    """A side of the rectangle around the loaded elements of a mesh.
+    """One side (x or y) of the rectangle of blocks around the loaded elements.
 
     Parameters
     ----------
@@ -82,12 +82,12 @@ class _Side:
         self.corner = float(origin + (loaded.start - self.margin - 0.5) * step)
 
     def block(self, longest: float) -> int:
-        """Return the number of elements along the longest block up to a length in mm."""
+        """Return the number of elements (a power of two) along a block of at most this length."""
         return min(_power_of_two(longest / self.step), self.coarsest)
 
 
 class MultiLevel:
-    """Stress of the bodies of a contact under its tractions, at several resolutions.
+    """Stress below a contact at several resolutions, to search its maximum.
 
     Parameters
     ----------
@@ -140,7 +140,7 @@ class MultiLevel:
         self._levels: dict[tuple[int, int], StressLayers] = {}
 
     def layer(self, depth: float) -> Layer:
-        """Return the stress at the centres of blocks with sides up to the depth, or of elements."""
+        """Return the stress layer at a depth, on blocks that grow with the depth."""
         x, y = self._x, self._y
         bx, by = x.block(depth), y.block(depth)
         if (bx, by) not in self._levels:
@@ -155,7 +155,7 @@ class MultiLevel:
     def around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
-        """Return the equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
+        """Return the equivalent stress (m, n) at points (m, n, 3) near the points `around` (m, 3).
 
         The error is some 1e-3, with `closely` some 1e-5, and the stress is smooth: distant
         elements are combined in equal blocks for all the points.
@@ -167,7 +167,7 @@ class MultiLevel:
         return self._criterion(stress)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
-        """Return the largest stress of each body at the surface, MPa, and its position, mm.
+        """Return (value, position) of the largest stress at the surface of each body.
 
         It includes positions with stress that the mesh cannot resolve (`subsurface.surface`).
 
@@ -186,7 +186,7 @@ class MultiLevel:
         return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in largest]
 
     def _means(self, bx: int, by: int) -> np.ndarray:
-        """Return tractions (3, ...) on blocks, as means of the two halves of the longer side."""
+        """Return mean tractions (3, ...) on blocks of bx by by elements."""
         if (bx, by) == (1, 1):
             return self._tractions
         if bx >= by:
@@ -197,5 +197,5 @@ class MultiLevel:
 
 
 def _power_of_two(largest: float) -> int:
-    """Return the largest power of two up to a number, at least 1."""
+    """Return the largest power of two that does not exceed a number, at least 1."""
     return 1 << max(1, int(largest)).bit_length() - 1

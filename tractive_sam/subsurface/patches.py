@@ -9,7 +9,7 @@ from tractive_sam.kernels import stress_sum
 
 @dataclass(frozen=True, eq=False)
 class PatchLoads:
-    """Loaded elements of a half-space.
+    """Loaded elements (patches) of a half-space, for stress at any points.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class PatchLoads:
         tractions: np.ndarray,
         poisson: float,
     ) -> "PatchLoads":
-        """Return the loaded elements of a mesh with centres x, y and tractions (3, n_x, n_y)."""
+        """Return the patches of a mesh that carry tractions (3, n_x, n_y)."""
         i, j = np.nonzero(tractions.any(axis=0))
         loads = np.ascontiguousarray(tractions[:, i, j].T)
         return cls(np.stack((x[i], y[j]), axis=1), loads, sides, poisson)

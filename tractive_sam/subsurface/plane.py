@@ -60,7 +60,7 @@ def stress_on_planes(
     depths: ArrayLike | None = None,
     laws: Laws | None = None,
 ) -> Iterator[PlaneStress]:
-    """Yield the stress of bodies on planes: for each plane, each body.
+    """Yield the stress on each plane in each body, plane by plane.
 
     Two bodies cost little more than one: they share most of the work.
 
@@ -111,7 +111,7 @@ def _position(contact: State, plane: Plane) -> float:
 def _on_plane(
     contact: State, plane: Plane, position: float, load: LoadedBodies, depths: np.ndarray
 ) -> Iterator[PlaneStress]:
-    """Yield the stress of each body on a plane at a position, mm."""
+    """Yield the stress of each body on one plane."""
     grid = contact.grid
     if plane.axis == "z":
         axes = {"x": grid.x, "y": grid.y}

@@ -17,7 +17,7 @@ from tractive_sam.subsurface.strips import StripLevels, StripLoads
 
 
 class StressSource(Protocol):
-    """Stress in half-spaces z >= 0 under the tractions on the elements of a grid.
+    """Protocol of stress solvers for half-spaces under tractions on a grid.
 
     Stresses have the order of `results.plane_stress.COMPONENTS`, MPa.
     """
@@ -37,13 +37,13 @@ class StressSource(Protocol):
         """Return stresses (bodies, 6, n) at points (n, 3)."""
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths.
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths.
 
         They are in all rows of the grid; depths are above 0.
         """
 
     def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
-        """Return the resolutions in which the largest equivalent stress is searched."""
+        """Return the object with which the largest equivalent stress is searched."""
 
 
 @singledispatch
@@ -54,7 +54,7 @@ def stress_source(
     grid: Grid,
     tractions: np.ndarray,
 ) -> StressSource:
-    """Return the method for the elastic law of the bodies.
+    """Return the stress solver for bodies with a kind of elastic law.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def stress_source(
 
 
 class PatchStress:
-    """Half-spaces under patches of traction; see `stress_source` for the parameters."""
+    """Stress solver for half-spaces under tractions on rectangular elements."""
 
     def __init__(
         self,
@@ -110,14 +110,14 @@ class PatchStress:
         return np.stack([plane.at(depth) for depth in depths], axis=-1)
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
         grid, sides = self._grid, (self._grid.dx, self._grid.dy)
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
         patches = [PatchLoads.on_mesh(grid.x, grid.y, sides, on_body, nu) for on_body, nu in each]
         return np.stack([patch.stress(points).T for patch in patches])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths.
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths.
 
         See `DistantLoads` for the error.
         """
@@ -125,12 +125,12 @@ class PatchStress:
         return loads.stress(x, depths)
 
     def levels(self, criterion: StressCriterion) -> MultiLevel:
-        """Return the resolutions in which the largest equivalent stress is searched."""
+        """Return the object with which the largest equivalent stress is searched."""
         return MultiLevel(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 
 class StripStress:
-    """Half-spaces under strips of traction; see `stress_source` for the parameters."""
+    """Stress solver for half-spaces under tractions on strips (line contact)."""
 
     def __init__(
         self, bodies: Sequence[Strips], signs: Sequence[float], grid: Grid, tractions: np.ndarray
@@ -155,13 +155,13 @@ class StripStress:
         return self.at(points)[:, :, None]
 
     def at(self, points: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n) at points (n, 3) (`StressSource.at`)."""
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
         each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
         strips = [StripLoads.on_grid(self._grid, on_body, nu) for on_body, nu in each]
         return np.stack([strip.stress(points).T for strip in strips])
 
     def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
-        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) outside the grid and k depths.
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths.
 
         The sum over the elements is exact.
         """
@@ -170,17 +170,17 @@ class StripStress:
         return stress.reshape(len(stress), 6, x.size, 1, depths.size)
 
     def levels(self, criterion: StressCriterion) -> StripLevels:
-        """Return the resolutions in which the largest equivalent stress is searched."""
+        """Return the object with which the largest equivalent stress is searched."""
         return StripLevels(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 
 @stress_source.register
 def _patch_stress(body: HalfSpaces, *of_bodies) -> PatchStress:
-    """Return the method for half-spaces: patches of traction."""
+    """Return the stress solver for half-spaces under rectangular elements."""
     return PatchStress(*of_bodies)
 
 
 @stress_source.register
 def _strip_stress(body: Strips, *of_bodies) -> StripStress:
-    """Return the method for a line contact: strips of traction."""
+    """Return the stress solver for a line contact."""
     return StripStress(*of_bodies)

@@ -16,7 +16,7 @@ from tractive_sam.subsurface.surface import largest_at_surface
 
 @dataclass(frozen=True, eq=False)
 class StripLoads:
-    """Strips of traction on a half-space, by their edges.
+    """Loaded strips of a half-space (line contact), for stress at any points.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class StripLoads:
 
     @classmethod
     def on_grid(cls, grid: Grid, tractions: np.ndarray, poisson: float) -> "StripLoads":
-        """Return the strips of the grid of a line contact with tractions (3, n_x, 1)."""
+        """Return the loaded strips of a line contact's grid, from tractions (3, n_x, 1)."""
         jumps = np.diff(tractions[:, :, 0].T, axis=0, prepend=0.0, append=0.0)
         edges = np.append(grid.x - 0.5 * grid.dx, grid.x[-1] + 0.5 * grid.dx)
         loaded = jumps.any(axis=1)
@@ -52,7 +52,7 @@ class StripLoads:
 
 
 class StripLevels:
-    """Stress below a line contact, in place of `MultiLevel`: strips are few, and need no blocks.
+    """Stress below a line contact, to search its maximum (`MultiLevel` without blocks).
 
     Parameters
     ----------
@@ -90,14 +90,14 @@ class StripLevels:
         self._strips = [StripLoads.on_grid(grid, on_body, nu) for on_body, nu in each]
 
     def layer(self, depth: float) -> Layer:
-        """Return the stress at the element centres."""
+        """Return the stress layer at a depth, at the element centres."""
         values = self._criterion(self._layers.at(depth).swapaxes(0, 1))
         return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), values)
 
     def around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
-        """Return the equivalent stress (m, n) of bodies (m,) at points (m, n, 3) near some (m, 3).
+        """Return the equivalent stress (m, n) at points (m, n, 3) near the points `around` (m, 3).
 
         The sum over the elements is exact.
         """
@@ -107,7 +107,7 @@ class StripLevels:
         return values
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
-        """Return the largest stress of each body at the surface, MPa, and its position, mm.
+        """Return (value, position) of the largest stress at the surface of each body.
 
         The stress is evaluated at the edges of strips.
         """

@@ -28,7 +28,7 @@ def largest_at_surface(
     sliding: np.ndarray,
     criterion: StressCriterion,
 ) -> list[tuple[float, float, float]]:
-    """Return the largest equivalent stress at the surface of each body, and its position.
+    """Return (value, i, j), in elements, of the largest surface stress of each body.
 
     Positions are the corners of four loaded elements, the edge of the contact, and the border
     between stick and slip.
@@ -75,7 +75,7 @@ def _between_elements(
     signs: Sequence[float],
     tractions: np.ndarray,
 ) -> np.ndarray:
-    """Return the stress (bodies, 6, ...) of `operators.surface_stress`, once for equal bodies."""
+    """Return the surface stress (bodies, 6, ...) between elements; equal bodies share work."""
     if all(body == bodies[0] for body in bodies):
         return surface_stress(lattice, bodies[0], tractions, signs)
     each = zip(bodies, signs, strict=True)
@@ -85,7 +85,7 @@ def _between_elements(
 def surface_cycles(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the stress path of the surface along every row of corners.
+    """Return stress paths along rows of corners at the surface, and a mask of valid rows.
 
     It contains the positions of `largest_at_surface` in the row, and corners without load;
     elsewhere the material counts as unloaded.
@@ -125,7 +125,7 @@ def surface_cycles(
 def surface_points(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the stress of a surface at the corners of elements, one or more at each of them.
+    """Return surface stresses, their columns and rows of corners, and a mask of loaded rows.
 
     At an edge of the contact or of stick it is the stress on the smooth side, at the nearest
     corner; if this is not known, the stress between the elements. Parameters as for
@@ -153,7 +153,7 @@ def surface_points(
 def _surface_stresses(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return the surface stress at element corners and at edges of contact and of stick, MPa.
+    """Return surface stresses at element corners and at edges of contact and of stick, MPa.
 
     Parameters as for `surface_cycles`; `sliding` is a mask.
 

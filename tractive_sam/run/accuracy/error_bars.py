@@ -103,7 +103,7 @@ class Sample:
         maxima: Mapping[str, Maximum],
         fatigue: Mapping[str, BodyFatigue] | None = None,
     ) -> Self:
-        """Return the sample of a contact, the largest stresses in its bodies, and their fatigue."""
+        """Return the sample of a contact: its values, largest stresses and fatigue values."""
         fatigue = fatigue or {}
         numbers = _contact_numbers(contact)
         for body, stress in maxima.items():
