@@ -22,7 +22,7 @@ from tractive_sam.results import History
 
 @apply_style
 def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
-    """Draw the pressure and the worn profile at the stored revolutions, as an animated GIF.
+    """Draw pressure and worn profile at the stored revolutions as an animated GIF; return its path.
 
     For a [transient] it shows the traction and the edge of stick at the stored distances.
 
@@ -84,21 +84,21 @@ def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
 
 
 def _rasterize(figure: Figure, dpi: int = 110) -> Image.Image:
-    """Return the figure as pixels."""
+    """Return a figure as an image of pixels."""
     memory = BytesIO()
     figure.savefig(memory, format="png", dpi=dpi)
     return Image.open(memory).convert("RGB")
 
 
 def _views(history: History, max_frames: int = 100) -> Iterator[ContactView]:
-    """Yield the stored contacts; of many records some are omitted, as all pictures need memory."""
+    """Yield the contacts of the stored records, of at most `max_frames`."""
     for at in select_evenly(history.saved, max_frames):
         interrupt.raise_if_interrupted()
         yield ContactView.from_source(history, at)
 
 
 def _envelope(history: History) -> ContactView:
-    """Return a contact with the largest pressure and wear of each element in any record."""
+    """Return a contact with the largest pressure and wear of each element over all records."""
     views = _views(history)
     envelope = next(views)
     for view in views:
@@ -110,7 +110,7 @@ def _envelope(history: History) -> ContactView:
 
 
 def _draw_wear(chart: ContactMap, envelope: ContactView) -> None:
-    """Draw the pressure, and the worn profile next to it."""
+    """Draw one frame: the pressure map with the worn profile next to it."""
     view, frame, layout = chart.view, chart.frame, MapLayout.current()
     p = view.scale.pressure
     highest = envelope.contact.pressure.max() / p
@@ -127,7 +127,7 @@ def _draw_wear(chart: ContactMap, envelope: ContactView) -> None:
 
 
 def _draw_traction(chart: ContactMap, envelope: ContactView) -> None:
-    """Draw the traction and the moving edge of stick.
+    """Draw one frame: the traction map with the edge of stick.
 
     The colours end at the largest contact pressure of all records: no traction is larger.
     """

@@ -18,7 +18,7 @@ from tractive_sam.plot.zones import draw_contact_edge, draw_stick_edge, extend_o
 
 @dataclass(frozen=True)
 class MapLayout:
-    """Distances around maps, inches: automatic layouts do not preserve the ratio of the sides."""
+    """Distances between maps, labels and edges of a figure, inches."""
 
     left: float = 0.65
     right: float = 1.15
@@ -33,17 +33,17 @@ class MapLayout:
 
     @classmethod
     def current(cls) -> Self:
-        """Return the distances at the present size of fonts."""
+        """Return the distances for the present size of fonts."""
         scale = current_options().font_scale
         return cls(*(scale * distance for distance in vars(cls()).values()))
 
     def row_width(self, frame: MapFrame, count: int) -> float:
-        """Return the width of a figure with several maps side by side."""
+        """Return the width, inches, of a figure with `count` maps side by side."""
         return self.left + count * (frame.width + self.gap) - self.gap + self.right
 
 
 class ContactMap:
-    """Axes over one contact, with its edge.
+    """Axes on which one contact is drawn as a map, with its edge.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class ContactMap:
 
     @classmethod
     def single(cls, view: ContactView, quantity: str, scaled: bool = True) -> tuple[Figure, Self]:
-        """Return a figure with one map, and the map, under the title of scene and quantity."""
+        """Return a figure with one map of a contact, and the map."""
         layout, frame = MapLayout.current(), MapFrame.from_contacts(view, width=0.72 * LOOK.width)
         width = max(layout.left + frame.width + layout.right, 0.72 * LOOK.width)
         quantity += (view.edge_note if frame.width <= layout.narrow else "") + frame.stretch_note
@@ -77,7 +77,7 @@ class ContactMap:
 
     @classmethod
     def row(cls, views: Sequence[ContactView], quantity: str) -> tuple[Figure, list[Self]]:
-        """Return a figure with maps side by side, and the maps, each under its position."""
+        """Return a figure with the maps of several contacts side by side, and the maps."""
         layout = MapLayout.current()
         frame = MapFrame.from_contacts(*views, width=1.7 * LOOK.width / len(views))
         first = views[0]
@@ -94,7 +94,7 @@ class ContactMap:
         return figure, maps
 
     def fill(self, values: np.ndarray, *, finest: int = 600, **style: Any) -> QuadMesh:
-        """Colour the contact by values at the elements, which are ignored outside.
+        """Colour the contact area by values at the elements; return the mesh for a colour bar.
 
         A print has no more dots than `finest` elements on a side: of finer meshes some are omitted.
         """
@@ -106,7 +106,7 @@ class ContactMap:
         return mesh
 
     def fill_up_to_edge(self, values: np.ndarray, **style: Any) -> QuadMesh:
-        """Colour the contact by values that do not vanish at its edge."""
+        """Colour the contact area by values that are extended up to its edge."""
         return self.fill(extend_outwards(values, self.view.contact.touching), **style)
 
     def fill_zones(self, stick: str, slip: str) -> None:
@@ -129,7 +129,7 @@ class ContactMap:
     def draw_arrows(
         self, vectors: np.ndarray, where: np.ndarray, color: str, *, across: int = 14
     ) -> None:
-        """Draw vectors at some elements; the longest is as long as their distance.
+        """Draw vectors as arrows at some elements; the longest one spans their distance.
 
         Parameters
         ----------
@@ -162,14 +162,14 @@ class ContactMap:
 
 
 def add_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:
-    """Add axes at a place of a figure, inches."""
+    """Return new axes at a position in a figure, inches."""
     figure_width, figure_height = figure.get_size_inches().tolist()
     box = left / figure_width, bottom / figure_height, width / figure_width, height / figure_height
     return figure.add_axes(box)
 
 
 def add_bar_axes(figure: Figure, right: float, bottom: float, height: float) -> Axes:
-    """Add axes of a colour bar next to a map that ends at `right`, inches.
+    """Return new axes for a colour bar next to a map that ends at `right`, inches.
 
     It has at least its shortest height, and extends below a flat map.
     """
@@ -179,7 +179,7 @@ def add_bar_axes(figure: Figure, right: float, bottom: float, height: float) -> 
 
 
 def share_y_axis(charts: Sequence[Axes]) -> None:
-    """Leave the labels of the y axis to the first of several axes side by side."""
+    """Remove the y labels of all but the first of several axes side by side."""
     for axes in charts[1:]:
         axes.set_ylabel("")
         axes.tick_params(labelleft=False)
@@ -188,7 +188,7 @@ def share_y_axis(charts: Sequence[Axes]) -> None:
 def new_map_figure(
     width: float, frame: MapFrame, title: str, below: float = 0.0, positions: bool = False
 ) -> Figure:
-    """Return a figure for maps under a title, of as many lines as it needs.
+    """Return a figure for maps with a wrapped title, as high as both need.
 
     Parameters
     ----------
@@ -211,6 +211,6 @@ def new_map_figure(
 
 
 def _select_spaced(centres: np.ndarray, spacing: float) -> np.ndarray:
-    """Return indices of centres at about that spacing, symmetric about the middle."""
+    """Return indices of elements at about this spacing, symmetric about the middle."""
     step = max(1, round(spacing / (centres[1] - centres[0])))
     return np.arange(len(centres) // 2 % step, len(centres), step)

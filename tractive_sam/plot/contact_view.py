@@ -20,7 +20,7 @@ from tractive_sam.results import REVOLUTION, History, Quantity, State
 )
 @dataclass(frozen=True, eq=False)
 class ContactView:
-    r"""A contact with its scale and its place in a history.
+    r"""Contact as figures draw it: with its scale and its position in a history.
 
     Attributes
     ----------
@@ -72,22 +72,22 @@ class ContactView:
 
     @property
     def x(self) -> np.ndarray:
-        """Centres of the elements in the rolling direction, mm."""
+        """Centres of the elements in the rolling direction, mm, shape (n_x,)."""
         return self.contact.grid.x
 
     @property
     def y(self) -> np.ndarray:
-        """Centres of the elements in the lateral direction, mm."""
+        """Centres of the elements in the lateral direction, mm, shape (n_y,)."""
         return self.contact.grid.y
 
     @property
     def columns(self) -> Mapping[str, Quantity]:
-        """Columns of the history."""
+        """Columns of the history of the contact, by name."""
         return {} if self.history is None else self.history.columns
 
     @property
     def title(self) -> str:
-        """Title of the scene; it says whether the contact is not a solution."""
+        """Title of the scene, with a note if the contact is not solved."""
         note = "" if self.contact.converged else f"not converged: {self.contact.status}"
         return ", ".join(filter(None, (self.contact.scene.title, note)))
 
@@ -110,12 +110,12 @@ class ContactView:
 
     @property
     def edge_note(self) -> str:
-        """Note on the leading edge, after the name of x; empty for shifts without rolling."""
+        """Note on the side of the leading edge, for the label of x; empty for shifts."""
         return "" if self.contact.scene.schedule.shifts else ", leading edge right"
 
     @property
     def position(self) -> str:
-        """Position in the history, as math text."""
+        """Position of the contact in its history (revolution, distance) as math text."""
         return math_value(self.coordinate, self.at)
 
     @property
@@ -145,7 +145,7 @@ class ContactView:
 
     @property
     def bound_ratios(self) -> tuple[float, float]:
-        """Largest |p_x|/p_n and |p_y|/p_n that friction allows."""
+        """Largest |p_x|/p_n and |p_y|/p_n that friction allows, for scales of figures."""
         if self.contact.frame is None:
             return 0.0, 0.0
         x, y = np.linalg.norm(self.contact.frame.matrix, axis=0).tolist()
@@ -153,7 +153,7 @@ class ContactView:
 
 
 def select_evenly(saved: np.ndarray, count: int = 8) -> np.ndarray:
-    """Return at most that many of the values, the first and the last among them.
+    """Return at most `count` of some values, evenly spaced, with the first and the last.
 
     Examples
     --------

@@ -87,7 +87,7 @@ def block_shares(history: History) -> Figure:
 
 
 def _has_wear_regimes(history: History) -> bool:
-    """Return whether the wear laws of the scene depend on the body, the block or the work."""
+    """Return whether the scene's wear laws have regimes, or differ by body or block."""
     scene = history.scene
     if "wear" in history.law_records or not scene.has("wear") or not len(history.saved):
         return False
@@ -142,7 +142,7 @@ def wear_regimes(source: History | State, laws: ts.Laws | None = None) -> Figure
 
 
 def _add_legend(figure: Figure, rows: int = 12) -> None:
-    """Add a legend next to the axes, in as many columns as its entries need."""
+    """Add a legend next to the axes, in columns of at most `rows` entries."""
     entries = sum(len(axes.get_legend_handles_labels()[1]) for axes in figure.axes)
     columns = -(-entries // rows)
     width, height = figure.get_size_inches().tolist()
@@ -153,7 +153,7 @@ def _add_legend(figure: Figure, rows: int = 12) -> None:
 
 
 def _last_contacts(source: History | State) -> dict[str, State]:
-    """Return the last stored contact of each block by its name; of others under an empty name."""
+    """Return the last stored contact of each block by name ("" without blocks)."""
     if isinstance(source, State):
         return {"": source}
     blocks = {name: source.block(k) for k, name in enumerate(source.block_names)}
@@ -161,7 +161,7 @@ def _last_contacts(source: History | State) -> dict[str, State]:
 
 
 def _wear_law(contact: State, laws: ts.Laws | None, *, warm: bool) -> ts.WearLaw | None:
-    """Return the law of wear, at the temperature of the contact or as it is without heat."""
+    """Return the wear law of a contact, at its temperature if `warm`; None without wear."""
     # Loads compilers, which no other figure needs.
     from tractive_sam.contact import Laws, Model, wear_law_at  # noqa: PLC0415
 
@@ -197,7 +197,7 @@ def _frictional_work(contact: State) -> np.ndarray:
 def _draw_elements(
     axes: Axes, name: str, contact: State, laws: ts.Laws | None, lowest: float
 ) -> bool:
-    """Draw the elements of a contact with more than the lowest work; return whether any wears."""
+    """Draw wear rate over work of a contact's elements; return whether any element wears."""
     work, rates = _frictional_work(contact), _wear_rates(contact, laws)
     alike = len(rates) == 2 and np.allclose(rates["A"], rates["B"], rtol=1e-9)
     has_elements = False
@@ -214,7 +214,7 @@ def _draw_elements(
 def _draw_laws(
     axes: Axes, contact: State, laws: ts.Laws | None, limits: tuple[float, float]
 ) -> None:
-    """Draw the laws of the bodies that have regimes of work, and the limits of the regimes."""
+    """Draw the wear laws of the bodies over work, with the limits of their regimes."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
     label = "law, without heat" if wear is not None and wear.temperature else "law"
     lines: list[object] = []

@@ -86,7 +86,7 @@ def wear_over_revolutions(history: History) -> Figure:
 def _map_row(
     history: History, quantity: str, values: Callable[[ContactView], np.ndarray], count: int = 6
 ) -> tuple[list[ContactMap], float]:
-    """Return maps of the stored contacts, at most that many, and the largest value in them."""
+    """Return maps of at most `count` stored contacts, and the largest value in them."""
     views = [ContactView.from_source(history, at) for at in select_evenly(history.saved, count)]
     views = [view for view in views if view.contact.touching.any()] or views
     _, charts = ContactMap.row(views, quantity)

@@ -55,12 +55,12 @@ _WEARS = Need(lambda history: "worn_volume" in history.columns, "wear: add [wear
 
 
 def _each_body(history: History) -> list[dict[str, str]]:
-    """Return the arguments of figures of each body with a stress cycle."""
+    """Return the arguments {"body": ...} of the figures of each body with fatigue."""
     return [{"body": body} for body in history.cycles]
 
 
 def _each_damaged_body(history: History) -> list[dict[str, str]]:
-    """Return the arguments of figures of each body with damage."""
+    """Return the arguments {"body": ...} of the figures of each body with damage."""
     return [{"body": b} for b in history.cycles if history.fatigue(b).damage_max[0] > 0.0]
 
 
@@ -110,7 +110,7 @@ def shakedown_map(history: History) -> Figure:
 
 
 def _draw_limits(axes: Axes, history: History, force: float, load: float) -> None:
-    """Draw the limits of shakedown of both bodies; the triangles of B are open and larger."""
+    """Draw the shakedown limits of both bodies as triangles, those of B open and larger."""
     limits = (
         ("shakedown_lower", "^", "certain up to"),
         ("shakedown_upper", "v", "impossible above"),
@@ -308,7 +308,7 @@ _MARK: dict[str, Any] = {
 
 
 def _add_shakedown_note(figure: Figure, history: History, body: str) -> None:
-    """Add a note if the stress exceeds the shakedown limit, as elastic stress is not real there."""
+    """Add a note to a figure if the stress exceeds the shakedown limit."""
     if "shakedown_lower" not in history.columns:
         return
     if np.nanmin(history["shakedown_lower"][:, BODIES.index(body)]) < 1.0:
@@ -317,7 +317,7 @@ def _add_shakedown_note(figure: Figure, history: History, body: str) -> None:
 
 
 def _wear_rate(history: History, body: str) -> np.ndarray:
-    """Return the wear depth per revolution by the last two records, mm, shape (n_y,)."""
+    """Return the wear depth per revolution from the last two records, mm, shape (n_y,)."""
     rows = _solved_rows(history)
     depth, N = history[f"wear_profile_{body}"][rows], history[history.coordinate.name][rows]
     if len(N) < 2:
@@ -326,12 +326,12 @@ def _wear_rate(history: History, body: str) -> np.ndarray:
 
 
 def _solved_rows(history: History) -> np.ndarray:
-    """Return the rows of the records with a solved contact: an unsolved last one has no damage."""
+    """Return the indices of the records with a solved contact."""
     return np.flatnonzero(history["converged"])
 
 
 def _new_sections(history: History, quantity: str, count: int) -> tuple[Figure, list[Axes]]:
-    """Return a figure and its panels over (y, depth) side by side."""
+    """Return a figure with `count` panels over (y, depth) side by side, and the panels."""
     figure = new_figure(0.75 + 0.45 * count, 0.75)
     charts = list(figure.subplots(1, count, squeeze=False, sharey=True)[0])
     scale = Scale.from_history(history)
@@ -343,14 +343,14 @@ def _new_sections(history: History, quantity: str, count: int) -> tuple[Figure, 
 def _draw_values(
     axes: Axes, y: np.ndarray, depth: np.ndarray, values: np.ndarray, **style: Any
 ) -> QuadMesh:
-    """Colour values of shape (n_y, depths), or (1, depths) if they are equal at all y."""
+    """Colour a section (y, depth) by values of shape (n_y, depths); return the mesh."""
     style["shading"] = "gouraud" if np.isfinite(values).all() else "nearest"
     values = np.broadcast_to(values.T, (depth.size, y.size))
     return axes.pcolormesh(y, depth, values, rasterized=True, **style)
 
 
 def _set_section(axes: Axes, fatigue: BodyFatigue, scale: Scale) -> np.ndarray:
-    """Set axes to the stressed part of the section, depth downwards, and return y on its axis.
+    """Set the limits of axes to the stressed section of a body; return y in their units.
 
     A line contact is equal at all y: its section has two places.
     """
@@ -367,7 +367,7 @@ def _set_section(axes: Axes, fatigue: BodyFatigue, scale: Scale) -> np.ndarray:
 
 
 def _draw_damage(axes: Axes, history: History) -> None:
-    """Draw the largest damage of each body, and the revolution of crack initiation."""
+    """Draw the largest damage of each body over the course, and crack initiation."""
     highest = np.nanmax(history["damage"])
     for k, body in _fatigue_bodies(history):
         draw_column(axes, history, "damage", body, color=LOOK.bodies[body], label=f"body {body}")
@@ -381,13 +381,13 @@ def _draw_damage(axes: Axes, history: History) -> None:
 
 
 def _draw_utilisation(axes: Axes, history: History) -> None:
-    """Draw the utilisation of each body, inside and at its surface."""
+    """Draw the utilisation of each body over the course, inside and at the surface."""
     _draw_interior_and_surface(axes, history, "utilisation")
     axes.set_ylabel("utilisation")
 
 
 def _draw_shakedown(axes: Axes, history: History) -> None:
-    """Draw the load factor up to which shakedown is certain, inside and at the surface."""
+    """Draw the lower shakedown factor of each body over the course."""
     _draw_interior_and_surface(axes, history, "shakedown")
     axes.axhline(1.0, color=LOOK.grey, linewidth=0.8)
     axes.set_ylabel("certain up to (load factor)")
@@ -401,7 +401,7 @@ _COURSES: dict[str, Callable[[Axes, History], None]] = {
 
 
 def _draw_interior_and_surface(axes: Axes, history: History, name: str) -> None:
-    """Draw a quantity of each body: solid in the interior, dashed at the surface."""
+    """Draw a column of each body over the course: solid inside, dashed at the surface."""
     for kind, style in (("interior", "-"), ("surface", "--")):
         for _, body in _fatigue_bodies(history):
             label = f"{body}, {kind}"
@@ -411,7 +411,7 @@ def _draw_interior_and_surface(axes: Axes, history: History, name: str) -> None:
 
 
 def _fatigue_bodies(history: History) -> list[tuple[int, str]]:
-    """Return the index and the name of each body of [fatigue]."""
+    """Return (index, name) of each body of [fatigue]."""
     return [
         (BODIES.index(body), body) for body in required(history.scene.fatigue, "fatigue").bodies
     ]

@@ -17,7 +17,7 @@ from tractive_sam.safe_text import printable_text
 
 
 class InsideLayout(ConstrainedLayoutEngine):
-    """Constrained layout that leaves no label outside of the figure.
+    """Layout engine of matplotlib that moves all labels into the figure.
 
     The size of the axes depends on the labels of their ticks, and the number of ticks on the size
     of the axes. Constrained layout may alternate between two sets of ticks: it then reserves space
@@ -26,7 +26,7 @@ class InsideLayout(ConstrainedLayoutEngine):
     """
 
     def execute(self, fig: matplotlib.figure.Figure) -> None:
-        """Lay out a figure, a second time if anything is outside of its padding."""
+        """Lay out a figure, twice if a label is outside at first."""
         self.set(rect=(0.0, 0.0, 1.0, 1.0))
         super().execute(fig)
         box, size = fig.get_tightbbox(), fig.get_size_inches()
@@ -40,7 +40,7 @@ class InsideLayout(ConstrainedLayoutEngine):
 
 
 class Figure(matplotlib.figure.Figure):
-    """A figure that a notebook displays once, as the value of a cell.
+    """Figure of matplotlib that a notebook displays once, as the value of a cell.
 
     It belongs to no window and no list of figures, so nothing else draws it there. By default its
     layout leaves all labels inside.
@@ -90,18 +90,18 @@ class Figure(matplotlib.figure.Figure):
         write_file(path, memory.getbuffer())
 
     def _repr_png_(self) -> tuple[bytes, dict[str, float]]:
-        """Return the picture, and its size on the page."""
+        """Return the figure as PNG for notebooks, and its size on the page."""
         width, height = (float(round(side * self.dpi)) for side in self.get_size_inches())
         return self._png(self.dpi), {"width": width, "height": height}
 
     def to_html(self, width: float) -> Html:
-        """Return the figure as an image of a page, with its width in pixels."""
+        """Return the figure as an HTML image of a width in pixels."""
         encoded = b64encode(self._png(width / self.get_figwidth())).decode()
         image = '<img alt="figure" src="data:image/png;base64,$encoded" width="$width">'
         return fill(image, encoded=encoded, width=f"{width:.0f}")
 
     def _png(self, dpi: float, sharpness: float = 2.0) -> bytes:
-        """Return the picture with more dots than pixels, as many as sharp screens have."""
+        """Return the figure as PNG, with `sharpness` dots per pixel."""
         memory = BytesIO()
         self.savefig(memory, format="png", dpi=sharpness * dpi)
         return memory.getvalue()

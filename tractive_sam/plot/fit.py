@@ -13,7 +13,7 @@ from tractive_sam.plot.style import LOOK, apply_style, new_axes, new_figure, set
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedCurve(ShortArrays):
-    """Measured values of one observation, and the fitted model.
+    """Measured values of one observation beside the fitted model, to be drawn.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
 
 
 def _spans_decades(values: np.ndarray) -> bool:
-    """Return whether values are positive, and the largest is 30 times the smallest."""
+    """Return whether all values are positive, and the largest is 30 times the smallest."""
     return bool(values.min() > 0.0 and values.max() > 30.0 * values.min())
 
 
@@ -198,7 +198,7 @@ def confidence_ellipses(
 
 
 def _ellipses(axes, centre: np.ndarray, deviations: np.ndarray, correlation: float) -> None:
-    """Draw the ellipses of two parameters."""
+    """Draw the 68 and 95 % ellipses of two parameters."""
     matrix = np.array([[1.0, correlation], [correlation, 1.0]])
     sizes, vectors = np.linalg.eigh(matrix)
     # Radii of the circles that hold 68 and 95 % of a normal distribution of two variables.

@@ -39,7 +39,7 @@ def save_all(
     width: float | None = None,
     measured: Measurements | None = None,
 ) -> list[Path]:
-    """Draw every figure that applies to a history and is not empty.
+    """Draw and save every figure that applies to a history; return the paths.
 
     Figures of one contact are drawn for the first and the last stored record in which the bodies
     touch; their names end in its revolution.
@@ -104,7 +104,7 @@ def save_all(
 
 
 def _draw_in_width(drawing: Drawing, width: float | None) -> Figure:
-    """Return a figure of a given width, mm; by default of its usual width.
+    """Return a drawn figure, in a width in mm if one is given.
 
     Fonts have a smallest size, so the width of a figure is not in proportion to its scale.
     """
@@ -118,7 +118,7 @@ def _draw_in_width(drawing: Drawing, width: float | None) -> Figure:
 
 
 def list_figures(history: History) -> list[Drawing]:
-    """List the figures of a history, with captions, without drawing them.
+    """Return the figures that apply to a history, with captions, not yet drawn.
 
     The figures of one contact come first: of the first and the last stored record in which the
     bodies touch.
@@ -143,7 +143,7 @@ def list_figures(history: History) -> list[Drawing]:
 
 @cache
 def _register_installed() -> None:
-    """Import the modules of installed packages that register figures, by their entry points."""
+    """Import the modules of installed packages that register further figures."""
     for point in entry_points(group="tractive_sam.figures"):
         try:
             point.load()

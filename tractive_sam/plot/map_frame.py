@@ -17,7 +17,7 @@ TICK_SPACE = 0.3
 
 @dataclass(frozen=True)
 class MapFrame:
-    """A rectangle in half widths a, or mm; true to scale on paper, unless it is too slender.
+    """Rectangle around contacts that a map shows, true to scale unless too slender.
 
     Attributes
     ----------
@@ -36,7 +36,7 @@ class MapFrame:
 
     @classmethod
     def from_contacts(cls, *views: ContactView, width: float, margin: float = 0.15) -> Self:
-        """Return the frame around several contacts.
+        """Return the frame around several contacts, for maps of this width, inches.
 
         Parameters
         ----------
@@ -72,7 +72,7 @@ class MapFrame:
         longest: float = 5.5,
         shortest: float = 0.85,
     ) -> Self:
-        """Return the frame of given sides.
+        """Return the frame between given sides, for maps of this width, inches.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class MapFrame:
 
     @property
     def stretch_note(self) -> str:
-        """Note that the frame is not true to scale; empty if it is."""
+        """Note that the map is not true to scale; empty if it is."""
         x, y = self.units_per_inch
         if abs(y / x - 1.0) < 1e-6:  # rounding
             return ""
@@ -105,11 +105,11 @@ class MapFrame:
         return f", stretched {times:.2g} times {axis}"
 
     def arrow_spacing(self, number: int) -> float:
-        """Return the distance of arrows, inches; `number` of them span a square of this area."""
+        """Return the distance of arrows, inches, for about `number` squared in a square map."""
         return float(np.sqrt(self.width * self.height)) / number
 
     def apply_to(self, axes: Axes, xlabel: str, ylabel: str) -> None:
-        """Set the limits, the aspect, the ticks and the labels of axes."""
+        """Set limits, aspect, ticks and labels of axes to those of the frame."""
         for axis, length in ((axes.xaxis, self.width), (axes.yaxis, self.height)):
             count = min(5, int(length / (current_options().font_scale * TICK_SPACE)))
             axis.set_major_locator(MaxNLocator(max(count, 2), steps=[1, 2, 5, 10], min_n_ticks=3))

@@ -16,7 +16,7 @@ from tractive_sam.results import BODIES, History
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurements(ShortArrays):
-    """Measured values along the coordinate of a history.
+    """Measured values of columns along the coordinate of a history.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Measurements(ShortArrays):
 
     @classmethod
     def from_file(cls, path: str | PathLike[str]) -> Self:
-        """Read a text file with the names of columns in its first row; empty cells are NaN.
+        """Read measurements from a text file with a header of column names.
 
         Raises
         ------
@@ -61,7 +61,7 @@ class Measurements(ShortArrays):
         return cls(columns)
 
     def check(self, history: History) -> None:
-        """Check that a history has the measured columns.
+        """Raise an error unless a history has the measured columns.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Measurements(ShortArrays):
         return [name for name in self.columns if name != history.coordinate.name]
 
     def compare(self, history: History, name: str) -> tuple[np.ndarray, np.ndarray, str]:
-        """Compare a measured column with a history.
+        """Return (places, measured values, text with the rms deviation) of a column.
 
         Parameters
         ----------
@@ -110,7 +110,7 @@ class Measurements(ShortArrays):
         return places, measured, f"measured, rms of differences {rms:.2g} {unit}".rstrip()
 
     def draw(self, axes: Axes, history: History, name: str, divisor: float, **style: Any) -> None:
-        """Draw the points of a column, with the rms of their differences in the legend.
+        """Draw the measured points of a column, with their rms deviation in the legend.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@ from tractive_sam.results import History
 
 @dataclass(frozen=True)
 class Need:
-    """A condition on the history or the contact that a figure draws.
+    """Condition on a history or contact without which a figure cannot be drawn.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Need:
     text: str
 
     def check(self, subject: ContactView | History) -> None:
-        """Raise ValueError if the condition is not met."""
+        """Raise a ValueError if the condition is not met."""
         if not self.holds(subject):
             refuse("", [self.text])
 
@@ -52,24 +52,24 @@ SINGLE_ROW = Need(
 
 
 def refuse(name: str, missing: Iterable[str]) -> NoReturn:
-    """Raise ValueError with what a figure needs."""
+    """Raise a ValueError that lists what a figure lacks."""
     figure = f"the figure {name}".strip()
     raise ValueError(f"{figure} cannot be drawn: it needs {'; '.join(missing)}")
 
 
 def check_touching(views: Iterable[ContactView]) -> None:
-    """Raise ValueError if the bodies touch in none of the contacts."""
+    """Raise a ValueError if the bodies touch in none of several contacts."""
     if not any(view.contact.touching.any() for view in views):
         raise ValueError("nothing to draw: the bodies do not touch")
 
 
 def has_traction(view: ContactView) -> bool:
-    """Return whether there are tractions."""
+    """Return whether a contact has tangential tractions."""
     return bool(view.contact.traction.any())
 
 
 def touching_records(history: History) -> list[float]:
-    """Return the first and the last stored record in which the bodies touch.
+    """Return the coordinates of the first and the last stored record with contact.
 
     A single record is returned even without contact: its figures report that there is nothing to
     draw. A duty cycle has none: its records have a contact for each block.
@@ -86,20 +86,20 @@ def touching_records(history: History) -> list[float]:
 
 
 def has_course(history: History) -> bool:
-    """Return whether there are several records."""
+    """Return whether a history has several records."""
     return len(history) > 1
 
 
 def has_contacts(history: History) -> bool:
-    """Return whether the contacts of several records are stored, and bodies touch in one."""
+    """Return whether several records have stored contacts, and bodies touch in one."""
     return len(history.saved) > 1 and bool(touching_records(history))
 
 
 def is_worn(history: History) -> bool:
-    """Return whether anything is worn."""
+    """Return whether a history has any wear."""
     return bool(np.nan_to_num(history["wear_max"]).any())
 
 
 def has_worn_contacts(history: History) -> bool:
-    """Return whether anything is worn, and several contacts (times or blocks) are stored."""
+    """Return whether a history has wear, and several stored contacts."""
     return is_worn(history) and len(history.saved) * max(1, len(history.block_names)) > 1

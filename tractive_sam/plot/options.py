@@ -14,7 +14,7 @@ UNITS = ("hertz", "si-mm")
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """Options of the figures that are drawn at present.
+    """Options of figures: units, size, fonts, titles.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class FigureOptions:
 
     @property
     def font_scale(self) -> float:
-        """Size of fonts over the usual one."""
+        """Size of fonts over the default size."""
         return max(self.scale, 0.6)
 
 
@@ -52,13 +52,13 @@ _CURRENT: ContextVar[FigureOptions] = ContextVar("options of figures")
 
 
 def current_options() -> FigureOptions:
-    """Return the options that apply at present."""
+    """Return the figure options in effect."""
     return _CURRENT.get(None) or FigureOptions()
 
 
 @contextmanager
 def change_options(**changes: Any) -> Iterator[None]:
-    """Draw with other options inside of a ``with`` block; arguments as in FigureOptions."""
+    """Within the block, draw with changed figure options."""
     token = _CURRENT.set(replace(current_options(), **changes))
     try:
         yield
@@ -68,7 +68,7 @@ def change_options(**changes: Any) -> Iterator[None]:
 
 @contextmanager
 def units(name: Literal["hertz", "si-mm"]) -> Iterator[None]:
-    """Draw lengths over the half widths of Hertz and pressures over p_0, or all in mm and MPa.
+    """Within the block, draw with units "hertz" (relative) or "si-mm" (mm, MPa).
 
     Parameters
     ----------

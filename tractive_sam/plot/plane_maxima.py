@@ -9,7 +9,7 @@ from scipy.ndimage import maximum_filter
 
 @dataclass(frozen=True)
 class StressMaximum:
-    """A maximum on a plane, at one of the points with a computed stress.
+    """Maximum of a quantity on a plane: kind, value and position.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class StressMaximum:
 
     @classmethod
     def largest(cls, kind: str, values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> Self:
-        """Return the value of the largest magnitude; shape (n, m), axes (n,) and (m,)."""
+        """Return the maximum of the largest magnitude in values (n, m) over two axes."""
         i, j = np.unravel_index(np.argmax(np.abs(values)), values.shape)
         return cls(kind, float(values[i, j]), (float(axes[0][i]), float(axes[1][j])))
 

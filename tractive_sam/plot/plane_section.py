@@ -19,7 +19,7 @@ from tractive_sam.results import PlaneStress
 
 @dataclass(frozen=True)
 class PlaneSection:
-    """A quantity on a plane of one body, with its scale.
+    """Quantity on a plane of one body as figures draw it, with its scale.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class PlaneSection:
 
     @property
     def body(self) -> str:
-        """The body."""
+        """Name of the body, "A" or "B"."""
         return self.stress.body
 
     @property
@@ -66,7 +66,7 @@ class PlaneSection:
 
     @property
     def signed(self) -> bool:
-        """Whether the quantity has a sign."""
+        """Whether the quantity may have both signs, such as a stress component."""
         return self.criterion is None
 
     @property
@@ -86,7 +86,7 @@ class PlaneSection:
 
     @cached_property
     def values(self) -> np.ndarray:
-        """The quantity over the pressure of the scale, in the shape of the axes."""
+        """Values of the quantity over the pressure of the scale, in the shape of the axes."""
         if self.criterion is None:
             values = self.stress.components[str(self.quantity)]
         else:
@@ -96,7 +96,7 @@ class PlaneSection:
 
     @cached_property
     def stress_maxima(self) -> list[StressMaximum]:
-        """Maxima that are marked."""
+        """Maxima of the quantity that a figure marks."""
         if self.parallel or self.signed:
             return [StressMaximum.largest("largest", self.values, self.axes)]
         return stress_maxima(self.values, self.axes)
@@ -132,7 +132,7 @@ class PlaneSection:
 
     @property
     def touching(self) -> np.ndarray:
-        """Places of touch along a plane through the depth, bool; none below the surface."""
+        """Mask of the places in contact along a plane through the depth; empty below it."""
         depth = self.stress.depth
         if depth.min() > 0.0:
             return np.zeros(self.values.shape[0], dtype=bool)
@@ -142,7 +142,7 @@ class PlaneSection:
         )  # smaller ones are rounding errors
 
     def length_label(self, name: str) -> str:
-        """Return the label of a length, as math text."""
+        """Return the label of an axis or length, as math text."""
         return f"${name}/{self.scale.a_symbol}$" if self.scale else f"${name}$ (mm)"
 
     def format_coordinate(self, name: str, value: float) -> str:
@@ -158,7 +158,7 @@ class PlaneSection:
         return f"${value:.3f}$" if self.scale else rf"${value:.4g}\,\mathrm{{MPa}}$"
 
     def draw_contours(self, axes: Axes, levels: np.ndarray, upwards: bool = True) -> ContourSet:
-        """Fill axes with contours; depths count upwards or downwards."""
+        """Fill axes with contours of the quantity; return the contour set."""
         first, second = self.axes
         second = second if upwards else -second
         colours = LOOK.signed if self.signed else LOOK.stress
@@ -175,7 +175,7 @@ class PlaneSection:
 
 
 def common_levels(sections: Sequence[PlaneSection], bands: int = 14) -> np.ndarray:
-    """Return round values that separate about that many bands of colour in all sections.
+    """Return round contour levels for about `bands` bands in all sections together.
 
     Raises
     ------

@@ -36,7 +36,7 @@ def wear_profiles(history: History) -> Figure:
 
 
 def _measured_body(history: History) -> str:
-    """Return the body on which the measured gap is drawn; empty if there is none."""
+    """Return the body to which a measured gap belongs; empty if there is none."""
     gap = history.scene.gap
     if gap is None or np.isnan(history["measured_profile"]).any():  # a file without it
         return ""
@@ -44,7 +44,7 @@ def _measured_body(history: History) -> str:
 
 
 def _is_worn_evenly(history: History) -> bool:
-    """Return whether worn sections are equal all around the bodies, unlike along a course."""
+    """Return whether bodies wear evenly around their circumference, unlike in a transient."""
     worn = (history["wear_profile"] > 0.0).any()
     evenly = np.isfinite(history["wear_per_revolution"]).any()
     return has_worn_contacts(history) and bool(worn and evenly)
@@ -148,7 +148,7 @@ def pressure_profiles(history: History) -> Figure:
 
 
 def lateral_axes(history: History, quantity: str) -> tuple[Figure, Axes]:
-    """Return a figure and its axes over the place across the track."""
+    """Return a figure and its axes over y, the position across the track."""
     scale = Scale.from_history(history)
     figure, axes = new_axes(1.25, 0.7, history_title(history, quantity, scale.note))
     axes.set_xlabel(scale.length_label("y", across=True))
@@ -156,12 +156,12 @@ def lateral_axes(history: History, quantity: str) -> tuple[Figure, Axes]:
 
 
 def _profiles_by_coordinate(history: History, name: str) -> dict[float, np.ndarray]:
-    """Return the profile (n_y,) of a quantity in every record, by revolution or distance."""
+    """Return the values (n_y,) of a profile column by the coordinate of each record."""
     return dict(zip(history[history.coordinate.name].tolist(), history[name], strict=True))
 
 
 def _draw_records(axes: Axes, history: History, *functions: Callable[[float], np.ndarray]) -> None:
-    """Draw functions of the coordinate, each of shape (n_y,), the later the darker."""
+    """Draw functions of the coordinate at stored records, later ones darker."""
     y = history.y / Scale.from_history(history).across
     places = select_evenly(history.saved).tolist()
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))

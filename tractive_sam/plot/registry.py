@@ -28,7 +28,7 @@ Arguments = ParamSpec("Arguments")
 
 @dataclass(frozen=True)
 class FigureEntry:
-    """A registered figure.
+    """Registered figure: name, function, and what it needs.
 
     Attributes
     ----------
@@ -75,22 +75,22 @@ class FigureEntry:
 
     @property
     def caption(self) -> str:
-        """The first sentence of the docstring."""
+        """Caption of the figure: the first sentence of its docstring."""
         summary = " ".join((inspect.getdoc(self.function) or "").partition("\n\n")[0].split())
         return re.split(r"(?<=\.)\s", summary)[0]
 
     @property
     def origin(self) -> str:
-        """Module and name of the function."""
+        """Module and name of the function that draws the figure."""
         return f"{self.function.__module__}.{self.function.__qualname__}"
 
     def check(self, subject: ContactView | History) -> None:
-        """Raise ValueError with what the figure needs, if it does not apply."""
+        """Raise a ValueError that says what the figure lacks, unless it applies."""
         if missing := self._missing(subject):
             refuse(self.function.__name__, missing)
 
     def drawings(self, subject: ContactView | History, ending: str = "") -> "Iterator[Drawing]":
-        """Yield the figures of a history or a contact; none if it does not apply or is empty."""
+        """Yield the drawings of the figure for a history or contact; none if it does not apply."""
         if self._missing(subject) or self._differs_by_block(subject) or not self.shown(subject):
             return
         roles = {column.role: column.name for column in subject.columns.values() if column.role}
@@ -101,7 +101,7 @@ class FigureEntry:
             yield Drawing(name, self, partial(self.draw, subject, **arguments))
 
     def _missing(self, subject: ContactView | History) -> list[str]:
-        """Return what the figure needs and the subject does not have."""
+        """Return what the figure needs and the history or contact lacks."""
         cure = f" (add {self.cure} to the scene)" if self.cure else ""
         missing = [
             f"the column {name}{cure}"
@@ -111,13 +111,13 @@ class FigureEntry:
         return missing or [need.text for need in self.needs if not need.holds(subject)]
 
     def _differs_by_block(self, subject: ContactView | History) -> bool:
-        """Return whether the columns are joint columns of several blocks."""
+        """Return whether the figure's columns have separate values for each block."""
         matching = (column for name in self.columns for column in _find_columns(subject, name))
         return any(PREFIX + column in subject.columns for column in matching)
 
 
 def _find_columns(subject: ContactView | History, name: str) -> list[str]:
-    """Return the names of the columns that have a name or a role."""
+    """Return the names of the columns with this name or role."""
     columns = subject.columns.values()
     return [column.name for column in columns if name in (column.name, column.role)]
 
@@ -130,7 +130,7 @@ def _has_numbers(subject: ContactView | History, column: str) -> bool:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure of a history, before it is drawn.
+    """Figure with its arguments and caption, before it is drawn.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ class Drawing:
 
     @property
     def caption(self) -> str:
-        """Description in one sentence."""
+        """Caption of the figure in one sentence."""
         return self.entry.caption
 
 
@@ -166,7 +166,7 @@ CONTACT_FIGURES: dict[str, FigureEntry] = {}
 def history_figure(
     name: str, *, line: Callable[..., Figure] | None = None, **settings: Any
 ) -> Callable[[Callable[Arguments, Figure]], Callable[Arguments, Figure]]:
-    """Register a function that draws a history, as one of the figures of each that it applies to.
+    """Return a decorator that registers a function as a figure of histories.
 
     The first sentence of its docstring is the caption. The returned function draws in the style of
     the package, and raises ValueError if the figure does not apply.
@@ -217,7 +217,7 @@ def history_figure(
 def contact_figure(
     name: str, *, line: Callable[[ContactView], Figure] | None = None, **settings: Any
 ) -> Callable[[Callable[..., Figure]], Callable[..., Figure]]:
-    """Register a function that draws one contact, a `ContactView`.
+    """Return a decorator that registers a function as a figure of one contact.
 
     A history has the figure for its first and its last stored contact. The returned function has
     the parameters of `ContactView.from_source`: a contact, or a history and one of its records.
@@ -264,7 +264,7 @@ def contact_figure(
 
 @cache
 def register_package_figures() -> None:
-    """Import the modules of this package, which register their figures."""
+    """Import the modules of this package so that their figures are registered."""
     for module in iter_modules([str(Path(__file__).parent)]):
         import_module(f"{__package__}.{module.name}")
 
@@ -276,7 +276,7 @@ def _add(
     line: Callable[..., Figure] | None,
     settings: Mapping[str, Any],
 ) -> FigureEntry:
-    """Add an entry; a function that is defined again replaces its earlier one."""
+    """Register a function as a figure under a name, and return its entry."""
 
     def draw(subject: ContactView | History, *args: Any, **options: Any) -> Figure:
         chosen = line if line and SINGLE_ROW.holds(subject) else function

@@ -12,7 +12,7 @@ from tractive_sam.results import History, State
 @renamed_attributes(of_contact="from_contact", of_history="from_history", told="note")
 @dataclass(frozen=True)
 class Scale:
-    """Half widths and pressure by which figures divide.
+    """Half widths and pressure by which figures make lengths and stresses relative.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Scale:
 
     @classmethod
     def from_contact(cls, contact: State) -> Self:
-        """Return the scale of a contact."""
+        """Return the scale of a contact: Hertz's values, or its own."""
         hertz = contact.scene.hertz
         if hertz is not None:
             return cls(hertz.a, hertz.b, hertz.p0, hertz=True)
@@ -48,7 +48,7 @@ class Scale:
 
     @classmethod
     def from_history(cls, history: History) -> Self:
-        """Return the scale of a history."""
+        """Return the scale of a history: Hertz's values, or those of its first contact."""
         if math.isfinite(history.p0):
             return cls(history.a0, history.b0, history.p0, hertz=True)
         names = ("half_width_x", "half_width_y", "p_max")
@@ -57,7 +57,7 @@ class Scale:
 
     @property
     def relative(self) -> bool:
-        """Whether figures divide by these half widths and this pressure."""
+        """Whether figures divide by the scale; otherwise they are in mm and MPa."""
         return self.units == "hertz"
 
     @property
@@ -67,7 +67,7 @@ class Scale:
 
     @property
     def across(self) -> float:
-        """Divisor of lengths across the track, in figures that have no other length, mm."""
+        """Divisor of lengths across the track, mm."""
         return self.b if self.relative else 1.0
 
     @property
@@ -76,12 +76,12 @@ class Scale:
         return self.p if self.relative else 1.0
 
     def length_label(self, name: str, across: bool = False) -> str:
-        """Return the label of a length, as math text."""
+        """Return the label of a length in the units of the scale, as math text."""
         divisor = self.b_symbol if across else self.a_symbol
         return f"${name}/{divisor}$" if self.relative else f"${name}$ (mm)"
 
     def pressure_label(self, symbol: str) -> str:
-        """Return the label of a pressure or stress, as math text."""
+        """Return the label of a pressure or stress in the units of the scale."""
         return f"${symbol}/{self.p_symbol}$" if self.relative else f"${symbol}$ (MPa)"
 
     def describe(self) -> str:
@@ -92,7 +92,7 @@ class Scale:
 
     @property
     def note(self) -> str:
-        """The description, for figures that divide by it; else empty."""
+        """Values of the scale as text if figures divide by it; else empty."""
         return self.describe() if self.relative else ""
 
     @property

@@ -124,7 +124,7 @@ def von_mises_sections(
 
 
 def _stored_planes(view: ContactView) -> Iterator[Mapping[str, Any]]:
-    """Yield the planes of the stored stress, each with its bodies; none that are lines."""
+    """Yield {"plane", "bodies"} of each plane with stored stress that is more than a line."""
     planes: dict[str, list[str]] = {}
     if view.history is not None:
         for body, plane in view.history.planes:
@@ -147,7 +147,7 @@ def _read_stresses(
     at: float | None,
     **named: float,
 ) -> tuple[list[PlaneStress], ContactView | None]:
-    """Return the stress on the plane in each body, and the view of the contact if it is known."""
+    """Return the stress on a plane in each body, and the view of the contact, if any."""
     if isinstance(source, History):
         stored = [source.stress(body, str(plane), at, **named) for body in bodies]
         return stored, ContactView.from_source(source, at, **named)
@@ -167,7 +167,7 @@ def _draw_planes(
     quantity: str | StressCriterion,
     scale: Scale | None,
 ) -> Figure:
-    """Return the figure of one plane in one body or both."""
+    """Return the figure of a quantity on one plane, in one or two bodies."""
     bodies, planes = {stress.body for stress in stresses}, {stress.plane for stress in stresses}
     if len(planes) != 1 or len(bodies) < len(stresses):
         named = ", ".join(f"{stress.plane} of {stress.body}" for stress in stresses) or "nothing"
@@ -185,7 +185,7 @@ def _draw_planes(
 def _draw_through_depth(
     sections: Sequence[PlaneSection], view: ContactView | None, levels: np.ndarray
 ) -> Figure:
-    """Draw one body downwards, or A upwards and B downwards from the interface."""
+    """Return the figure of a plane through the depth, A upwards and B downwards."""
     first, single = sections[0], len(sections) == 1
     above = [section.body == "A" and not single for section in sections]
     along, depth = first.axes
@@ -213,7 +213,7 @@ def _draw_through_depth(
 def _draw_side_by_side(
     sections: Sequence[PlaneSection], view: ContactView | None, levels: np.ndarray
 ) -> Figure:
-    """Draw planes parallel to the surface, one map for each body."""
+    """Return the figure of a plane parallel to the surface, one map for each body."""
     first = sections[0]
     sides = *_visible_range(first, view, 0), *_visible_range(first, view, 1)
     frame = MapFrame.from_sides(*sides, width=0.72 * LOOK.width)
@@ -234,7 +234,7 @@ def _draw_side_by_side(
 def _visible_range(
     section: PlaneSection, view: ContactView | None, axis: int, margin: float = 0.5
 ) -> tuple[float, float]:
-    """Return the ends of an axis: around the contact if it is known, else of the plane.
+    """Return the limits of an axis: around the contact, or all of the plane.
 
     The margin next to the contact is in half widths a.
     """
@@ -252,7 +252,7 @@ def _visible_range(
 def _new_panels(
     frame: MapFrame, sections: Sequence[PlaneSection], view: ContactView | None, count: int
 ) -> tuple[Figure, list[Axes]]:
-    """Return a figure with a legend of the maxima, and its panels side by side."""
+    """Return a figure with `count` panels side by side and a legend, and the panels."""
     handles = [
         _legend_entry(section, maximum, several=len(sections) > 1)
         for section in sections
@@ -295,7 +295,7 @@ def _mark_maxima(axes: Axes, section: PlaneSection, upwards: bool = True) -> Non
 
 
 def _marker_style(section: PlaneSection, maximum: StressMaximum) -> dict[str, Any]:
-    """Return a circle; at the surface a triangle, upright in A and upside down in B."""
+    """Return the style of a maximum's marker: circle inside, triangle at the surface."""
     triangle = "^" if section.body == "A" else "v"
     return {
         "marker": triangle if maximum.kind == "surface" else "o",
@@ -307,7 +307,7 @@ def _marker_style(section: PlaneSection, maximum: StressMaximum) -> dict[str, An
 
 
 def _name_body(axes: Axes, section: PlaneSection, upwards: bool) -> None:
-    """Write the name of the body into its corner."""
+    """Write the name of the body into a corner of the axes."""
     color = "black" if section.signed else "white"
     y, align = (0.97, "top") if upwards else (0.03, "bottom")
     look: dict[str, Any] = {"va": align, "color": color, "fontsize": "large"}
@@ -315,7 +315,7 @@ def _name_body(axes: Axes, section: PlaneSection, upwards: bool) -> None:
 
 
 def _add_colour_bar(figure: Figure, axes: Axes, filled: ContourSet, section: PlaneSection) -> None:
-    """Add a colour bar next to the axes, as high as they are, with ticks at limits of bands."""
+    """Add a colour bar next to axes, with ticks at limits of bands."""
     width, height = figure.get_size_inches().tolist()
     box = axes.get_position(original=True)
     bar_axes = add_bar_axes(figure, box.x1 * width, box.y0 * height, box.height * height)

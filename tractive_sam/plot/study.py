@@ -37,7 +37,7 @@ differ between line contacts and others."""
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """A variable along an axis of a figure.
+    """Values along one axis of a figure of a study, with meaning and unit.
 
     Creepages are drawn with the sign of the force and in per cent, so that curves rise to the
     right.
@@ -82,32 +82,32 @@ class Variable:
 
     @property
     def is_creepage(self) -> bool:
-        """Whether it is a translational creepage with numbers."""
+        """Whether the variable is a longitudinal or lateral creepage with numeric values."""
         creepages = ("creepage.longitudinal", "creepage.lateral")
         return self.numeric and self.name.rpartition("].")[2] in creepages
 
     @property
     def numeric(self) -> bool:
-        """Whether it has numbers."""
+        """Whether the values are numbers."""
         return self.values.dtype.kind in "iuf"
 
     @property
     def places(self) -> np.ndarray:
-        """Positions along the axis, in its unit."""
+        """Positions of the values along the axis, in its unit."""
         if not self.numeric:
             return np.arange(self.values.size) * 1.0
         return 0.0 - 100.0 * self.values if self.is_creepage else self.values.astype(float)
 
     @property
     def texts(self) -> list[str]:
-        """Its values as text, in the unit of its axis."""
+        """Values as texts, in the unit of the axis."""
         if self.numeric:
             return [f"{place:.6g}" for place in self.places]
         return list(map(str, self.values))
 
     @property
     def logarithmic(self) -> bool:
-        """Whether its values are spaced logarithmically, over a decade at least."""
+        """Whether the values are spaced logarithmically, over at least a decade."""
         places = np.sort(self.places)
         if places.size < 3 or places[0] <= 0.0 or places[-1] < 10.0 * places[0]:
             return False
@@ -226,7 +226,7 @@ def study_samples(variables: Mapping[str, Variable], y: Variable, *, title: str 
 
 
 def _choose_colours(values: np.ma.MaskedArray, negligible: float = 0.02) -> dict[str, Any]:
-    """Return the colour map: white at zero unless one of the signs is negligible."""
+    """Return colour map and limits for values; white is zero if both signs matter."""
     largest = float(np.abs(values).max()) if values.count() else 0.0
     if values.count() and min(-values.min(), values.max()) > negligible * largest:
         return {"cmap": LOOK.signed, "vmin": -largest, "vmax": largest}
@@ -234,7 +234,7 @@ def _choose_colours(values: np.ma.MaskedArray, negligible: float = 0.02) -> dict
 
 
 def _as_fields(variable: Variable, few: int = 6) -> Variable:
-    """Return a variable with few values as texts in ascending order: nothing is between them."""
+    """Return a variable with few values as texts, so that nothing is drawn between them."""
     if not variable.numeric or variable.values.size > few:
         return variable
     order = np.argsort(variable.places)
@@ -242,7 +242,7 @@ def _as_fields(variable: Variable, few: int = 6) -> Variable:
 
 
 def _label_axes(axes: Axes, x: Variable, y: Variable) -> None:
-    """Set the labels and ticks of axes."""
+    """Set the labels and ticks of axes from two variables."""
     axes.set(xlabel=x.label, ylabel=y.label)
     if x.logarithmic:
         axes.set_xscale("log")

@@ -53,7 +53,7 @@ class Look:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """Colours of lines, in their order."""
+        """Colours of lines in order."""
         return self.blue, self.vermillion, self.green, self.orange, self.purple, self.sky
 
     @property
@@ -63,7 +63,7 @@ class Look:
 
     @property
     def width(self) -> float:
-        """Width of a figure with one panel, at the scale of the figures, inches."""
+        """Width of a figure with one panel, inches."""
         return self.panel_width * current_options().scale
 
 
@@ -102,7 +102,7 @@ STYLE: dict[Any, Any] = {
 
 
 def apply_style(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
-    """Return a function that draws in this style, whatever the settings of matplotlib are."""
+    """Return a drawing function that uses this package's style, not the user's."""
 
     @wraps(draw)
     def draw_in_style(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
@@ -130,7 +130,7 @@ def new_axes(width: float = 1.0, height: float = 0.66, title: str = "") -> tuple
 
 
 def line_colours(number: int) -> list[tuple[float, float, float]]:
-    """Return different colours: first the set of colours of lines, then darker and lighter sets."""
+    """Return this number of distinguishable colours for lines."""
     rounds = -(-number // len(LOOK.lines))
     ends = [(0.0 if turn % 2 else 1.0, turn / (turn + 1.2)) for turn in range(rounds)]
     colours = []
@@ -150,12 +150,12 @@ def format_title(title: str, *notes: str) -> str:
 
 
 def history_title(history: History, quantity: str, scale: str = "") -> str:
-    """Return the title of a figure over the course of a history."""
+    """Return the title of a figure of a quantity over the course of a history."""
     return format_title(history.title, quantity, describe_friction(history.frame), scale)
 
 
 def describe_friction(frame: Frame | None) -> str:
-    """Return the coefficients of friction, with their angle if they differ; empty without."""
+    """Return the friction coefficients as text, with the angle if they differ."""
     if frame is None:
         return ""
     first, second = frame.mu
@@ -164,7 +164,7 @@ def describe_friction(frame: Frame | None) -> str:
 
 
 def wrap_title(text: str, width: float) -> list[str]:
-    """Return the lines of a title over a figure of that width, inches; none without titles."""
+    """Return the lines of a title wrapped to a figure's width, inches."""
     options = current_options()
     if not options.titles:
         return []
@@ -174,13 +174,13 @@ def wrap_title(text: str, width: float) -> list[str]:
 
 
 def set_title(figure: Figure, text: str, **style: Any) -> None:
-    """Put a title over a figure, in as many lines as it needs; dollar signs are no math."""
+    """Write a wrapped title over a figure; dollar signs in it are literal."""
     if lines := wrap_title(text, figure.get_figwidth()):
         figure.suptitle("\n".join(lines), parse_math=False, linespacing=1.15, **style)
 
 
 def label_course(axes: Axes, *histories: History) -> None:
-    """Label the x axis with the coordinate of histories, from zero to the last record."""
+    """Label the x axis with the coordinate of histories, and set its limits."""
     (coordinate,) = {history.coordinate for history in histories}
     last = max(float(history[coordinate.name][-1]) for history in histories)
     name = coordinate.label or coordinate.long_name

@@ -43,7 +43,7 @@ def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
 def draw_tractions(
     axes: Axes, view: ContactView, y: float, *, margin: float = 0.08, negligible: float = 1e-3
 ) -> None:
-    """Draw the tractions along a line of constant y, between their bounds.
+    """Draw the tractions of a contact along a line of constant y, between their bounds.
 
     Parameters
     ----------
@@ -79,12 +79,12 @@ def draw_tractions(
 
 
 def _draw_bounds(axes: Axes, x: np.ndarray, bound: np.ndarray, color: str, label: str) -> None:
-    """Draw the range between a bound and its negative, both of shape (n_x,)."""
+    """Fill the range between a traction bound (n_x,) and its negative."""
     axes.fill_between(x, -bound, bound, color=color, alpha=0.1, linewidth=0)
     axes.plot(x, bound, color=color, linewidth=0.7, linestyle="--", label=label)
     axes.plot(x, -bound, color=color, linewidth=0.7, linestyle="--")
 
 
 def _along_line(view: ContactView, values: np.ndarray, y: float) -> np.ndarray:
-    """Return values along a line of constant y, over the pressure of the scale, shape (n_x,)."""
+    """Return values (n_x,) along a line of constant y, over the scale's pressure."""
     return np.array([np.interp(y, view.y, row) for row in values]) / view.scale.pressure

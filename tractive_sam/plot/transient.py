@@ -94,7 +94,7 @@ def stick_course(history: History) -> Figure:
 
 
 def _track_axes(history: History) -> tuple[Figure, Axes, np.ndarray, np.ndarray]:
-    """Return figure and axes, places along the track (mm) and wear depths (micrometres).
+    """Return figure, axes, positions along the track (mm) and wear depths (micrometres).
 
     The places have the shape (n,), the depths of both bodies together the shape (n, n_y).
     """

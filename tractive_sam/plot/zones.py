@@ -14,7 +14,7 @@ from tractive_sam.plot.contact_view import ContactView
 
 
 def draw_contact_edge(axes: Axes, view: ContactView, **style: Any) -> Path:
-    """Draw the edge of contact and return its path, which encloses the contact."""
+    """Draw the edge of contact, and return it as a path to clip by."""
     x, y = _add_ends(view.x_over_a), _add_ends(view.y_over_a)
     level = edge_level(np.pad(view.contact.pressure, 1))
     return axes.contour(x, y, level.T, levels=[0.0], **style).get_paths()[0]
@@ -31,7 +31,7 @@ def draw_stick_edge(axes: Axes, view: ContactView, contact: Path, **style: Any) 
 
 
 def fill_zones(axes: Axes, view: ContactView, contact: Path, colours: tuple[str, str]) -> None:
-    """Colour the zones of slip and stick, in this order, within the contact."""
+    """Colour the zones of slip and of stick within the contact."""
     stick = view.contact.touching & ~view.slip_zone
     level = np.where(stick, 1.0, -1.0)
     if stick.any() and view.slip_zone.any():
@@ -43,7 +43,7 @@ def fill_zones(axes: Axes, view: ContactView, contact: Path, colours: tuple[str,
 
 
 def extend_outwards(values: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Return the values, and elsewhere the value of the nearest element; shapes (n_x, n_y).
+    """Return values that are extended, outside a mask, from the nearest element in it.
 
     Examples
     --------
@@ -55,13 +55,13 @@ def extend_outwards(values: np.ndarray, where: np.ndarray) -> np.ndarray:
 
 
 def _add_ends(centres: np.ndarray) -> np.ndarray:
-    """Return centres with an additional one at each end."""
+    """Return coordinates with one more at each end, equally spaced."""
     step = centres[1] - centres[0]
     return np.concatenate(([centres[0] - step], centres, [centres[-1] + step]))
 
 
 def edge_level(pressure: np.ndarray) -> np.ndarray:
-    """Return the squared pressure, extrapolated linearly to the first elements out of contact.
+    """Return a level field, zero at the edge of contact: squared pressure, extrapolated.
 
     Near a smooth edge the pressure is proportional to the root of the distance, so its square is
     linear.
@@ -88,7 +88,7 @@ def edge_level(pressure: np.ndarray) -> np.ndarray:
 
 
 def stick_level(view: ContactView, stick: np.ndarray) -> np.ndarray:
-    """Return the squared distance to the bound in stick, and minus the squared slip elsewhere.
+    """Return a level field, zero at the boundary of stick: positive in stick, else negative.
 
     Both vanish at the boundary, and are proportional to the roots of the distance from it before
     they are squared; shapes (n_x, n_y).
