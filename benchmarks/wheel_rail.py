@@ -16,7 +16,8 @@ import numpy as np
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, solve_patches_on_fitted_mesh
+from tractive_sam.contact import Model, equilibrium, solve_patches_on_fitted_mesh
+from tractive_sam.contact.wheel_rail import share_load
 from tractive_sam.rail import Patch
 
 STEEL = {"shear": 82e3, "poisson": 0.28}
@@ -34,7 +35,9 @@ class Position:
 
     `point` and `angle` are x and y (mm) and angle (rad) of the contact plane, `creepages` the
     longitudinal and lateral creepage and the spin (1/mm), `forces` are P, p_max, the approach and
-    the magnitudes of Q_x and Q_y. A right wheel counts as the mirror of a left one.
+    the magnitudes of Q_x and Q_y. A right wheel counts as the mirror of a left one. `planes` are
+    "separate" for each patch, "common" for the printed plane, or "coupled" for a single patch in
+    the printed plane, in which the pressure at each point deforms the other points.
     """
 
     side: str
@@ -45,7 +48,7 @@ class Position:
     angle: float
     creepages: tuple[float, float, float]
     forces: tuple[float, float, float, float, float]
-    single_plane: bool = False
+    planes: str = "separate"
 
     @property
     def wheelset(self) -> dict[str, object]:
@@ -92,7 +95,9 @@ POSITIONS = (
     Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
              (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738)),
     Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
-             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), True),
+             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "common"),
+    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
+             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "coupled"),
     Position("right", 5.5, 13.2, -0.4777, (-7.3700, 726.1169), -0.3363,
              (4.379e-3, 1.401e-2, 7.122e-4), (9629, 1486, 0.02926, 850.2, 2759)),
     Position("right", 6.0, 14.4, -0.6272, (-7.3822, 725.1371), -0.4176,
@@ -129,11 +134,13 @@ def model_of_position(
     wheelset, motion = position.wheelset, {}
     own = ts.Scene(**TABLES, wheelset=wheelset).wheel_rail.patches
     half = np.max([patch.half_length for patch in own], axis=0)
-    patches, separate = own, len(own) > 1 and not position.single_plane
-    if position.single_plane:
+    patches, separate = own, len(own) > 1 and position.planes == "separate"
+    if position.planes != "separate":
         patches = tuple(position.in_printed_plane(patch) for patch in own)
         ends = [abs(patch.origin[1] - position.point[1]) + patch.half_length[1] for patch in own]
         half[1] = max(ends)
+    if position.planes == "coupled":
+        patches = (replace(patches[0], limits=(-np.inf, np.inf)),)
     creepage = position.creepages_at(patches[0], ahead * element)
     if separate:
         slow, fast = (own[0].creepages(pitch)[0] for pitch in (0.0, 1e-3))  # linear in the pitch
@@ -152,7 +159,7 @@ def solve_position(position: Position) -> dict[str, object]:
     The largest pressure is computed with elements of 0.1 mm as well.
     """
     model, contacts = solve_patches_on_fitted_mesh(model_of_position(position))
-    values = {"y": position.y, "plane": "CONTACT" if position.single_plane else "separate"}
+    values = {"y": position.y, "planes": position.planes}
     first = max(range(len(contacts)), key=lambda k: contacts[k].P)
     angle = math.degrees(model.wheel_rail.patches[first].angle)
     values |= {"angle": angle, "patches": sum(bool(contact.touching.any()) for contact in contacts)}
@@ -169,6 +176,43 @@ def solve_position(position: Position) -> dict[str, object]:
     return values | {"p_max fine": max(contact.p_max for contact in finer)}
 
 
+# Position y = 5 mm with separate patches (the example mbench_a22_varfric of CONTACT): friction
+# coefficient; P, p_max, approach, |Q_x|, |Q_y|. VPITCH is -4.3353637 at 2 m/s.
+PATCHES = (
+    (0.2323, (8244, 1579, 0.02714, 637.2, 1805)),
+    (0.2581, (1536, 305.1, 0.006464, 0.28, 396.3)),
+)
+
+
+def solve_two_patches(element: float = 0.2) -> list[dict[str, object]]:
+    """Return two patches of one wheel, which share its depth and its load, with printed values."""
+    place = {"y": 5.0, "yaw": 12.0, "roll": -0.3554, "pitch": 4.3353637 * 0.46 / 2.0 - 1.0}
+    tables = {**TABLES, "wheelset": {**place, "load": 1e4}, "solver": {"slip": "upwind"}}
+    half = np.max([patch.half_length for patch in ts.Scene(**tables).wheel_rail.patches], axis=0)
+    elements = [2 * round(1.2 * length / element) + 1 for length in half]
+    grid = {"half_length": [0.5 * element * n for n in elements], "elements": elements}
+    scene = ts.Scene(**tables, grid=grid)
+    patches = scene.wheel_rail.patches
+    models = {
+        id(patch): Model(scene.replace(**{"friction.mu": mu}))
+        for patch, (mu, _) in zip(patches, PATCHES, strict=True)
+    }
+
+    def solve(model: Model, start: ts.State | None) -> ts.State:
+        local = models[id(model.patch)].of_patch(model.patch, model.wheel_depth)
+        return equilibrium(local, start=start, check_resolution=False)
+
+    rows = []
+    contacts = share_load(Model(scene), solve, None)
+    for contact, patch, (mu, printed) in zip(contacts, patches, PATCHES, strict=True):
+        row: dict[str, object] = {"angle": math.degrees(patch.angle), "mu": mu}
+        names = ("P", "p_max", "approach", "Qx", "Qy")
+        for name, known in zip(names, printed, strict=True):
+            row |= {name: abs(float(getattr(contact, name))), f"{name} printed": known}
+        rows.append(row)
+    return rows
+
+
 def vary_central_position() -> list[dict[str, object]]:
     """Return lateral force and spin moment for different points of the spin, schemes and meshes.
 
@@ -179,13 +223,14 @@ def vary_central_position() -> list[dict[str, object]]:
     variants += [(False, e, "auto", 0.0) for e in (0.4, 0.2, 0.1)]
     rows: list[dict[str, object]] = []
     for printed_plane, element, slip, ahead in variants:
-        position = replace(POSITIONS[0], single_plane=printed_plane)
+        planes = "common" if printed_plane else "separate"
+        position = replace(POSITIONS[0], planes=planes)
         _, (contact,) = solve_patches_on_fitted_mesh(
             model_of_position(position, element, slip, ahead)
         )
         rows.append(
             {
-                "plane": "CONTACT" if printed_plane else "separate",
+                "plane": "CONTACT" if printed_plane else "tractive_sam",
                 "element": element,
                 "scheme": "first order" if slip == "upwind" else "second order",
                 "ahead": ahead * element,
@@ -222,11 +267,14 @@ if __name__ == "__main__":
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ts.SceneWarning)
         rows = [solve_position(position) for position in POSITIONS]
+        patches = solve_two_patches()
         spins = vary_central_position()
         times = measure_times()
     write("wheel_rail", rows)
+    write("wheel_rail_patches", patches)
     write("wheel_rail_spin", spins)
     write("wheel_rail_times", times)
     show("Manchester benchmark, case A2.2", rows)
+    show("Two patches", patches)
     show("Central position", spins)
     show("CPU time", times)

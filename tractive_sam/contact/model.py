@@ -54,8 +54,10 @@ class Model:
         Geometry of worn profiles in place of the profiles of the scene.
     """
 
-    patch_only = ("undeformed_gap", "rigid_slip", "scaled_rigid_slip")
-    """Cached properties that differ between the patches of a wheel."""
+    depth_only = ("load", "approach", "undeformed_gap")
+    """Cached properties that differ between the depths of a wheel."""
+    patch_only = ("rigid_slip", "scaled_rigid_slip")
+    """Other cached properties that differ between its patches."""
 
     def __init__(
         self,
@@ -78,7 +80,7 @@ class Model:
             wheel_rail = scene.wheel_rail
         self.wheel_rail = wheel_rail
         self.patch = self.wheel_rail.patches[0] if self.wheel_rail else None
-        self.approach: float | None = None
+        self.wheel_depth: float | None = None
         patches = self.wheel_rail.patches if self.wheel_rail else ()
         self.grid = grid or choose_grid(scene, measured, profiles, patches=patches)
         self.elasticity = self.laws.elasticity.spanning(2.0 * self.grid.half_length[0])
@@ -96,37 +98,42 @@ class Model:
             self.datum,
             self.wheel_rail,
         )
-        model.patch, model.approach = self.patch, self.approach
+        model.patch, model.wheel_depth = self.patch, self.wheel_depth
         return model
 
-    def of_patch(self, patch: Patch, approach: float | None = None) -> "Model":
+    def of_patch(self, patch: Patch, wheel_depth: float | None = None) -> "Model":
         """Return the model of another contact patch of a wheel on this mesh.
 
         Parameters
         ----------
         patch : Patch
             The patch.
-        approach : float, optional
-            Approach of the bodies in this patch, mm, in place of the load of the scene.
+        wheel_depth : float, optional
+            Vertical distance of the wheel below its first touch, mm, in place of the load of the
+            scene.
         """
         _ = self.operators, self.units  # computed once for all patches
         model = copy(self)
-        model.patch, model.approach = patch, approach
-        cached = ("load",) if patch is self.patch else ("load", *self.patch_only)
-        for name in cached:
+        model.patch, model.wheel_depth = patch, wheel_depth
+        same = patch is self.patch
+        for name in self.depth_only if same else (*self.depth_only, *self.patch_only):
             model.__dict__.pop(name, None)
         return model
 
+    @cached_property
+    def approach(self) -> float | None:
+        """Largest overlap of the undeformed bodies in a patch of a wheel, mm, if its depth is set.
+
+        It is negative if they do not touch.
+        """
+        if self.wheel_depth is None:
+            return None
+        return -required(self.patch, "wheel").lowered(self.wheel_depth).opening
+
     @property
     def shares_load(self) -> bool:
-        """Whether the patches of a wheel carry its load together.
-
-        The normal force of a single patch is prescribed directly.
-        """
-        wheelset = self.scene.wheelset
-        if self.wheel_rail is None or wheelset is None or self.approach is not None:
-            return False
-        return wheelset.load is not None or len(self.wheel_rail.patches) > 1
+        """Whether the scene gives the load of all patches of a wheel, and not its depth."""
+        return self.wheel_rail is not None and self.wheel_depth is None
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
@@ -187,7 +194,8 @@ class Model:
         separation is not shifted.
         """
         if self.patch is not None:
-            return self.patch.gap(self.grid.x, self.grid.y) - self.patch.opening
+            patch = self.patch.lowered(self.wheel_depth or 0.0)
+            return patch.gap(self.grid.x, self.grid.y) - patch.opening
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         radius_x, radius_y = self.scene.body.radii
         gap = 0.5 * (x**2 / radius_x + y**2 / radius_y)

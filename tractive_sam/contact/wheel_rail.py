@@ -1,7 +1,7 @@
 """All patches of a wheel on a rail: they share one approach, and carry its load together.
 
-The wheel is a vertical distance d below its first touch. A patch at the contact angle delta, with
-an opening g between its surfaces at the first touch, is pressed together by d cos(delta) - g. Its
+The wheel is a vertical distance d below its first touch. The approach of a patch is the largest
+overlap of the undeformed surfaces there, normal to its plane. At the contact angle delta, its
 pressure and its lateral traction carry P cos(delta) - Q_y sin(delta) of the vertical force.
 """
 
@@ -15,7 +15,7 @@ from tractive_sam.results import Cost, State
 from tractive_sam.schema import required
 
 Solve = Callable[[Model, State | None], State]
-"""Solves a patch under its approach, from the contact at another depth."""
+"""Solves a patch at a depth of the wheel, from the contact at another depth."""
 
 
 def share_load(
@@ -57,7 +57,7 @@ def share_load(
     last: list[State | None] = [start, *(None for _ in patches[1:])]
     for _ in range(max_steps):
         contacts = [
-            solve(local.of_patch(patch, depth * np.cos(patch.angle) - patch.opening), before)
+            solve(local.of_patch(patch, depth), before)
             for local, patch, before in zip(models, patches, last, strict=True)
         ]
         cost = sum((contact.cost for contact in contacts), cost)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -34,6 +35,8 @@ class Patch:
         the contact is conformal.
     limits : tuple of float
         Lateral positions in the plane beyond which other patches touch, mm.
+    depth : float
+        Vertical distance of the wheel below its first touch, mm. It has no influence on the slip.
     """
 
     wheel: Wheel
@@ -43,6 +46,14 @@ class Patch:
     half_length: tuple[float, float]
     angle_range: float
     limits: tuple[float, float] = (-np.inf, np.inf)
+    depth: float = 0.0
+
+    def lowered(self, depth: float) -> Self:
+        """Return the patch with the wheel at a depth below its first touch, mm.
+
+        In the inclined plane the wheel moves not only towards the rail, but also along the plane.
+        """
+        return replace(self, depth=depth)
 
     @property
     def lateral(self) -> Array:
@@ -53,6 +64,11 @@ class Patch:
     def normal(self) -> Array:
         """Unit normal of the patch, from the rail to the wheel, in the track frame."""
         return np.array([0.0, np.sin(self.angle), -np.cos(self.angle)])
+
+    @cached_property
+    def _lowered_wheel(self) -> Wheel:
+        """The wheel at its depth."""
+        return self.wheel.at_contact(self.depth)
 
     @cached_property
     def wheel_s(self) -> float:
@@ -71,7 +87,7 @@ class Patch:
 
     @cached_property
     def opening(self) -> float:
-        """Smallest distance between wheel and rail along the patch's normal, mm.
+        """Smallest distance between wheel and rail along the normal, mm; negative if they overlap.
 
         A prismatic rail is nearest to the wheel at a point of its silhouette. The points around the
         origin are searched, as far as the undeformed bodies overlap on either side: normals of a
@@ -83,7 +99,7 @@ class Patch:
         first, last = np.clip(self.wheel_s + around, *self.wheel.profile.s[[0, -1]])
         for _ in range(4):
             s = np.linspace(first, last, 33)
-            points, _angles = self.wheel.silhouette(s)
+            points, _angles = self._lowered_wheel.silhouette(s)
             y, height = ((np.nan_to_num(points, nan=1e9) - self.origin) @ axes).T
             outside = (np.abs(y) > 1e6) | (y <= self.limits[0]) | (y >= self.limits[1])
             gap = height - self.rail_profile(np.where(outside, 0.0, y))[0]
@@ -133,7 +149,7 @@ class Patch:
 
         By Newton's method for the point of the wheel on the normal, exact for any yaw and roll.
         """
-        wheel, x, y = self.wheel, *np.broadcast_arrays(x, y)
+        wheel, x, y = self._lowered_wheel, *np.broadcast_arrays(x, y)
         turned = wheel.turn.T
         base = (turned @ (self.origin - wheel.centre))[:, None, None]
         base = base + turned[:, :1, None] * x + (turned @ self.lateral)[:, None, None] * y
