@@ -85,7 +85,7 @@ def test_error_bars_are_named_by_it():
 def test_figures_are_plotted_by_it(tmp_path):
     contact = ts.solve(DISCS.replace(wear=None))
     for figure in (
-        plot.von_mises(contact, "A", "y=0", quantity=Tresca()),
+        plot.von_mises_section(contact, "A", "y=0", quantity=Tresca()),
         plot.von_mises_sections(contact, "y=0", quantity=Tresca()),
     ):
         assert any(Tresca.symbol in axes.get_ylabel() for axes in figure.axes)

@@ -25,7 +25,7 @@ OF_A_HISTORY = (
     plot.forces,
     plot.widths,
     plot.wear_depth,
-    plot.wear_profiles,
+    plot.wear_depth_profiles,
     plot.worn_profiles,
     plot.pressure_profiles,
     plot.pressure_over_revolutions,

@@ -42,7 +42,7 @@ def marked(axes):
 
 
 def test_both_maxima_are_marked_where_they_are(contact):
-    figure = render(plot.von_mises(contact))
+    figure = render(plot.von_mises_section(contact))
     axes, bar = figure.axes
     maximum, hertz = stress_maximum(contact, "A"), contact.scene.hertz
     interior, surface = marked(axes)
@@ -110,10 +110,10 @@ def test_other_quantities(contact, quantity):
 
 def test_stress_on_a_plane_is_plotted_as_it_is(contact):
     stress = stress_on_plane(contact, "x=0.5a", "B")
-    figure = render(plot.von_mises(stress))
+    figure = render(plot.von_mises_section(stress))
     assert figure.axes[0].get_xlabel() == "$y$ (mm)"
     assert figure.axes[1].get_ylabel() == r"$\sigma_\mathrm{vM}$ (MPa)"
-    scaled = render(plot.von_mises(stress, scale=plot.Scale.from_contact(contact)))
+    scaled = render(plot.von_mises_section(stress, scale=plot.Scale.from_contact(contact)))
     assert scaled.axes[0].get_title(loc="left") == "body B, $x = 0.5\\,a_0$"
     render(plot.von_mises_sections(stress_on_planes(contact, ["y=0.3"], ["A", "B"])))
 
@@ -126,22 +126,22 @@ def test_contact_is_plotted_where_the_plane_crosses_it(contact):
         return np.count_nonzero(np.isfinite(line.get_ydata()))
 
     touching = np.count_nonzero(contact.touching[:, contact.grid.elements[1] // 2])
-    assert thick(plot.von_mises(contact)) == touching
-    assert thick(plot.von_mises(contact, plane="y=1.1a")) == 0
+    assert thick(plot.von_mises_section(contact)) == touching
+    assert thick(plot.von_mises_section(contact, plane="y=1.1a")) == 0
 
 
 @pytest.mark.slow
 def test_depths_may_come_in_any_order(contact):
     downwards = stress_on_plane(contact, "y=0", depths=np.linspace(0.0, 4.0, 21))
     upwards = stress_on_plane(contact, "y=0", depths=np.linspace(4.0, 0.0, 21))
-    assert reported(plot.von_mises(downwards)) == reported(plot.von_mises(upwards))
+    assert reported(plot.von_mises_section(downwards)) == reported(plot.von_mises_section(upwards))
 
 
 @pytest.mark.slow
 def test_nothing_overlaps_the_edge_of_the_paper(turned):
     for plane in ("y=0", "x=0.75a", "z=0"):
         for figure in (
-            render(plot.von_mises(turned, "B", plane)),
+            render(plot.von_mises_section(turned, "B", plane)),
             render(plot.von_mises_sections(turned, plane, quantity="xy")),
         ):
             box = figure.get_tightbbox()
@@ -153,7 +153,7 @@ def test_nothing_overlaps_the_edge_of_the_paper(turned):
 
 
 def test_sections_are_true_to_scale(turned):
-    axes = render(plot.von_mises(turned)).axes[0]
+    axes = render(plot.von_mises_section(turned)).axes[0]
     box = axes.get_window_extent()
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     assert box.width / box.height == pytest.approx((right - left) / (top - bottom), rel=1e-6)
@@ -161,21 +161,21 @@ def test_sections_are_true_to_scale(turned):
 
 def test_what_cannot_be_plotted_is_reported(contact):
     with pytest.raises(ValueError, match=r"quantity.*von_mises"):
-        plot.von_mises(contact, quantity="zy")
+        plot.von_mises_section(contact, quantity="zy")
     with pytest.raises(ValueError, match='"A" or "B"'):
-        plot.von_mises(contact, body="C")
+        plot.von_mises_section(contact, body="C")
     with pytest.raises(ValueError, match="y=0"):
-        plot.von_mises(contact, plane="w=0")
+        plot.von_mises_section(contact, plane="w=0")
     with pytest.raises(ValueError, match="y=0 of A, x=0 of A"):
         plot.von_mises_sections(stress_on_planes(contact, ["y=0", "x=0"], ["A"]))
     with pytest.raises(ValueError, match=r"stress|plane"):
         plot.von_mises_sections([])
     with pytest.raises(ValueError, match="depths"):
-        plot.von_mises(stress_on_plane(contact, "y=0", depths=[0.0]))
+        plot.von_mises_section(stress_on_plane(contact, "y=0", depths=[0.0]))
     far = stress_on_plane(contact, "y=0")
     far.components.update({name: 0.0 * values for name, values in far.components.items()})
     with pytest.raises(ValueError, match="stress"):
-        plot.von_mises(far)
+        plot.von_mises_section(far)
 
 
 @pytest.fixture(scope="module")
@@ -191,12 +191,12 @@ def test_stored_stress_is_plotted_as_that_of_the_contact(contact, history):
     stored = plot.von_mises_sections(history, "y=0", revolution=10)
     assert reported(stored) == reported(plot.von_mises_sections(contact, "y=0"))
     assert "N\u00a0=\u00a010" in stored.get_suptitle()
-    assert reported(plot.von_mises(history, "A", "z=0.5a"))
+    assert reported(plot.von_mises_section(history, "A", "z=0.5a"))
 
 
 @pytest.mark.parametrize("quantity", ["von_mises", "xx"])
 def test_ticks_are_limits_of_bands(contact, quantity):
-    figure = plot.von_mises(contact, "A", "y=0", quantity=quantity)
+    figure = plot.von_mises_section(contact, "A", "y=0", quantity=quantity)
     (bands,) = (one for one in figure.axes[0].collections if getattr(one, "filled", False))
     ticks = figure.axes[-1].get_yticks()
     assert set(ticks) <= set(bands.levels)

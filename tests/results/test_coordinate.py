@@ -113,7 +113,7 @@ def test_it_is_plotted(history, tmp_path):
     assert axes.get_xlabel() == "distance $s$ (mm)"
     assert plot.ContactView.from_source(history, 0.3).caption.endswith("s\u00a0=\u00a00.3\u00a0mm")
     assert plot.pressure(history, distance=0.3).axes
-    (legend,) = plot.wear_profiles(history).legends
+    (legend,) = plot.wear_depth_profiles(history).legends
     assert [text.get_text() for text in legend.get_texts()] == ["0.1", "0.3"]
     figures = {path.name.removesuffix(".png") for path in plot.save_all(history, tmp_path)}
     assert {"pressure-0.1", "pressure-0.3", "forces", "wear-depth", "wear-profiles"} <= figures

@@ -42,7 +42,7 @@ def orthotropic_findings(work: Work) -> Iterator[Finding]:
         for angle, contact in contacts.items():
             yield Picture(
                 f"fig-08-{name}-{angle:.0f}",
-                plot.von_mises(contact, "A", plane),
+                plot.von_mises_section(contact, "A", plane),
                 f"Fig. 8. Equivalent stress in body A, {name} plane, β = {angle:g}°.",
             )
 

@@ -18,5 +18,7 @@ __getattr__ = with_renamed(
         "compared": "compare",
         "continued": "extend_outwards",
         "figures_of": "list_figures",
+        "von_mises": "von_mises_section",
+        "wear_profiles": "wear_depth_profiles",
     },
 )

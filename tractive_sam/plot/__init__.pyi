@@ -50,13 +50,13 @@ from .options import units as units
 from .plane_maxima import StressMaximum as StressMaximum
 from .plane_maxima import stress_maxima as stress_maxima
 from .profiles import pressure_profiles as pressure_profiles
-from .profiles import wear_profiles as wear_profiles
+from .profiles import wear_depth_profiles as wear_depth_profiles
 from .profiles import worn_profiles as worn_profiles
 from .registry import Drawing as Drawing
 from .registry import contact_figure as contact_figure
 from .registry import history_figure as history_figure
 from .scale import Scale as Scale
-from .stress import von_mises as von_mises
+from .stress import von_mises_section as von_mises_section
 from .stress import von_mises_sections as von_mises_sections
 from .study import Variable as Variable
 from .study import study_curves as study_curves

@@ -19,12 +19,12 @@ from tractive_sam.results import BODIES, History
 
 
 @history_figure("wear-profiles", needs=[WIDE], shown=has_worn_contacts)
-def wear_profiles(history: History) -> Figure:
+def wear_depth_profiles(history: History) -> Figure:
     """Wear depth of both bodies together across the track, at the stored revolutions.
 
     Examples
     --------
-    >>> plot.wear_profiles(history)
+    >>> plot.wear_depth_profiles(history)
     <Figure size ...>
     """
     figure, axes = lateral_axes(history, "wear of both bodies together")

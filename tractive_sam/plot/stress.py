@@ -38,7 +38,7 @@ SURFACE_NOTE = "At the surface, values depend on the mesh."
 
 
 @apply_style
-def von_mises(
+def von_mises_section(
     source: Source,
     body: str = "A",
     plane: "Plane | str" = "y=0",
@@ -78,7 +78,7 @@ def von_mises(
 
     Examples
     --------
-    >>> plot.von_mises(contact, "B", "y=0.5a")
+    >>> plot.von_mises_section(contact, "B", "y=0.5a")
     <Figure size ...>
     """
     stresses, view = _read_stresses(source, (body,), plane, at, **named)
@@ -96,23 +96,23 @@ def von_mises_sections(
     scale: Scale | None = None,
     **named: float,
 ) -> Figure:
-    """Contours as by `von_mises` for both bodies in one colour scale, A above B.
+    """Contours as by `von_mises_section` for both bodies in one colour scale, A above B.
 
     Planes parallel to the surface are drawn side by side.
 
     Parameters
     ----------
     source : State, History or iterable of PlaneStress
-        Source as for `von_mises`; stresses must be on one plane, one for each body.
+        Source as for `von_mises_section`; stresses must be on one plane, one for each body.
     plane, at, quantity, scale
-        As for `von_mises`.
+        As for `von_mises_section`.
     bodies : sequence of "A" and "B"
         The bodies concerned.
 
     Raises
     ------
     ValueError
-        As `von_mises`.
+        As `von_mises_section`.
 
     Examples
     --------
