@@ -136,7 +136,7 @@ class ContactView:
 
     @cached_property
     def slip_zone(self) -> np.ndarray:
-        """Elements that slip together with the next one in x, bool, shape (n_x, n_y).
+        """Mask of slip for maps: elements that slip together with the next one in x.
 
         On a mesh the steps of the leading edge slip, because the traction bound nearly vanishes
         there; a layer of one element is no zone.

@@ -22,7 +22,7 @@ def fastsim(
     spin: float = 0.0,
     elements: tuple[int, int] = (50, 50),
 ) -> CreepForces:
-    """Return the creep forces of the simplified theory: every point is an independent spring.
+    """Return the creep forces by FASTSIM, Kalker's theory with an independent spring per point.
 
     The flexibilities L_1 = 8 a / (3 G C11), L_2 = 8 a / (3 G C22) and
     L_3 = pi a sqrt(a/b) / (4 G C23) give the forces of the linear theory without slip. In every

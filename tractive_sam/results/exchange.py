@@ -15,7 +15,7 @@ from tractive_sam.results.stored_fields import storable_fields
 
 
 def to_dict(history: Recorded) -> dict[str, Any]:
-    """Return all columns except profiles, balances and totals as plain lists; None for nan."""
+    """Return columns (no profiles), balances, totals and status as plain lists; None for nan."""
     balance = balance_of(history)
     roles = {column.role for column in history.columns.values()}
     rows: dict[str, Any] = {} if "stress_max" in roles else {name: {} for name in STRESSES}
@@ -34,7 +34,7 @@ def to_dict(history: Recorded) -> dict[str, Any]:
 
 
 def numbers(history: Recorded) -> dict[str, np.ndarray]:
-    """Return all columns except profiles as arrays of one number a record.
+    """Return all columns except profiles as arrays (n,), with names like "worn_mass A".
 
     Columns of a body, an axis or a position have names like "worn_mass A" and "p_max_at x".
     """
@@ -54,7 +54,7 @@ def numbers(history: Recorded) -> dict[str, np.ndarray]:
 
 
 def to_dataset(history: Recorded) -> "xarray.Dataset":
-    """Return the columns of a history as an xarray Dataset (`History.to_xarray`)."""
+    """Return the columns and stored fields of a history as an xarray Dataset."""
 
     def about(quantity: Quantity) -> dict[str, str]:
         return {"units": quantity.unit, "long_name": quantity.long_name}

@@ -153,7 +153,7 @@ class BodyFatigue(ShortArrays):
 
 
 def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the tops of the parabolas through each value and its two neighbours.
+    """Return places of the tops of local parabolas through values, and their heights above them.
 
     Parameters
     ----------

@@ -491,18 +491,18 @@ class History:
         return None if self.scene.friction is None else self.scene.friction.frame
 
     def to_dict(self) -> dict[str, Any]:
-        """Return all columns except profiles, balances and totals as plain lists; None for nan."""
+        """Return columns (no profiles), balances, totals and status as lists; None for nan."""
         return exchange.to_dict(self)
 
     def numbers(self) -> dict[str, np.ndarray]:
-        """Return all columns except profiles as arrays of one number a record.
+        """Return all columns except profiles as arrays (n,), with names like "worn_mass A".
 
         Columns of a body, an axis or a position have names like "worn_mass A" and "p_max_at x".
         """
         return exchange.numbers(self)
 
     def to_dataframe(self) -> "pandas.DataFrame":
-        """Return `numbers` as a table along the coordinate; needs pandas, which comes with xarray.
+        """Return the arrays of `numbers` as a pandas DataFrame along the coordinate.
 
         Raises
         ------
@@ -518,7 +518,7 @@ class History:
         return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Return columns, and fields of the records that have them, with units and coordinates.
+        """Return the columns and stored fields as an xarray Dataset, with units and coordinates.
 
         Raises
         ------

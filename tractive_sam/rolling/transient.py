@@ -89,7 +89,7 @@ class TransientProcess(Process[Moment]):
         return self.model.profile_offset(distance if self.courses.rolls else 0.0)
 
     def begin(self) -> Moment:
-        """Return the first step.
+        """Return the first moment: the contact at the first knot, at rest or rolling steadily.
 
         It is the contact at the first knot.
         """

@@ -67,7 +67,7 @@ class Body(Table):
 
     @property
     def material(self) -> Material:
-        """Elastic constants."""
+        """Elastic constants of the body."""
         if self.young is not None:
             return Material.from_young(self.young, self.poisson)
         assert self.shear is not None  # as exactly one of both is given
@@ -118,7 +118,7 @@ class Bodies(Table):
 
     @property
     def material(self) -> CombinedMaterial:
-        """Elastic constants of the pair."""
+        """Combined elastic constants of the pair of bodies."""
         return combine(self.A.material, self.B.material)
 
     @property

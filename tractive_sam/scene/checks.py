@@ -151,7 +151,7 @@ def _check_share_of_wear(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_inputs_of_wear_law(entries: ValidEntries) -> Iterator[Fault]:
-    """Report measured wear laws without the entries on which they depend."""
+    """Report missing entries on which a published wear law depends, such as the hardness."""
     wear = entries["wear"]
     laws = {} if wear is None else wear.laws
     if "brr" in laws.values() and is_line(entries):
@@ -167,7 +167,7 @@ def _check_inputs_of_wear_law(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_stress_history(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a stress history without a criterion, and a life that only steady rolling has."""
+    """Report [transient] with a cycle start but no [fatigue], or with [fatigue.volume]."""
     fatigue, transient = entries["fatigue"], entries["transient"]
     if transient is None:
         return
@@ -206,7 +206,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
 
 
 def warn_if_large(bodies: Bodies, contact: HertzContact | HertzLine, largest: float = 0.3) -> None:
-    """Warn of a contact that is not small compared with the radii, once for all directions.
+    """Issue a warning if a contact is not small compared with the radii of the bodies.
 
     Parameters
     ----------

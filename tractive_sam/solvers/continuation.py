@@ -54,7 +54,7 @@ class Continuation:
         return follow_path(outcome, solve, "creepage", self.first, self.shortest)
 
     def easier(self, problem: Problem, done: float) -> Problem:
-        """Return the problem with larger creepages, at a point of the path from 0 to 1 (itself)."""
+        """Return the problem with its creepages times a factor: `full` at 0, one at 1 (`done`)."""
         return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
 
 

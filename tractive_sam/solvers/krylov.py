@@ -22,7 +22,7 @@ class LinearSystem(Protocol):
         """Shape of the fields (pressure, tractions) in a vector of unknowns."""
 
     def right_hand_side(self) -> np.ndarray:
-        """Return the right-hand side, shape (n,)."""
+        """Return the right-hand side of the system, shape (n,)."""
 
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
         """Apply an approximate inverse of the matrix to a vector."""

@@ -150,7 +150,7 @@ def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
 
 
 def _beyond(problem: Problem, share: float) -> Outcome:
-    """Return an unconverged outcome: the prescribed forces exceed friction by `share`."""
+    """Return an unconverged outcome: the forces are `share` (> 1) of what friction can carry."""
     none = np.zeros_like(problem.rigid)
     note = Note(f"the forces take {share:.1%} of what friction can carry", Status.DIVERGED)
     creepage = np.zeros(len(problem.forces))

@@ -50,7 +50,7 @@ def create_rows(
     coordinate: str = "",
     **filters: str | int | bool,
 ) -> h5py.Dataset:
-    """Create a dataset with one row for each record, initially with a number of rows."""
+    """Create a dataset with one row per record, which can grow; it starts with `rows` rows."""
     shape = tuple(len(scale) for scale in dimensions[1:])
     min_rows = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
     dataset = group.create_dataset(
@@ -71,7 +71,7 @@ def create_rows(
 
 
 def describe_dataset(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
-    """Store the unit and the description of a dataset."""
+    """Store the unit and description of a quantity in a dataset, and return the dataset."""
     dataset.attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
     return dataset
 

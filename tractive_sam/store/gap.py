@@ -103,7 +103,7 @@ def _read(settings: scene.Gap) -> Gap:
 
 
 def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
-    """Read the datasets of an HDF5 file, with their units."""
+    """Return the gap in an HDF5 file, with units from its datasets."""
     with open_to_read(path) as file:
         missing = [name for name in NAMES if name not in file]
         if missing:
@@ -126,7 +126,7 @@ def _read_unit(path: Path, name: str, dataset: h5py.Dataset) -> str:
 
 
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
-    """Read a gap from a NumPy file."""
+    """Return the gap in an .npy file."""
     return _gap_from_array(path, settings, read_array(path))
 
 
@@ -171,7 +171,7 @@ def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
 
 
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
-    """Read a gap from a text table."""
+    """Return the gap in a text table."""
     table = read_gap_text(path)
     named = dict(zip(table.names, table.units, strict=True))
     if "" in named.values() and set(named.values()) != {""}:

@@ -85,7 +85,7 @@ class TableBuilder:
         return self._with_gradient_bars(self.make_table(previous.between, previous.about))
 
     def _refine(self, axis: int, split: np.ndarray) -> np.ndarray:
-        """Return the nodes of an axis with divided intervals; nodes of creepages stay symmetric."""
+        """Return the nodes of an axis with the intervals `split`, and their images, halved."""
         nodes = self.axes[axis]
         split = self.grid.alike(axis - self.lead, split, len(nodes) - 1)
         middles = 0.5 * (nodes[split] + nodes[split + 1]) if len(split) else np.empty(0)
@@ -211,7 +211,7 @@ class TableBuilder:
         ]  # fmt: skip
 
     def errors_at(self, table: CreepTable, points: list[Point]) -> np.ndarray:
-        """Return the errors of a table's forces at solved points, over mu P, shape (P, 3)."""
+        """Solve contacts at points; return the errors of a table's forces there, (P, 3)."""
         exact = self.contacts.forces(points, table.nodes)
         return table.law(list(np.array(points).T)).T - exact
 

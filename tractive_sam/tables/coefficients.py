@@ -76,7 +76,7 @@ def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_ran
 
 
 def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
-    """Replace mixed derivatives by u at rest, in place, by differences of the slopes there.
+    """Replace mixed derivatives by u at rest, in place, by derivatives of the exact slopes.
 
     Derivatives by other axes are zero at rest: their differences along u are less accurate.
     """

@@ -130,7 +130,7 @@ class Contacts:
         return extrapolate_slopes(meshes, np.array(slopes), np.array(moments))
 
     def forces(self, w: np.ndarray, elements: int) -> np.ndarray:
-        """Return the scaled forces on one mesh, shape (3,)."""
+        """Return the scaled forces at scaled creepages w, solved on one mesh, shape (3,)."""
         return self._scaled(self._state(w, elements))
 
     def _model(self, elements: int) -> Model:
@@ -187,7 +187,7 @@ class Contacts:
         return contact
 
     def _gradient(self, contact: State, elements: int) -> np.ndarray:
-        """Return the scaled derivatives of the forces by the creepages, shape (3, 3)."""
+        """Return the derivatives of scaled forces by scaled creepages, shape (3, 3)."""
         creepages = (contact.xi_x, contact.xi_y, contact.spin)
         model = with_creepages(self._model(elements), dict(zip(self.keys, creepages, strict=True)))
         jacobian = jacobian_of(model, contact, only=("xi_x", "xi_y", "spin"))
