@@ -53,7 +53,7 @@ class Description(tuple[Section, ...]):
         return "\n\n".join(text_table(section.title, dict(section.rows)) for section in self)
 
     def _repr_html_(self) -> Html:
-        """Return the description as HTML, for notebooks."""
+        """Return the description as HTML tables, for notebooks."""
         template = "<b>$title</b>$rows"
         return as_html(
             fill(template, title=section.title, rows=html_table(dict(section.rows)))

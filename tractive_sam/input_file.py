@@ -13,7 +13,7 @@ from typing import BinaryIO
 
 
 def open_regular(path: str | PathLike[str]) -> BinaryIO:
-    """Open a regular file for reading bytes.
+    """Open a regular file for reading bytes; raise an OSError for pipes, devices and folders.
 
     Other files are refused: a device may have no end, and a named pipe may wait for ever.
 

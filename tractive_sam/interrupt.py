@@ -51,7 +51,7 @@ _state = _SignalState()
 
 
 def raise_if_interrupted() -> None:
-    """Raise KeyboardInterrupt if a signal to stop was noted.
+    """Raise KeyboardInterrupt if a signal to stop has been received.
 
     Raises
     ------

@@ -11,7 +11,7 @@ from tractive_sam.safe_text import printable_text
 
 
 class Html(str):
-    """HTML that is written to a page without escaping.
+    """Text that is HTML already, and is written to a page without escaping.
 
     Only `fill` and code that writes tags create it. HTML joined with other text is a plain `str`
     and is escaped.

@@ -76,7 +76,7 @@ class OutputFile:
         return b"".join(parts)
 
     def truncate(self, size: int) -> None:
-        """Set the length of the file, in bytes; raises as `write` does."""
+        """Set the length of the file, in bytes; raises an OutputError as `write` does."""
         with _report_failure(self.output):
             os.ftruncate(self._descriptor, size)
 
@@ -285,7 +285,7 @@ def describe_os_error(error: Exception) -> str:
 
 @contextmanager
 def _report_failure(path: Path, kind: type[OutputError] = OutputError) -> Iterator[None]:
-    """Raise system errors of the block again as `kind`, with the output and the cause."""
+    """Raise system errors of the block as an OutputError of class `kind` that states the cause."""
     try:
         yield
     except OutputError:

@@ -16,7 +16,7 @@ def rolled(turns, revolutions):
     """Return depths before and behind the last of some passes with equal wear."""
     entering = np.zeros(3)
     for _ in range(revolutions - 1):
-        entering = turns.next(entering, entering + WORN)
+        entering = turns.next_entering(entering, entering + WORN)
     return entering, entering + WORN
 
 
@@ -28,9 +28,9 @@ def test_bodies_of_equal_circumference_come_round_as_one_bit_for_bit():
         Turns.equal(SHARE),
     ):
         assert turns.gain == 1.0
-        np.testing.assert_array_equal(turns.next(entering, leaving), leaving)
+        np.testing.assert_array_equal(turns.next_entering(entering, leaving), leaving)
         for body in "AB":
-            of_body = turns.of_body(body, entering, leaving)
+            of_body = turns.depth_behind(body, entering, leaving)
             np.testing.assert_array_equal(of_body, SHARE[body] * leaving)
 
 
@@ -40,7 +40,8 @@ def test_each_body_keeps_its_share_of_the_passes_that_it_turned(radius_B):
     ratio = 30.0 / radius_B
     entering, leaving = rolled(Turns.from_radii(SHARE, 30.0, radius_B), 11)
     A, B = (
-        Turns.from_radii(SHARE, 30.0, radius_B).of_body(body, entering, leaving) for body in "AB"
+        Turns.from_radii(SHARE, 30.0, radius_B).depth_behind(body, entering, leaving)
+        for body in "AB"
     )
     np.testing.assert_allclose(A, 0.3 * 11 * WORN, rtol=1e-12)  # rounding
     np.testing.assert_allclose(B, 0.7 * (10 * ratio + 1) * WORN, rtol=1e-12)

@@ -94,7 +94,7 @@ def test_swapped_bodies_come_to_the_same_state():
     assert large.contact.Qx == pytest.approx(-small.contact.Qx, rel=1e-3)  # as the tolerance
     turns = {"large": large.contact.scene.turns, "small": small.contact.scene.turns}
     of = {
-        (name, body): turns[name].of_body(body, state.entering, state.leaving).max()
+        (name, body): turns[name].depth_behind(body, state.entering, state.leaving).max()
         for name, state in (("large", large), ("small", small))
         for body in "AB"
     }

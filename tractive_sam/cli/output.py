@@ -177,7 +177,7 @@ def print_message(*parts: str | tuple[str, str], error: bool = False) -> None:
 
 
 def print_line(text: object) -> None:
-    """Print a line on the standard output, without line breaks and styles."""
+    """Print a line on the standard output, without wrapping and styles."""
     console().print(Text(printable_text(str(text), max_length=None)), soft_wrap=True)
 
 

@@ -68,7 +68,7 @@ class LinearSolver:
     rounds: int = 4
 
     def solve(self, system: System, rhs: np.ndarray) -> np.ndarray:
-        """Return the solution of a linear system; nan without a solution."""
+        """Return the solution of a linear system; nan if GMRES does not converge."""
         size = np.linalg.norm(rhs)
         vector, residual, missed = np.zeros_like(rhs), rhs, size
         for _ in range(self.rounds):
@@ -176,7 +176,7 @@ class _Systems:
 
     @property
     def applications(self) -> int:
-        """Number of applications of the elastic operators so far."""
+        """Number of applications of the elastic operators in the systems so far."""
         used = {system for system in vars(self).values() if isinstance(system, _Linearised)}
         return sum(system.applications for system in used)
 

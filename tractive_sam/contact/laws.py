@@ -175,7 +175,7 @@ def _elasticity(scene: Scene) -> Elasticity:
 
 
 def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:
-    """Return the bodies with the interfacial layer of a scene, if it has one."""
+    """Return the elasticity with the interfacial layer of a scene added, if it has one."""
     layer = 0.0 if scene.friction is None else scene.friction.layer
     return InterfacialLayer(bodies, layer) if layer else bodies
 

@@ -52,7 +52,7 @@ def describe_grid_entries(grid: Grid) -> str:
 
 
 class _Ellipse(NamedTuple):
-    """Semi-axes of a contact, mm."""
+    """Semi-axes of a contact ellipse, mm."""
 
     a: float
     b: float

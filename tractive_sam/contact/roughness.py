@@ -88,7 +88,7 @@ class Roughness:
     def _along(
         self, axis: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
     ) -> UnresolvedPart:
-        """Return the part along the first axis that the mesh points `at` do not resolve."""
+        """Return rms height and slope, along the first axis, that points `at` do not resolve."""
         samples = side * samples_per_length(axis)
         if self.travels if travels is None else travels:
             at = np.arange(axis[0], axis[-1] + side, side)
@@ -181,7 +181,7 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
 def refine_for_maps(
     grid: Grid, maps: list[Roughness], max_elements: int = 2**17, slender: float = 5.0
 ) -> Grid:
-    """Return the mesh that resolves the maps; the given mesh if the finer one is too large.
+    """Return a mesh fine enough for the maps, or the given mesh if that is too large.
 
     A mesh that resolves a part of the waves costs more and settles nothing.
 

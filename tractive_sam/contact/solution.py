@@ -134,7 +134,7 @@ def state_of(
 def _friction_state(
     model: Model, problem: Problem, outcome: Outcome
 ) -> tuple[np.ndarray, np.ndarray | None, float]:
-    """Return the mask of sliding elements, the traction bound in MPa or None, and the steepness.
+    """Return the mask of sliding elements, the traction bound, MPa, and how steeply friction falls.
 
     The bound is None if it is the pressure, the steepness 0 unless friction falls with sliding.
     """

@@ -197,7 +197,7 @@ def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
 def _rolling_resistance(
     model: Model, pressure: np.ndarray, gap: np.ndarray, depth: np.ndarray
 ) -> float:
-    """Return the work of the pressure on the slope of the worn bodies per rolling distance, N.
+    """Return the rolling resistance, N: the work of the pressure on the slope of worn bodies.
 
     `gap` is the remaining gap of the solved contact, and `depth` the wear depth, both in mm.
 

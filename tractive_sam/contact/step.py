@@ -119,7 +119,7 @@ class Stepper:
                 motion = replace(motion, rigid=motion.rigid + slip, computed=slip)
             result, groups = self._with_work(before, inputs, result, motion)
             if self.wear is not None:
-                result = self.wear.worn(inputs, result, advection, law, groups)
+                result = self.wear.add_wear(inputs, result, advection, law, groups)
         return replace(result, contact=result.contact.with_convolutions(meter.convolutions))
 
     def _motion(
@@ -365,7 +365,7 @@ class Stepper:
         supplied, friction = work.supplied(groups), work.friction(groups)
         if between:
             friction = supplied - (energy - before.energy)
-            groups = work.matched(groups, friction)
+            groups = work.match_work(groups, friction)
         return replace(result, supplied=supplied, friction=friction, energy=energy), groups
 
     def _particles(
@@ -409,7 +409,7 @@ class Stepper:
 
 
 def _without_contact(problem: Problem, outcome: Outcome) -> Outcome:
-    """Return the outcome for prescribed forces of separated bodies, which carry no force."""
+    """Return the outcome of separate bodies: failed if forces other than 0 are prescribed."""
     none = np.zeros(len(problem.forces))
     if not problem.forces.target.any():
         return replace(outcome, creepage=none)

@@ -32,7 +32,7 @@ class StepWear:
     deepest: ClassVar[float] = 1.0
     """Allowed depth of a step over the elastic depth of a ripple as short as the elements."""
 
-    def worn(
+    def add_wear(
         self,
         inputs: StepInput,
         result: StepResult,
@@ -40,7 +40,7 @@ class StepWear:
         friction: FrictionLaw,
         groups: tuple[Particles, ...],
     ) -> StepResult:
-        """Return the result of a step with the depths that its particles lose.
+        """Return the result of a step with the depths added that sliding particles lose, mm.
 
         Parameters
         ----------

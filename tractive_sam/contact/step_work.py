@@ -69,7 +69,7 @@ class Particles:
 
     @property
     def slip(self) -> np.ndarray:
-        """Dimensionless slip, shape (2, n_x, n_y)."""
+        """Dimensionless slip: rigid slip and the change of displacement, shape (2, n_x, n_y)."""
         return self.rigid + self.change[-2:]
 
 
@@ -112,7 +112,7 @@ class StepWork:
         """Return the work of friction in a step, N mm; positive if dissipated."""
         return -sum(group.weight * self.tangential(group.fields, group.slip) for group in groups)
 
-    def matched(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
+    def match_work(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
         """Return the particles with `wearing` scaled so that their work equals that of friction.
 
         Interpolation also moves particles slightly between nodes that stick. That work is part of

@@ -25,7 +25,7 @@ Y = "y"
 
 @dataclass(frozen=True, eq=False)
 class FitCase:
-    """One computation of a fit: a scene, and what the fit reads from it.
+    """One computation of a fit: a scene, and the columns and records that the fit reads from it.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Reply:
         return numbers[[names.index(repr(at)) if len(numbers) > 1 else 0 for at in places]]
 
 
-def merged(cases: Iterable[FitCase]) -> dict[str, FitCase]:
+def merge_cases(cases: Iterable[FitCase]) -> dict[str, FitCase]:
     """Return one case for each scene, by its fingerprint, with all requested columns and places."""
     by_fingerprint: dict[str, FitCase] = {}
     for case in cases:

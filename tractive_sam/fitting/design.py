@@ -23,7 +23,7 @@ from tractive_sam.schema import (
 
 
 class FitError(SceneError):
-    """A fit that cannot be made, with every fault that was found.
+    """Error: a fit cannot be made; lists every fault that was found.
 
     Examples
     --------

@@ -122,13 +122,13 @@ class Estimate:
 
     def spread(self, slopes: np.ndarray) -> np.ndarray:
         """Return standard deviations of numbers with derivatives `slopes` by the coordinates."""
-        spread = slopes @ self.directions.rooted
+        spread = slopes @ self.directions.covariance_root
         return self.scatter * np.sqrt(np.square(spread).sum(axis=1))
 
     def shift(self, change: np.ndarray) -> np.ndarray:
         """Return the change of the fitted coordinates if the predictions change by `change`."""
         weights = np.sqrt(self.weights) / self.problem.noise
-        spread = self.directions.rooted
+        spread = self.directions.covariance_root
         return -spread @ (spread.T @ (self.weighted.T @ (weights * change)))
 
 
@@ -165,14 +165,14 @@ class Directions:
         return cls(sizes[determined], rows[determined].T, rows[~determined].T)
 
     @property
-    def rooted(self) -> np.ndarray:
+    def covariance_root(self) -> np.ndarray:
         """Matrix S whose product S S^T is the covariance of the determined directions."""
         return self.determined / self.sizes
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the coordinates; inf variances and nan covariances of undetermined ones."""
-        covariance = self.rooted @ self.rooted.T
+        covariance = self.covariance_root @ self.covariance_root.T
         lost = np.square(self.null).sum(axis=1) > self.involved**2
         covariance[lost], covariance[:, lost] = math.nan, math.nan
         covariance[lost, lost] = math.inf

@@ -19,7 +19,7 @@ FIT_FORMAT = "fit 1"
 
 
 def is_fit(path: str | PathLike[str]) -> bool:
-    """Return whether a file is the result of a fit.
+    """Return whether a file is a netCDF file with the result of a fit.
 
     Examples
     --------
@@ -31,7 +31,7 @@ def is_fit(path: str | PathLike[str]) -> bool:
 
 
 def open_fit(path: str | PathLike[str]) -> FitResult:
-    """Open the result of a fit, also of one that was interrupted.
+    """Return the result of a fit from its file, also of an interrupted fit.
 
     Parameters
     ----------

@@ -59,7 +59,7 @@ class ProfileLikelihood:
         return low, high, np.array(curve)
 
     def _value(self, coordinate: float) -> float:
-        """Return the value of the parameter at its coordinate."""
+        """Return the value of the profiled parameter at its coordinate."""
         u = self.best.u.copy()
         u[self.k] = coordinate
         return float(self.best.problem.parameters.values(u)[self.k])

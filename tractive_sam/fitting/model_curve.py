@@ -68,7 +68,7 @@ def _places_between(series: Series, best: Estimate, points: int) -> np.ndarray:
     same_keys = list(series.measured.data.vary) == list(series.measured.settings[0])
     if series.measured.data.profile or not same_keys or len(series.measured.data.vary) != 1:
         return np.empty(0)
-    values = best.problem.parameters.named(best.u)
+    values = best.problem.parameters.values_by_key(best.u)
     scene = series.scene_at(values, series.measured.settings[0])
     if not is_steady(scene) or not 1 < x.size < points:
         return np.empty(0)

@@ -92,6 +92,6 @@ class Parameters:
         lower = np.where(self.logarithmic & (self.lower <= 0.0), 0.0, self.lower)
         return self.coordinates(lower), self.coordinates(self.upper)
 
-    def named(self, u: np.ndarray) -> dict[str, float]:
+    def values_by_key(self, u: np.ndarray) -> dict[str, float]:
         """Return the values of the parameters at coordinates, by key."""
         return dict(zip(self.keys, self.values(u).tolist(), strict=True))

@@ -67,5 +67,5 @@ def log_posterior(
 
     first = np.ones(problem.size)
     first[n:] = 0.0
-    first = problem.aligned(first)
+    first = problem.align_profiles(first)
     return density, np.concatenate([problem.parameters.values(first), first[n:]])

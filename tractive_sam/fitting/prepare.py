@@ -27,7 +27,7 @@ Remember = Callable[[str, Callable[[], Answer]], Answer]
 
 
 @dataclass
-class SharedPlaces:
+class SharedRecords:
     """Records (revolutions or distances) that data sets observe of each scene, rolled once for all.
 
     Attributes
@@ -41,15 +41,15 @@ class SharedPlaces:
 
     def add(self, scene: Scene, places: list[float]) -> None:
         """Add revolutions or distances that are observed of a scene; nan is its last record."""
-        of_scene = self._places.setdefault(scene.fingerprint(), {})
-        of_scene |= {repr(at): at for at in places}
+        places_of_scene = self._places.setdefault(scene.fingerprint(), {})
+        places_of_scene |= {repr(at): at for at in places}
 
-    def of(self, scene: Scene) -> list[float]:
+    def of_scene(self, scene: Scene) -> list[float]:
         """Return all revolutions or distances that are observed of a scene."""
         return list(self._places[scene.fingerprint()].values())
 
 
-def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
+def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     """Return a scene without the tables that no requested column needs, such as [fatigue].
 
     Parameters
@@ -84,7 +84,7 @@ def trimmed(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     return scene
 
 
-def fixed(
+def fix_mesh(
     scene: Scene, neighbours: Iterable[Scene], places: Sequence[float], remember: Remember
 ) -> dict[str, Any]:
     """Return the changes of a scene that fix its mesh and its steps while parameters vary.
@@ -142,7 +142,7 @@ def grid_entries(grid: Grid) -> dict[str, Any]:
     return entries | ({"grid.centre": grid.centre[axes]} if any(grid.centre) else {})
 
 
-def finer(scene: Scene) -> Scene:
+def on_finer_mesh(scene: Scene) -> Scene:
     """Return a scene on a mesh of equal extent with 1.5 times as many elements along each axis."""
     # Ratio of the numbers of elements of the finer mesh and the mesh, along each axis.
     refinement = 1.5
@@ -177,7 +177,7 @@ def _roll_adaptively(scene: Scene) -> Answer:
     return Answer(numbers, contacts, 1, float(np.nansum(history["convolutions"])))
 
 
-def scaled_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+def scale_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return changes of a scene with the fixed steps scaled to a fitted number of revolutions."""
     end, steps = changes.get("wear.revolutions"), scene.wear.save if scene.wear else ()
     if end is None or not steps or steps[-1] == end or not is_integer(scene, "wear.revolutions"):

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.fitting import prepare
-from tractive_sam.fitting.case import FitCase, Reply, is_steady, merged
+from tractive_sam.fitting.case import FitCase, Reply, is_steady, merge_cases
 from tractive_sam.fitting.design import FitError
 from tractive_sam.fitting.evaluations import Evaluations
 from tractive_sam.fitting.parameters import Parameters
@@ -100,7 +100,7 @@ class FitProblem:
         return residuals[np.isfinite(mean)]
 
     def prior_jacobian(self, u: np.ndarray) -> np.ndarray:
-        """Return the derivatives of `prior_residuals` by the coordinates."""
+        """Return the derivatives of `prior_residuals` by the coordinates, shape (priors, size)."""
         mean, sd = self.parameters.prior.T
         rows = np.zeros((len(self.parameters), self.size))
         np.fill_diagonal(rows, self.parameters.slopes(u) / sd)
@@ -159,7 +159,7 @@ class FitProblem:
             raise FitError([Fault("fit.step", value, "another step, or other starts")])
         return jacobian
 
-    def aligned(self, u: np.ndarray) -> np.ndarray:
+    def align_profiles(self, u: np.ndarray) -> np.ndarray:
         """Return coordinates whose profile positions fit the predicted profiles best."""
         replies = self._replies({"": u})
         aligned = np.array(u, float)
@@ -172,13 +172,13 @@ class FitProblem:
     def predict_finer(self, u: np.ndarray) -> np.ndarray:
         """Return predicted values (points,) on a finer mesh; nan if a computation failed."""
         cases: dict[tuple, FitCase] = {}
-        values = self.parameters.named(u)
+        values = self.parameters.values_by_key(u)
         try:
             for n, series in enumerate(self.series):
                 for k, case in enumerate(series.cases(values, n, False)):
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
-                        scene = prepare.finer(case.scene)
+                        scene = prepare.on_finer_mesh(case.scene)
                     cases[n, "", k] = FitCase(scene, case.columns, case.places, seat=(n, k, 1))
         except SceneError:
             return np.full(self.observed.size, math.nan)
@@ -201,7 +201,7 @@ class FitProblem:
     @cached_property
     def _default_step(self) -> float:
         """Relative step of finite differences: larger if any data set is rolled."""
-        rolled = any(not is_steady(prepare.trimmed(series.base, series.columns, series.unworn))
+        rolled = any(not is_steady(prepare.drop_tables(series.base, series.columns, series.unworn))
                      for series in self.series)  # fmt: skip
         tolerance = max(series.base.solver.tolerance for series in self.series)
         return self.roll_step if rolled else max(1e-4, tolerance**0.5)
@@ -220,7 +220,7 @@ class FitProblem:
                 for point, u in points.items():
                     if not (point and point in series.exact):
                         wanted = derivatives and not point
-                        series_cases = series.cases(self.parameters.named(u), n, wanted)
+                        series_cases = series.cases(self.parameters.values_by_key(u), n, wanted)
                         cases |= {(n, point, k): case for k, case in enumerate(series_cases)}
         except SceneError as error:
             self.failures.append(str(error.faults[0]))
@@ -230,7 +230,7 @@ class FitProblem:
 
     def _replies_of(self, cases: Mapping[tuple, FitCase]) -> dict[tuple, Reply]:
         """Return the replies of cases by name; cases of the same scene are computed once."""
-        together = merged(cases.values())
+        together = merge_cases(cases.values())
         answers = self.evaluations.answers(together)
         self.failures.extend(answer.message for answer in answers.values() if answer.message)
         names = {name: case.scene.fingerprint() for name, case in cases.items()}

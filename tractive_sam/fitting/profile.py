@@ -86,7 +86,7 @@ class ProfilePosition:
 
     @property
     def _arm(self) -> np.ndarray:
-        """Lateral distances from the middle of the profile, mm."""
+        """Lateral distances of the measured points from the middle of the profile, mm."""
         return self.y - 0.5 * (self.y.min() + self.y.max())
 
 

@@ -19,7 +19,7 @@ from tractive_sam.fitting.likelihood import ProfileLikelihood
 from tractive_sam.fitting.model_curve import curve_variables
 from tractive_sam.fitting.next_test import check_tests, rank_tests
 from tractive_sam.fitting.parameters import Parameters
-from tractive_sam.fitting.prepare import SharedPlaces
+from tractive_sam.fitting.prepare import SharedRecords
 from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import FitResult, Intervals
 from tractive_sam.fitting.search import Search
@@ -133,7 +133,7 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
     parameters = Parameters.of(table)
     _check_count(measured, parameters)
     done = done or Evaluations(InProcess())
-    shared = SharedPlaces(complete=False)
+    shared = SharedRecords(complete=False)
 
     def prepared() -> tuple[Series, ...]:
         return tuple(

@@ -55,10 +55,10 @@ class Search:
         """
         first = np.zeros(self.problem.size)
         first[: len(self.problem.parameters)] = 1.0
-        best = self.minimise(self.problem.aligned(first))
+        best = self.minimise(self.problem.align_profiles(first))
         for u in self._random_starts():
             try:
-                result = self.minimise(self.problem.aligned(u))
+                result = self.minimise(self.problem.align_profiles(u))
             except FitError:  # a random start that the scene does not allow
                 continue
             best = result if result.cost < best.cost else best

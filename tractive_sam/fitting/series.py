@@ -63,7 +63,7 @@ class Series:
         scene: Scene,
         start: Parameters,
         done: Evaluations | None,
-        shared: prepare.SharedPlaces | None = None,
+        shared: prepare.SharedRecords | None = None,
     ) -> Series:
         """Prepare a data set at the first values: check its scenes, and fix meshes and steps.
 
@@ -79,7 +79,7 @@ class Series:
             First values.
         done : Evaluations, optional
             Stores the steps of rolls; without it the scenes are checked, and nothing is rolled.
-        shared : SharedPlaces, optional
+        shared : SharedRecords, optional
             Records that all data sets observe.
 
         Raises
@@ -89,19 +89,19 @@ class Series:
         """
         data = measured.data
         columns = tuple(column_of(name, data.body) for name in data.observe)
-        shared = shared or prepare.SharedPlaces()
+        shared = shared or prepare.SharedRecords()
         try:
             base = scene.replace(**data.set) if data.set else scene
             bare = cls(key, measured, base, columns, (), {}, data.at == 0.0)
             for _, settings in _groups_of(measured):  # faults, before anything is rolled
-                bare.scene_at(start.named(np.ones(len(start))), settings)
+                bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
             groups, exact = [], {}
             for rows, settings in _groups_of(measured):
                 first, *neighbours = bare._scenes_near(start, settings)
                 shared.add(first, [float(measured.places[row]) for row in rows])
                 if done is None or not shared.complete:
                     continue
-                changes = prepare.fixed(first, neighbours, shared.of(first), done.remember)
+                changes = prepare.fix_mesh(first, neighbours, shared.of_scene(first), done.remember)
                 groups.append((rows, {**settings, **changes}))
                 is_contact = is_steady(first)
                 exact = exact_columns(first, columns, start.keys) if is_contact else {}
@@ -111,13 +111,13 @@ class Series:
 
     def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
         """Return the scene at the first values, and with each parameter changed a little."""
-        values = start.named(np.ones(len(start)))
+        values = start.values_by_key(np.ones(len(start)))
         scenes = [self.scene_at(values, settings)]
         for k in range(len(start)):
             u = np.ones(len(start))
             u[k] += 0.05
             try:
-                scenes.append(self.scene_at(start.named(u), settings))
+                scenes.append(self.scene_at(start.values_by_key(u), settings))
             except SceneError:  # beyond what the scene allows
                 continue
         return scenes
@@ -133,8 +133,8 @@ class Series:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             base = self.base.replace(**settings) if settings else self.base
-            changes = prepare.scaled_steps(base, changes_of(base, values))
-            return prepare.trimmed(base.replace(**changes), self.columns, self.unworn)
+            changes = prepare.scale_steps(base, changes_of(base, values))
+            return prepare.drop_tables(base.replace(**changes), self.columns, self.unworn)
 
     def cases(self, values: Mapping[str, float], number: int, derivatives: bool) -> list[FitCase]:
         """Return the computation for each group of rows with equal settings.

@@ -345,7 +345,7 @@ def solve_newton_step(here, ga, gb, haa, hab, hbb):
 
 @compiled(inner=True)
 def _perpendicular_axes(normal):
-    """Return two axes perpendicular to a normal."""
+    """Return two unit vectors perpendicular to a normal and to each other."""
     nx, ny, nz = normal
     if abs(nz) < 0.9:
         h = math.hypot(nx, ny)

@@ -92,7 +92,7 @@ def positive_or(value, substitute):
 
 @compiled
 def angle_difference(s1, c1, s2, c2, straddles):
-    """Return atan2(s1, c1) - atan2(s2, c2) by one arctangent.
+    """Return the angle difference atan2(s1, c1) - atan2(s2, c2) by one arctangent.
 
     An edge that passes through the point (s = c = 0) counts as angle 0, the mean of its two sides.
     `straddles`: the point lies between the edges, the first angle is >= 0 and the second <= 0.
@@ -249,7 +249,7 @@ def near_integrals(x, y, z, dx, dy):
 
 @compiled
 def nodes_needed(ratio):
-    """Return the number of Gauss-Legendre nodes along a side that is `ratio` of the distance."""
+    """Return the number of Gauss-Legendre nodes for a side with `ratio` of side to distance."""
     for n in range(1, MAX_NODES):
         if ratio < REACH[n]:
             return n

@@ -34,7 +34,7 @@ def kinds_of_corners(pressure, sliding):
 
 
 def _around_corners(elements):
-    """Return the number (n_x - 1, n_y - 1) of marked elements around each corner."""
+    """Return the number of marked elements around each corner, shape (n_x - 1, n_y - 1)."""
     marked = elements.view(np.uint8)
     pairs = marked[:-1] + marked[1:]
     return pairs[:, :-1] + pairs[:, 1:] if pairs.shape[1] > 1 else 2 * pairs

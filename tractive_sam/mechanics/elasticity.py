@@ -23,7 +23,7 @@ COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 
 @renamed_attributes(alone="single_body")
 class Elasticity(Law, ABC):
-    """Elastic response of both bodies; a subclass defines `coefficients`.
+    """Base class of the elastic response of both bodies; a subclass defines `coefficients`.
 
     Examples
     --------
@@ -130,7 +130,7 @@ class Elasticity(Law, ABC):
         return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
 
     def spanning(self, length: float) -> "Elasticity":
-        """Return the law for a mesh of the given length in x, mm; by default this law."""
+        """Return the law for a mesh of a length in x, mm, as strips need; default: this law."""
         return self
 
     def single_body(self, body: str) -> "Elasticity":
@@ -179,7 +179,7 @@ class HalfSpaces(Elasticity):
 
     @cached_property
     def material(self) -> CombinedMaterial:
-        """Elastic constants of the pair of bodies."""
+        """Elastic constants of the pair of bodies as one half-space."""
         return combine(self.A, self.B)
 
     @property
@@ -262,7 +262,7 @@ class HalfSpaces(Elasticity):
         return (np.eye(2) - nu * np.einsum("am,bm->mab", normal, normal)) / (1.0 - nu)
 
     def single_body(self, body: str) -> "HalfSpaces":
-        """Return half-spaces of one body with unit shear modulus, as "A", against a rigid body.
+        """Return half-spaces of one body, with unit shear modulus, and a rigid body.
 
         The stress under given tractions does not depend on the modulus.
 
@@ -279,7 +279,7 @@ class HalfSpaces(Elasticity):
 
 @dataclass(frozen=True)
 class Strips(HalfSpaces):
-    """Two half-spaces under infinitely long strips of traction: line contact, plane strain.
+    """Elasticity of two half-spaces under infinitely long strips: line contact, plane strain.
 
     Parameters
     ----------
@@ -336,7 +336,7 @@ class _ElementIntegrals:
         self._sides, self._table = (dx, dy), np.empty((6, 0, 0))
 
     def at(self, nx: int, ny: int) -> np.ndarray:
-        """Return the integrals at offsets up to (nx - 1, ny - 1) elements, mm, (6, nx, ny)."""
+        """Return the six kernel integrals at offsets below (nx, ny) elements, mm, (6, nx, ny)."""
         table = self._table
         stored_x, stored_y = table.shape[1:]
         if nx > stored_x or ny > stored_y:

@@ -186,7 +186,7 @@ class FatemiSocie(CycleCriterion):
 
 @dataclass(frozen=True)
 class OrthogonalShear(CycleCriterion):
-    """Amplitude of the orthogonal shear stress xz: half of its range.
+    """Criterion: the amplitude of the orthogonal shear stress xz, half of its range.
 
     Source: Lundberg & Palmgren, Acta Polytechnica 7 (1947). In a frictionless line contact it is
     p0/4, half the semi-axis deep.
@@ -209,7 +209,7 @@ class OrthogonalShear(CycleCriterion):
 
 
 def enclosing_radius(cycle: np.ndarray) -> np.ndarray:
-    """Return the radius of the smallest ball around the deviator's path, norm sqrt(s:s/2), MPa.
+    """Return the radius of the smallest ball around the path of the stress deviator, MPa.
 
     For a smaller yield stress in shear no constant residual stress makes the cycle elastic
     (Koiter).
@@ -240,7 +240,7 @@ def evaluate_cycles(criterion: CycleCriterion, cycle: np.ndarray) -> tuple[np.nd
 
 
 def residual_shear(cycle: np.ndarray) -> np.ndarray:
-    """Return the largest sqrt(J2) of the cycles at one depth with the best residual stresses.
+    """Return sqrt(J2) that remains in each cycle of one depth under the best residual stress, MPa.
 
     The residual stresses are rho_xx of each point and one rho_yy for all points. For a yield stress
     in shear above the largest result the cycles become elastic (Melan); see

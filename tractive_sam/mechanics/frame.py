@@ -76,7 +76,7 @@ class Frame:
         return _times(self.inverse, scaled)
 
     def norm(self, traction: np.ndarray) -> np.ndarray:
-        """Return ||p_t||_mu = |p~|, the pressure (load) that a traction (force) needs.
+        """Return ||p_t||_mu = |p~|: the least pressure at which friction carries a traction.
 
         The elliptic norm sqrt((p_e1/mu1)² + (p_e2/mu2)²) (paper, eq. 10); shape (2, ...) to (...).
         """

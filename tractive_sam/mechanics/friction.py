@@ -77,7 +77,7 @@ class Slope(ShortArrays):
     kept: np.ndarray
 
     def change(self, slip: np.ndarray) -> np.ndarray:
-        """Return the change of the radius for a change of the slip at centres, (n_x, n_y)."""
+        """Return the change of the friction bound for a change of the slip at centres."""
         out = np.empty_like(self.by_share)
         friction.change_of_bound(self.by_share, self.by_slip, self.kept, slip, out)
         return out
@@ -207,7 +207,7 @@ class FrictionLaw(Law, ABC):
 
     @staticmethod
     def opposed_slip(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
-        """Return the slip that the tractions of the elements oppose, from slip of leading faces.
+        """Return the slip of leading faces turned towards that at centres; tractions oppose it.
 
         Parameters
         ----------
@@ -566,5 +566,5 @@ class SlipDependence:
     staggered: float
 
     def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Return the change of the bound's radius for a change of the slip of leading faces."""
+        """Return the change of the friction bound for a change of the slip of leading faces."""
         return self.slope.change(FrictionLaw.slip_at_centres(slip, contact, self.staggered))

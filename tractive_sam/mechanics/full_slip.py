@@ -12,7 +12,7 @@ Pair = tuple[float, float]
 
 
 def full_slip_force(load: float, mu: Pair, angle: float, slip: Pair) -> Pair:
-    """Return the friction force on body A if the complete contact slips in one direction.
+    """Return the friction force (Q_x, Q_y) on body A, N, if the complete contact slips one way.
 
     The associated sliding rule Q = -P M² s / ||s||* with ||s||* = |M s| in tribological axes.
     Source: Juliá & Rodríguez-Tembleque, Int. J. Mech. Sci. 294 (2025) 110195, eqs. (10), (15).

@@ -45,7 +45,7 @@ class InterfacialLayer(Elasticity):
 
     @property
     def layer(self) -> float:
-        """Shear compliance of the interfacial layer, mm/MPa."""
+        """Shear compliance of the interfacial layer, mm/MPa (`Elasticity.layer`)."""
         return self.compliance
 
     def coefficients(

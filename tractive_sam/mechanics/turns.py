@@ -58,8 +58,8 @@ class Turns:
         """Return the share (0 to 1) of a body in the depth that enters; 0 for a flat body."""
         return self.share[body] * self.per_count[body] / self.gain
 
-    def next(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the depth that enters the next revolution, mm; for both bodies together.
+    def next_entering(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+        """Return the worn depth that enters the next revolution, mm, for both bodies together.
 
         Parameters
         ----------
@@ -68,19 +68,19 @@ class Turns:
         """
         return leaving + (self.gain - 1.0) * (leaving - entering)
 
-    def worn(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+    def mean_depth(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Return the mean worn depth of a body over its circumference after a revolution, mm.
 
         Both bodies roll an equal distance: their volumes are proportional to their shares. 0 for a
-        flat body. Parameters as in `next`.
+        flat body. Parameters as in `next_entering`.
         """
-        return self.share_of_entering(body) * self.next(entering, leaving)
+        return self.share_of_entering(body) * self.next_entering(entering, leaving)
 
-    def of_body(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+    def depth_behind(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
         """Return the worn depth of a body just behind the contact, mm.
 
         A flat body passes the contact only once: its depth is the wear of a single pass.
-        Parameters as in `next`.
+        Parameters as in `next_entering`.
         """
         returning = self.per_count[body] / self.gain
         return self.share[body] * (leaving + (returning - 1.0) * entering)

@@ -106,7 +106,7 @@ class WearLaw(Law, ABC):
         return parts[:, None, :] * self.rate(pressure, traction, slip)
 
     def on(self, element_area: float) -> "WearLaw":
-        """Return the law for elements of an area, mm²; by default this law."""
+        """Return the law for a mesh whose elements have this area, mm²; by default this law."""
         return self
 
     def weakened(self, factor: float) -> "WearLaw":
@@ -126,7 +126,7 @@ class WearLaw(Law, ABC):
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Return a text on conditions beyond the tests of the coefficients; "" if within."""
+        """Return a text if conditions exceed the experiments behind the coefficients; else ""."""
         return ""
 
     def depth(
@@ -232,7 +232,7 @@ def frictional_work(traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Energy(WearLaw):
-    """Energy law: depth k1 w_1 + k2 w_2 by the frictional work w_k = -p_k s_k along each axis.
+    """Wear law: depth k1 w_1 + k2 w_2 by the frictional work w_k = -p_k s_k along each axis.
 
     The depth depends on the work only and is additive: the wear of a contact
     follows from its total work along each tribological axis. With k1 = k2 the axes have no
@@ -270,7 +270,7 @@ class Energy(WearLaw):
 
 @dataclass(frozen=True)
 class ArchardByWork(WearLaw):
-    """Archard's law from the frictional work w_k = -p_k s_k along each tribological axis.
+    """Archard's wear law from the frictional work w_k = -p_k s_k along each tribological axis.
 
     In a slip element p_k = -p_n mu_k^2 s_k/||s||*_mu, and p_n |s|_i becomes
 

@@ -67,7 +67,7 @@ class TGammaPerArea(WearLaw):
         return np.where(touching, slope * work / each, 0.0)
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Return a text if T-gamma/A is above the range of the tests; "" if within."""
+        """Return a text if T-gamma/A exceeds the range of the experiments; "" otherwise."""
         work = frictional_work(traction, slip)
         largest = _mean(work, pressure) if self.total else float(work.max())
         if largest <= self.regimes.tested:
@@ -269,7 +269,7 @@ class PerBody(WearLaw):
         return self.map_laws(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Return a text on each body whose conditions are beyond the tests; "" if none is."""
+        """Return a text on each body whose conditions exceed the experiments; "" if none do."""
         texts = {
             name: law.beyond_tests(pressure, traction, slip)
             for name, law in (("A", self.A), ("B", self.B))

@@ -428,7 +428,7 @@ class State:
         if self.volumes is not None:
             return dict(self.volumes)
         turns, (entering, leaving) = self.scene.turns, (self.wear[-1], self.wear[0])
-        return self.volumes_of({body: turns.worn(body, entering, leaving) for body in "AB"})
+        return self.volumes_of({body: turns.mean_depth(body, entering, leaving) for body in "AB"})
 
     def volumes_of(self, around: Mapping[str, np.ndarray]) -> dict[str, float]:
         """Return the volumes, mm³, worn off bodies, from the mean depth around each, (n_y,)."""

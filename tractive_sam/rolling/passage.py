@@ -231,7 +231,7 @@ class Passage(Step):
         """Return the wear depth of one body behind the contact, shape (n_y,), mm."""
         if self.parts is None:
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
-            return self._initial_depth(body) + self.turns[0].of_body(body, *depths)
+            return self._initial_depth(body) + self.turns[0].depth_behind(body, *depths)
         each = zip(self.turns, self.contacts, strict=True)
         return self._entering_of(body) + _weighted_mean(
             self.weights, (turns.share[body] * _depth_of_pass(contact) for turns, contact in each)
@@ -241,7 +241,7 @@ class Passage(Step):
         """Return the wear depth of a body averaged around its circumference, shape (n_y,), mm."""
         if self.parts is None:
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
-            return self._initial_depth(body) + self.turns[0].worn(body, *depths)
+            return self._initial_depth(body) + self.turns[0].mean_depth(body, *depths)
         return self._entering_of(body) + self.gained_by_block[:, "AB".index(body)].sum(axis=0)
 
 
@@ -331,7 +331,7 @@ def attribute_wear(last: Passage, passage: Passage) -> Passage:
 def next_passage(model: Model, last: Passage) -> Passage:
     """Roll one more revolution (paper, section 7), of a duty cycle the next block's."""
     k = last.rolled or 0
-    entering = last.turns[k].next(last.entering, last.leaving)
+    entering = last.turns[k].next_entering(last.entering, last.leaving)
     tolerance, revolution = model.scene.solver.tolerance, last.revolution + 1
     rolled = model.block_at(revolution)
     passage = passage_at(model, revolution, entering, last.contacts, tolerance, rolled=rolled)

@@ -110,7 +110,7 @@ def _depths_from_history(history: History) -> Worn:
         lasting = np.array([turns.per_count[body] for body in BODIES])
         return Worn(history.y, here + lasting[:, None] * passed)
     since = (entering - new.sum(axis=0), leaving - new.sum(axis=0))
-    return Worn(history.y, new + np.stack([turns.worn(body, *since) for body in BODIES]))
+    return Worn(history.y, new + np.stack([turns.mean_depth(body, *since) for body in BODIES]))
 
 
 def _depths_from_state(state: State) -> Worn:
@@ -122,7 +122,7 @@ def _depths_from_state(state: State) -> Worn:
             "each of them lost; give the history"
         )
     turns = state.scene.turns
-    depths = [turns.worn(body, state.wear[-1], state.wear[0]) for body in BODIES]
+    depths = [turns.mean_depth(body, state.wear[-1], state.wear[0]) for body in BODIES]
     return Worn(state.grid.y, np.stack(depths))
 
 
