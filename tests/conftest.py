@@ -1,6 +1,8 @@
 """Settings of all tests. The package is not imported here: coverage has not begun yet."""
 
+import functools
 import os
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from hypothesis import settings
 from PIL import Image
 
 from tests import cpu_time
+from tests.browser import Browser
 
 # The examples are equal in each run, at any speed of the machine; `--hypothesis-profile=search`
 # looks for new ones.
@@ -39,6 +42,21 @@ def _strict_numpy():
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _formulas_parsed_once():
+    """Let all figures share their parsed formulas, which take a third of the time for a figure.
+
+    Matplotlib stores few, and those of each figure apart.
+    """
+    parser = import_module("matplotlib.mathtext").MathTextParser
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(parser, "__hash__", lambda self: hash(str(vars(self))))
+        patch.setattr(parser, "__eq__", lambda self, other: vars(self) == vars(other))
+        parse = functools.lru_cache(1000)(parser._parse_cached.__wrapped__)
+        patch.setattr(parser, "_parse_cached", parse)
+        yield
+
+
 @pytest.fixture
 def empty_pictures(monkeypatch):
     """Figures are made, and their pictures have one dot: drawing takes most of the time."""
@@ -50,6 +68,23 @@ def empty_pictures(monkeypatch):
             Image.new("L", (1, 1)).save(target, "png")
 
     monkeypatch.setattr("tractive_sam.plot.figure.Figure.savefig", save_dot)
+
+
+@pytest.fixture(scope="session")
+def browser(tmp_path_factory):
+    """Start a browser; all tests of this process show their pages in it."""
+    with Browser(tmp_path_factory.mktemp("browser")) as browser:
+        yield browser
+
+
+@pytest.fixture
+def few_table_nodes(monkeypatch):
+    """Tables of creep forces begin with few nodes, and are checked at few points."""
+    few = {"samples": 2, "anywhere": 40, "checks": 40, "first_u": (0.0, 0.4, 0.7, 1.0)}
+    refinement = import_module("tractive_sam.tables.refinement").Refinement(**few)
+    monkeypatch.setattr("tractive_sam.tables.grid.HEADINGS", 3)
+    monkeypatch.setattr("tractive_sam.tables.grid.TILTS", 2)
+    monkeypatch.setattr("tractive_sam.tables.building.Refinement", lambda: refinement)
 
 
 def pytest_collection_modifyitems(session, config, items):

@@ -1,9 +1,9 @@
 """Fails the n-th call to the disk of every output, for every n, as a separate program.
 
-    python -m tests.disk_faults FOLDER [OUTPUT ...] [--every N]
+    python -m tests.disk_faults FOLDER [OUTPUT ...] [--tries N]
 
-It runs with the library of `disk_faults.c` loaded, and prints what went wrong. With `--every` it
-fails each N-th call only, each kind of fault beginning with another one.
+It runs with the library of `disk_faults.c` loaded, and prints what went wrong. With `--tries` it
+tries only N pairs of a call and a fault of each output, evenly spread over all.
 
 Every try is a copy (fork) of one process that has imported and compiled all that it needs. Results
 files are written after each record, so that faults meet every state of a file.
@@ -321,8 +321,8 @@ def clear(out, output):
         output.file.write_bytes(output.earlier)
 
 
-def fail_every_call(name, output, out, every=1) -> Counter:
-    """Fail the n-th call, for every n until there is none left, by every fault."""
+def fail_calls(name, output, out, tries=None) -> Counter:
+    """Fail the n-th call, for every n, by every fault; or that many evenly spread pairs of them."""
     counts, began = Counter(), os.times()
     earlier, output.earlier = output.earlier, None
     clear(out, output)
@@ -334,33 +334,38 @@ def fail_every_call(name, output, out, every=1) -> Counter:
     output.set_reference()
     gc.collect()
     gc.freeze()  # else the garbage collection of each child copies all of its memory
-    for first, (error, length) in enumerate(FAULTS):
-        for call in range(first % every, FOREVER, every):
-            clear(out, output)
-            finalize = counts["tried"] % output.finalized_every == 0
-            tried = run_child(output.arguments, out, (call, call + length, error), finalize)
-            found = list(violations(output, tried))
-            counts["tried"] += 1
-            counts["failed"] += bool(found)
-            if found:
-                kind, end = errno.errorcode.get(error, "short"), tried.message[-300:]
-                print(f"{name}, {kind} at call {call} for {length}: {found}: {end!r}", flush=True)
-            if tried.calls <= call:
-                counts["calls"] = tried.calls
-                break
+    clear(out, output)
+    undisturbed = run_child(output.arguments, out, (FOREVER, FOREVER, 0))
+    found = [*violations(output, undisturbed)]
+    assert not undisturbed.status, undisturbed.message
+    assert not found, found
+    counts["calls"] = undisturbed.calls
+    pairs = [(call, fault) for call in range(undisturbed.calls) for fault in FAULTS]
+    number = len(pairs) if tries is None else min(tries, len(pairs))
+    for place in np.linspace(0, len(pairs) - 1, number).astype(int):
+        call, (error, length) = pairs[place]
+        clear(out, output)
+        finalize = counts["tried"] % output.finalized_every == 0
+        tried = run_child(output.arguments, out, (call, call + length, error), finalize)
+        found = list(violations(output, tried))
+        counts["tried"] += 1
+        counts["failed"] += bool(found)
+        if found:
+            kind, end = errno.errorcode.get(error, "short"), tried.message[-300:]
+            print(f"{name}, {kind} at call {call} for {length}: {found}: {end!r}", flush=True)
     if isinstance(output, Results):
         counts["resumed"] = output.resumed["tried"]
     counts["CPU seconds"] = round(sum(os.times()[:4]) - sum(began[:4]))
     return counts
 
 
-def run(folder, names, every):
+def run(folder, names, tries):
     out, counts = folder / "output", Counter()
     out.mkdir()
     prepare(folder)
     for name, output in outputs(folder, out).items():
         if not names or name in names:
-            found = fail_every_call(name, output, out, every)
+            found = fail_calls(name, output, out, tries)
             print(name, dict(found), flush=True)
             counts += found
     print(f"{counts['tried']} tried, {counts['failed']} failed")
@@ -372,7 +377,7 @@ if __name__ == "__main__":
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=Path)
     parser.add_argument("outputs", nargs="*")
-    parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--tries", type=int)
     given = parser.parse_args()
     with patch.object(writer, "Checkpoints", partial(Checkpoints, math.inf)):
-        run(given.folder.resolve(), given.outputs, given.every)
+        run(given.folder.resolve(), given.outputs, given.tries)

@@ -9,6 +9,7 @@ import sys
 from contextlib import suppress
 from html.parser import HTMLParser
 from importlib.resources import files
+from types import SimpleNamespace
 from xml.etree import ElementTree as ET
 
 import h5py
@@ -17,7 +18,7 @@ import pytest
 from typer.testing import CliRunner
 
 import tractive_sam as ts
-from tests.browser import Tab, needs_browser
+from tests.browser import needs_browser
 from tests.pages.test_browser import DRAWN
 from tests.studies.conftest import small
 from tests.tables.test_written import of_any
@@ -193,40 +194,53 @@ def kind_of_place(place):
     return str(attribute), *[key for key in at if isinstance(key, str)][-1:]
 
 
-def find_accepted(results, path, places):
-    """Return the places at which a results file takes any text: halves of a refused set in turn."""
+@pytest.fixture(scope="module")
+def places(results, tmp_path_factory):
+    """Places of a results file that take any text, and one of each kind that refuses it.
+
+    Places of a kind are alike: one of them is tried.
+    """
+    path, kinds = tmp_path_factory.mktemp("places") / "r.h5", {}
+    for place in texts_of(results):
+        kinds.setdefault(kind_of_place(place), []).append(place)
+    accepted, refused = [], []
+    for alike in kinds.values():
+        path.write_bytes(results.read_bytes())
+        try:
+            put(path, alike[:1], HOSTILE[0])
+            open_history(path)
+        except (SceneError, ResultsError):
+            refused += alike[:1]
+        else:
+            accepted += alike
+    return SimpleNamespace(accepted=accepted, refused=refused)
+
+
+def open_hostile(results, path, places, text):
+    """Open a copy of a results file with a text in all places; names of columns may refuse it."""
     path.write_bytes(results.read_bytes())
-    with suppress(SceneError, ResultsError):
-        put(path, places, HOSTILE[0])
-        open_history(path)
-        return places
-    if len(places) == 1:
-        return []
-    half = len(places) // 2
-    parts = places[:half], places[half:]
-    return [place for part in parts for place in find_accepted(results, path, part)]
+    put(path, places, text)
+    try:
+        return open_history(path)
+    except ResultsError:  # of control characters in names of columns
+        check_terminal(called("show", path))
+        path.write_bytes(results.read_bytes())
+        put(path, [one for one in places if one[1] != layout.USER], text)
+        return open_history(path)
 
 
 @pytest.mark.slow  # every string of a results file
-def test_results(results, tmp_path, without_plotly, record_property):
+@pytest.mark.usefixtures("empty_pictures")
+def test_results(results, places, tmp_path, without_plotly, record_property):
     path, page = tmp_path / "r.h5", tmp_path / "r.html"
     harmless = pages.report(open_history(results), page).read_text("utf-8")
-    places = sorted(texts_of(results), key=kind_of_place)
-    found = find_accepted(results, path, places)
-    assert len(places) > 100
+    found = places.accepted
+    assert len(found) > 100
     assert {("scene", None, ()), ("scene", "message", ()), ("scene", "status", ())} <= set(found)
     assert ("/history", layout.USER, (0, "unit")) in {(f"/{n}", k, at) for n, k, at in found}
     record_property("shown", len(found) * len(HOSTILE))
     for text in HOSTILE:
-        path.write_bytes(results.read_bytes())
-        put(path, found, text)
-        try:
-            history = open_history(path)
-        except ResultsError:  # of control characters in names of columns
-            check_terminal(called("show", path))
-            path.write_bytes(results.read_bytes())
-            put(path, [one for one in found if one[1] != layout.USER], text)
-            history = open_history(path)
+        history = open_hostile(results, path, found, text)
         check_page(pages.report(history, page).read_text("utf-8"), harmless)
         assert Elements(history._repr_html_()).found <= {
             ("table",), ("tr",), ("th", "style"), ("td", "style"), ("div", "style"), ("div",),
@@ -236,8 +250,7 @@ def test_results(results, tmp_path, without_plotly, record_property):
         called("show", path)
         json.loads(called("show", path, "--json"))
         check_csv(called("show", path, "--csv"))
-    refused = {kind_of_place(place): place for place in places if place not in found}
-    for number, place in enumerate(refused.values()):
+    for number, place in enumerate(places.refused):
         path.write_bytes(results.read_bytes())
         with suppress(SceneError):
             put(path, [place], HOSTILE[number % len(HOSTILE)])
@@ -295,41 +308,56 @@ def test_folders_of_studies(computed, tmp_path, text):
     assert {one[0] for one in html.found} <= {"table", "tr", "th", "td", "div", "img"}
 
 
-@pytest.fixture
-def table_file(tmp_path):
-    write_table(of_any(), tmp_path / "table.nc")
-    return tmp_path / "table.nc"
+@pytest.fixture(scope="module")
+def original(tmp_path_factory):
+    """A table in its file, and what a compiler and a reader of XML see of it."""
+    path = tmp_path_factory.mktemp("table") / "table.nc"
+    write_table(of_any(), path)
+    table = ts.open_table(path)
+    return SimpleNamespace(path=path, code=code_of(table), shapes=shapes_of(table))
 
 
-def code_of(header):
-    """What a compiler sees of a header."""
-    return re.sub(r"/\*.*?\*/", "", header, flags=re.DOTALL)
+def code_of(table):
+    """What a compiler sees of the sources of a table."""
+    sources = "".join(c_sources(table).values())
+    assert sources.isascii()
+    return re.sub(r"/\*.*?\*/", "", sources, flags=re.DOTALL)
+
+
+def shapes_of(table):
+    """Elements of the description of a model, with the names of their attributes."""
+    description = ET.fromstring(Description2(table, "a", "b").model)
+    return [(one.tag, *one.keys()) for one in description]
+
+
+def put_attributes(path, names, text):
+    with h5py.File(path, "r+") as file:
+        for name in names:
+            file.attrs[name] = text.replace("\0", "")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("text", HOSTILE)
-def test_tables(table_file, text):
-    original = ts.open_table(table_file)
-    code = code_of("".join(c_sources(original).values()))
-    shapes = [
-        (one.tag, *one.keys()) for one in ET.fromstring(Description2(original, "a", "b").model)
-    ]
+def test_tables(original, tmp_path, text):
+    """Each attribute of a table: refused with a message, or taken as text; all of these at once."""
+    path, accepted = tmp_path / "table.nc", []
     for name in ("title", "design", "version", "scaling", "format", "axes", "apart"):
-        with h5py.File(table_file, "r+") as file:
-            before = file.attrs.get(name, "")
-            file.attrs[name] = text.replace("\0", "")
-        called("show", table_file)
-        with suppress(ResultsError):
-            table = ts.open_table(table_file)
-            header = "".join(c_sources(table).values())
-            assert header.isascii()
-            assert code_of(header) == code
-            found = ET.fromstring(Description2(table, "a", "b").model)
-            assert [(one.tag, *one.keys()) for one in found] == shapes
-            check_terminal(columns_of(table)[:2000])
-            called("show", table_file, "--json")
-        with h5py.File(table_file, "r+") as file:
-            file.attrs[name] = before
+        path.write_bytes(original.path.read_bytes())
+        put_attributes(path, [name], text)
+        try:
+            ts.open_table(path)
+            accepted.append(name)
+        except ResultsError:
+            called("show", path)
+    assert "title" in accepted
+    path.write_bytes(original.path.read_bytes())
+    put_attributes(path, accepted, text)
+    table = ts.open_table(path)
+    assert code_of(table) == original.code
+    assert shapes_of(table) == original.shapes
+    check_terminal(columns_of(table)[:2000])
+    called("show", path)
+    called("show", path, "--json")
 
 
 @pytest.mark.parametrize("text", HOSTILE)
@@ -349,6 +377,14 @@ def test_columns_of_text(tmp_path, text):
             called("run", toml, "-o", tmp_path / "never.h5")
 
 
+@pytest.mark.slow
+def test_figures_of_results_are_drawn(results, places, tmp_path):
+    """Warnings are errors here: fonts lack control characters, and formulas begin with a dollar."""
+    for text in (HOSTILE[6], HOSTILE[-1]):
+        history = open_hostile(results, tmp_path / "r.h5", places.accepted, text)
+        assert "<img" in history._repr_html_()
+
+
 def test_labels_of_figures(tmp_path):
     """Warnings are errors here: fonts lack control characters, and say so of each."""
     figure = Figure()
@@ -366,21 +402,19 @@ def test_script_of_the_page_parses_no_text_as_html():
 
 @pytest.mark.slow
 @needs_browser
-def test_in_a_browser(results, tmp_path):
+def test_in_a_browser(results, places, browser, tmp_path):
     """A page with only hostile texts runs nothing, requires nothing, and is drawn."""
     path = tmp_path / "r.h5"
     path.write_bytes(results.read_bytes())
     # Each of the texts that would run something, in places of every kind.
-    places = [one for one in texts_of(path) if one[0].strip("/") in ("", "scene", "history")]
-    places.sort(key=kind_of_place)
-    found = find_accepted(results, tmp_path / "one.h5", places)
-    for number, place in enumerate(found):
+    shown = [one for one in places.accepted if one[0].strip("/") in ("", "scene", "history")]
+    for number, place in enumerate(sorted(shown, key=kind_of_place)):
         put(path, [place], HOSTILE[number % 6])
     page = ts.report(open_history(path), tmp_path / "page.html")
-    with Tab(page.as_uri(), tmp_path / "profile", 1440, height=12000) as tab:
-        figures = tab.run(DRAWN)
-        run = tab.run("[typeof window.PWNED, document.title == 'PWNED']")
-        requested = [one for one in tab.requests if not one.startswith(("file:", "data:", "blob:"))]
-        assert (tab.errors, requested, figures["undrawn"]) == ([], [], [])
+    browser.open(page.as_uri(), 1440, height=12000)
+    figures = browser.run(DRAWN)
+    run = browser.run("[typeof window.PWNED, document.title == 'PWNED']")
+    requested = [one for one in browser.requests if not one.startswith(("file:", "data:", "blob:"))]
+    assert (browser.errors, requested, figures["undrawn"]) == ([], [], [])
     assert run == ["undefined", False]
     assert figures["charts"] > 5

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.tables.solving import Job, solve_jobs
 
 FILM_LAWS = '''
 """Laws of a package that is installed beside tractive_sam."""
@@ -199,22 +200,16 @@ class TestNamedLaw:
         assert (np.array(of_film) < of_coulomb).all()
 
     def test_contacts_of_a_table_have_it(self):
+        """Solved as they are on workers: from the text of the design, at scaled creepages."""
+        creepages = -0.3, 0.1, 0.0
         film, coulomb = (
-            ts.TableDesign(scene=one, elements=15, tolerance=0.2).contacts(())
-            for one in (SPHERES.with_set(STRONG_FILM), SPHERES)
+            abs(solve_jobs(design.to_toml(), [Job((), creepages)]).solutions[0].force[0])
+            for design in (
+                ts.TableDesign(scene=scene, elements=15, tolerance=0.2)
+                for scene in (SPHERES.with_set(STRONG_FILM), SPHERES)
+            )
         )
-        creepages = np.array([-0.3, 0.1, 0.0])
-        assert abs(film.forces(creepages, 15)[0]) < 0.95 * abs(coulomb.forces(creepages, 15)[0])
-
-    @pytest.mark.slow
-    def test_a_table_is_built_with_it(self):
-        scene = SPHERES.with_set(STRONG_FILM)
-        table = ts.build_table(ts.TableDesign(scene=scene, elements=15, tolerance=0.2))
-        for creepage in (-1e-3, -4e-3):
-            contact = ts.solve(scene.replace(**{"creepage.longitudinal": creepage}))
-            found = table(xi_x=creepage, xi_y=0.0, spin=0.0)
-            # Held-out points of this table are within 2.2 % of mu P.
-            assert abs(found.Qx - contact.Qx) < 0.03 * scene.friction.mu[0] * contact.P
+        assert film < 0.95 * coulomb
 
     def test_run_resumes_with_the_same_law(self, tmp_path):
         longer = ["wear.revolutions=4", "wear.save=[0, 2, 4]"]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser import Tab, needs_browser
+from tests.browser import needs_browser
 
 DOCS = Path(__file__).parents[2] / "docs"
 NEEDED = ("sphinx", "myst_nb", "numpydoc", "pydata_sphinx_theme", "sphinx-mathjax-offline")
@@ -51,15 +51,15 @@ def test_no_page_loads_anything_from_a_network(theory):
 
 
 @pytest.mark.parametrize("width", [1440, 390])
-def test_every_formula_is_plotted(theory, tmp_path, width):
+def test_every_formula_is_plotted(theory, browser, width):
     pages = [
         page for page in sorted(theory.glob("*.html")) if 'class="math' in page.read_text("utf-8")
     ]
     assert pages
     for page in pages:
-        with Tab(page.as_uri(), tmp_path / page.stem, width) as tab:
-            state = tab.run(STATE)
-            external = [url for url in tab.requests if not url.startswith(("file:", "data:"))]
+        browser.open(page.as_uri(), width)
+        state = browser.run(STATE)
+        external = [url for url in browser.requests if not url.startswith(("file:", "data:"))]
         assert not external, page.name
         assert state.pop("formulas") > 0, page.name
         assert not any(state.values()), (page.name, state)

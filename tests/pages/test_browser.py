@@ -3,7 +3,7 @@
 import pytest
 
 import tractive_sam as ts
-from tests.browser import Tab, needs_browser
+from tests.browser import needs_browser
 from tests.pages.test_report import SMALL
 
 pytestmark = [pytest.mark.slow, needs_browser]  # a browser draws the page
@@ -53,36 +53,36 @@ def page(request, tmp_path_factory):
 
 
 @pytest.mark.parametrize("width", [1440, 390], ids=["desktop", "phone"])
-def test_everything_is_plotted(page, tmp_path, width):
-    with Tab(page.as_uri(), tmp_path, width, height=12000) as tab:
-        reported = tab.run(DRAWN)
-        requests, errors = tab.requests, tab.errors
-    assert errors == []  # nothing that the page does is against its policy
+def test_everything_is_plotted(page, browser, width):
+    browser.open(page.as_uri(), width, height=12000)
+    reported = browser.run(DRAWN)
+    assert browser.errors == []  # nothing that the page does is against its policy
     assert reported["charts"] >= 2
     assert reported["undrawn"] == []
     assert reported["empty"] == []
     assert reported["needed"] <= width
     assert reported["unnamed"] == 0
     assert reported["small"] == 0
-    assert [one for one in requests if not one.startswith(("file:", "data:", "blob:"))] == []
+    local = ("file:", "data:", "blob:")
+    assert [one for one in browser.requests if not one.startswith(local)] == []
 
 
-def test_keys_move_the_revolutions(tmp_path):
+def test_keys_move_the_revolutions(browser, tmp_path):
     history = ts.roll(ts.Scene.builtin("twin-discs").with_set(SMALL))
     page = ts.report(history, tmp_path / "page.html")
     shown = "[document.querySelector('#rows td:nth-child(2)').textContent,"
     shown += " document.querySelector('#at').getAttribute('aria-valuetext')]"
     figures = "document.querySelector('.chart.map').data[0].z[15][5]"
-    with Tab(page.as_uri(), tmp_path, 1440) as tab:
-        tab.run(DRAWN.replace(".chart", ".chart.map"))
-        for _ in range(20):  # to the slider, by the tab key alone
-            if tab.run("document.activeElement.id") == "at":
-                break
-            tab.press("Tab", 9)
-        assert tab.run("document.activeElement.id") == "at"
-        assert tab.run(shown) == ["20", "N = 20"]
-        before = tab.run(figures)
-        tab.press("ArrowLeft", 37)
-        moved = "new Promise(done => requestAnimationFrame(() => setTimeout(() => done(%s), 500)))"
-        assert tab.run(moved % shown) == ["5", "N = 5"]
-        assert tab.run(figures) != before
+    browser.open(page.as_uri(), 1440)
+    browser.run(DRAWN.replace(".chart", ".chart.map"))
+    for _ in range(20):  # to the slider, by the tab key alone
+        if browser.run("document.activeElement.id") == "at":
+            break
+        browser.press("Tab", 9)
+    assert browser.run("document.activeElement.id") == "at"
+    assert browser.run(shown) == ["20", "N = 20"]
+    before = browser.run(figures)
+    browser.press("ArrowLeft", 37)
+    moved = "new Promise(done => requestAnimationFrame(() => setTimeout(() => done(%s), 500)))"
+    assert browser.run(moved % shown) == ["5", "N = 5"]
+    assert browser.run(figures) != before

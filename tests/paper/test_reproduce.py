@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import pytest
 from typer.testing import CliRunner
 
-from tests.browser import browse, needs_browser, reported_by
+from tests.browser import needs_browser
 from tractive_sam import plot
 from tractive_sam.cli import app
 from tractive_sam.cli.plot import Format
@@ -178,7 +178,7 @@ def test_chapters_and_formats():
     assert Statement("Fig. 1", "a", "b", Verdict.OPEN).verdict == "cannot be decided"
 
 
-REPORT = """addEventListener("load", () => parent.postMessage({
+MEASURES = """({
   width: innerWidth, needed: document.documentElement.scrollWidth,
   blank: [...document.images].filter(i => !i.complete || !i.naturalWidth).map(i => i.alt),
   images: document.images.length,
@@ -190,14 +190,14 @@ REPORT = """addEventListener("load", () => parent.postMessage({
     .filter(e => !document.querySelector(e.getAttribute("href"))).length,
   small: [...document.querySelectorAll("td, p, figcaption")]
     .filter(e => parseFloat(getComputedStyle(e).fontSize) < 12).length,
-}, "*"));"""
-"""A script that the page sends its measures with."""
+})"""
 
 
 @needs_browser
 @pytest.mark.parametrize("width", [1280, 390], ids=["desktop", "phone"])
-def test_it_is_readable_on(reproduced, tmp_path, width):
-    found = reported_by(reproduced.html, REPORT, tmp_path, width)
+def test_it_is_readable_on(reproduced, browser, width):
+    browser.open((reproduced.folder / "index.html").as_uri(), width)
+    found = browser.run(MEASURES)
     assert found["width"] == width
     assert found["needed"] <= width
     assert found["images"] == reproduced.html.count("<img")
@@ -209,9 +209,9 @@ def test_it_is_readable_on(reproduced, tmp_path, width):
 
 
 @needs_browser
-def test_it_prints(reproduced, tmp_path):
-    pdf = tmp_path / "page.pdf"
-    browse(tmp_path, f"--print-to-pdf={pdf}", (reproduced.folder / "index.html").as_uri())
-    assert pdf.read_bytes().startswith(b"%PDF")
+def test_it_prints(reproduced, browser):
+    browser.open((reproduced.folder / "index.html").as_uri(), 1280)
+    pdf = browser.print_pdf()
+    assert pdf.startswith(b"%PDF")
     # Vectors, not a picture of them: an empty print is a few kilobytes.
-    assert pdf.stat().st_size > 1e5
+    assert len(pdf) > 1e5

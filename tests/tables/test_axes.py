@@ -10,7 +10,7 @@ import tractive_sam as ts
 from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, creepages_at
 from tractive_sam.mechanics.full_slip import full_slip_force
-from tractive_sam.tables import TableAxis, building, grid
+from tractive_sam.tables import TableAxis
 from tractive_sam.tables.coefficients import coefficients
 from tractive_sam.tables.grid import CreepageGrid
 from tractive_sam.tables.refinement import Refinement
@@ -220,13 +220,10 @@ at = [0, 1000]
 
 
 @pytest.mark.slow  # some hundred contacts of each table are solved
+@pytest.mark.usefixtures("few_table_nodes")
 @pytest.mark.parametrize(("text", "name"), [(ANGLE, "angle"), (WORN, "worn")])
-def test_the_command_makes_tables_with_axes(text, name, tmp_path, monkeypatch):
-    """On few nodes: the errors reported refer to points anywhere, at all values of the axis."""
-    monkeypatch.setattr(grid, "HEADINGS", 3)
-    monkeypatch.setattr(grid, "TILTS", 2)
-    few = Refinement(samples=2, anywhere=40, checks=40, first_u=(0.0, 0.4, 0.7, 1.0))
-    monkeypatch.setattr(building, "Refinement", lambda: few)
+def test_the_command_makes_tables_with_axes(text, name, tmp_path):
+    """The errors reported refer to points anywhere, at all values of the axis."""
     y = np.linspace(-20.0, 20.0, 81)
     for file, depth in (("new", 0.0), ("worn", 0.02)):
         columns = np.column_stack([y, depth * np.exp(-((y / 4.0) ** 2))])
