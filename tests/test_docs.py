@@ -62,7 +62,7 @@ def package():
     return test.globs
 
 
-@pytest.mark.usefixtures("empty_pictures")
+@pytest.mark.usefixtures("empty_pictures", "few_table_nodes")
 @pytest.mark.parametrize(("room", "name"), list(list_names()))
 def test_example(room, name, package, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -86,7 +86,7 @@ def fit(
 
     Examples
     --------
-    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
     >>> creep = {"creepage.longitudinal": [-1e-3, -4e-3], "Qx_over_P": [0.1, 0.27]}
     >>> data = {"values": creep, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
     >>> data["noise"] = 0.05

@@ -83,7 +83,7 @@ def solve_many(
     Examples
     --------
     >>> import tractive_sam as ts
-    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[23, 23]"])
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
     >>> results = ts.solve_many(coarse, {"creepage.longitudinal": [-1e-3, -2e-3, -3e-3]})
     >>> results["Qx"].dims, bool(results["converged"].all())
     (('creepage.longitudinal',), True)
