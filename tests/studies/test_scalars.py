@@ -1,6 +1,8 @@
 """Studies that keep the last numbers of each case alone: one file, neighbours in turn."""
 
+import os
 import signal
+import socket
 import subprocess
 import sys
 from itertools import pairwise
@@ -98,8 +100,12 @@ def test_rolled_scenes_keep_their_last_record(tmp_path):
 def test_numbers_do_not_hang_on_the_workers(tmp_path):
     pytest.importorskip("distributed", reason="dask.distributed is of the extra study")
     one = study(scalars(), tmp_path / "one", workers=0)
-    two = study(scalars(), tmp_path / "two", workers=2)  # in chains, each from its own first case
+    states = []
+    # In chains, each from its own first case.
+    two = study(scalars(), tmp_path / "two", workers=2, progress=states.append)
     assert two.complete
+    here = f"{socket.gethostname()}:{os.getpid()}"
+    assert here not in {state.outcome.worker for state in states[1:]}
     for here, there in zip(one.rows, two.rows, strict=True):
         agree(there.last, here.last)
 
