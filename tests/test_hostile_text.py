@@ -378,7 +378,7 @@ def test_columns_of_text(tmp_path, text):
 
 
 @pytest.mark.slow
-def test_figures_of_results_are_drawn(results, places, tmp_path):
+def test_figures_of_results_are_plotted(results, places, tmp_path):
     """Warnings are errors here: fonts lack control characters, and formulas begin with a dollar."""
     for text in (HOSTILE[6], HOSTILE[-1]):
         history = open_hostile(results, tmp_path / "r.h5", places.accepted, text)
