@@ -105,7 +105,7 @@ class Kinematics(ABC):
         return 1.0
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the kinematics on a mesh whose elements combine `block` elements of this one."""
+        """Return the kinematics on a mesh with elements that combine `block` of this one."""
         return self
 
     def within(self, box: Box) -> Self:
@@ -234,7 +234,7 @@ class RollingStep(Kinematics):
         return 1.0 / block
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the step on a mesh whose elements combine `block` elements of this one."""
+        """Return the step on a mesh with elements that combine `block` of this one."""
         entering = block_mean(self.entering, block, "edge")
         return replace(self, entering=entering, length=self.length / block[0])
 

@@ -34,7 +34,7 @@ def memory_of_groups(
 ) -> float:
     """Return the memory, in bytes, that the control groups (cgroups) still allow the process.
 
-    In `root`, Linux stores the limits of groups, such as containers or batch jobs; `members` lists
+    In `root`, Linux stores the limits of groups (containers, batch jobs); `members` lists
     those of the process.
     """
     free = [math.inf]

@@ -57,7 +57,7 @@ def column_stride(px: int, gap: int = 4) -> int:
         Padded length.
     gap : int
         Numbers between two columns. Without it, lengths such as 128 and 192 put the numbers of a
-        row into the same few lines of the cache: the transforms along y take three times as long.
+        row into few lines of the cache: the transforms along y take three times as long.
     """
     return px + gap
 
@@ -84,7 +84,7 @@ class Convolver(Protocol):
 
 
 class UntiledConvolution:
-    """Convolution on a small mesh, whose spectra fit the processor's cache (`Convolver`).
+    """Convolution on a small mesh, with spectra that fit the processor's cache (`Convolver`).
 
     Columns are stored contiguously: the transforms along x take a quarter less time, and those
     along y read and write at a stride at hardly any cost.

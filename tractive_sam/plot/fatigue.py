@@ -110,7 +110,7 @@ def shakedown_map(history: History) -> Figure:
 
 
 def _draw_limits(axes: Axes, history: History, force: float, load: float) -> None:
-    """Draw the shakedown limits of both bodies as triangles, those of B open and larger."""
+    """Draw the shakedown limits of both bodies as triangles, open and larger ones for B."""
     limits = (
         ("shakedown_lower", "^", "certain up to"),
         ("shakedown_upper", "v", "impossible above"),

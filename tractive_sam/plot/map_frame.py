@@ -109,7 +109,7 @@ class MapFrame:
         return float(np.sqrt(self.width * self.height)) / number
 
     def apply_to(self, axes: Axes, xlabel: str, ylabel: str) -> None:
-        """Set limits, aspect, ticks and labels of axes to those of the frame."""
+        """Set limits, aspect, ticks and labels of axes as the frame defines them."""
         for axis, length in ((axes.xaxis, self.width), (axes.yaxis, self.height)):
             count = min(5, int(length / (current_options().font_scale * TICK_SPACE)))
             axis.set_major_locator(MaxNLocator(max(count, 2), steps=[1, 2, 5, 10], min_n_ticks=3))

@@ -66,7 +66,7 @@ class PlaneSection:
 
     @property
     def signed(self) -> bool:
-        """Whether the quantity may have both signs, such as a stress component."""
+        """Whether the quantity may have both signs, like a stress component."""
         return self.criterion is None
 
     @property

@@ -48,7 +48,7 @@ class Scale:
 
     @classmethod
     def from_history(cls, history: History) -> Self:
-        """Return the scale of a history: Hertz's values, or those of its first contact."""
+        """Return the scale of a history: Hertz's values, or values of its first contact."""
         if math.isfinite(history.p0):
             return cls(history.a0, history.b0, history.p0, hertz=True)
         names = ("half_width_x", "half_width_y", "p_max")

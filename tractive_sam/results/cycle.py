@@ -70,7 +70,7 @@ def block_quantity(quantity: Quantity) -> Quantity:
 
 
 def _replacing_columns(record: Record) -> list[Quantity]:
-    """Return the stress columns of a record, which replace those of the package."""
+    """Return the stress columns of a record, which replace columns of the package."""
     return [column for column in record.columns.values() if column.role.startswith("stress")]
 
 

@@ -166,11 +166,11 @@ class History:
         raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
 
     def of_dims(self, *dims: str) -> dict[str, Quantity]:
-        """Return the columns with just these dimensions, such as "body"; without any, scalars."""
+        """Return the columns with just these dimensions, as "body"; without any, scalars."""
         return {name: column for name, column in self.columns.items() if column.dims == dims}
 
     def of_role(self, role: str) -> Quantity:
-        """Return the column that has a role, such as "coordinate"; its name may be user-defined.
+        """Return the column that has a role, as "coordinate"; its name may be user-defined.
 
         Raises
         ------

@@ -285,7 +285,7 @@ class State:
         return self.traction_bound is not None or (friction is not None and friction.varies)
 
     def with_sliding_by_traction(self) -> "State":
-        """Return a copy whose `sliding` elements are those with tractions at their bound."""
+        """Return a copy with `sliding` elements wherever tractions reach their bound."""
         margin = self._bound_tolerance * self.pressure.max()
         return replace(self, sliding=self.touching & (self.utilisation >= self.bound - margin))
 

@@ -44,7 +44,7 @@ class Cost:
         )
 
     def scaled(self, share: float) -> "Cost":
-        """Return the cost multiplied by a share, such as that of a coarser mesh's elements."""
+        """Return the cost multiplied by a share, for work on a coarser mesh."""
         return Cost(
             share * self.applications, share * self.preconditioner, share * self.convolutions
         )

@@ -88,7 +88,7 @@ def adaptive_passages(
 
 
 def _next_jump(process: Process[Passage], last: Passage, control: Stops | FixedSteps) -> Passage:
-    """Return the passage after the longest jump of revolutions whose error is tolerated."""
+    """Return the passage after the longest jump of revolutions with a tolerated error."""
     model = process.model
     # While the rows in contact wear down, the bodies approach each other at the next rows.
     closing = last.jump * last.gained.sum() / max(np.count_nonzero(last.gained), 1)
@@ -188,7 +188,7 @@ class _TwoStepFormula:
         return solution
 
     def predict(self, response: np.ndarray, offset: np.ndarray) -> np.ndarray:
-        """Return the profile E at the end of the jump, whose wear rate is R = offset + J E."""
+        """Return the profile E at the end of the jump; its wear rate is R = offset + J E."""
         return self._solve(response, self._share * offset - self.past)
 
     def correction(self, response: np.ndarray, profile: np.ndarray, rate: np.ndarray) -> np.ndarray:

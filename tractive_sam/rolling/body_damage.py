@@ -33,7 +33,7 @@ from tractive_sam.rolling.block_order import BlockOrder
 WORN, FINE, GROWTH, COARSE = 0.2, 180, 1.05, 0.25
 """Depth, over the semi-axis a, down to which material depths are squares of their number: the
 stress falls with the root of the depth from the surface, and a surface with little wear is still
-resolved. Number of such depths; factor by which distances grow further down, and their bound over
+resolved. Number of these depths; factor by which distances grow further down, and their bound over
 the first depth below the surface, which is one element."""
 
 NODES, WEIGHTS = (

@@ -71,7 +71,7 @@ class ErrorControl:
 
 @dataclass(frozen=True)
 class Stops:
-    """Error control of steps that must end at given places (stops), such as records to save.
+    """Error control of steps that must end at given places (stops), for example records to save.
 
     Parameters
     ----------

@@ -89,7 +89,7 @@ class TransientHeat(Observer):
         return replace(adopted, heat=heat, past=past)
 
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
-        """Return the observer after a shift, whose frictional heat is released in no time."""
+        """Return the observer after a shift, which releases frictional heat in no time."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
         total, before = _friction_heat(result), required(self.heat, "heat").temperature
         warmth = {

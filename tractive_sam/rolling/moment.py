@@ -110,7 +110,7 @@ class Moment(Step):
         return self.distance
 
     def on(self, grid: Grid) -> "Moment":
-        """Return the moment on a wider mesh with elements of the same size.
+        """Return the moment on a wider mesh of equal elements.
 
         `Transient` computes the gap outside of the former mesh.
         """

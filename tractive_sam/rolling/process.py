@@ -192,7 +192,7 @@ class StoredStep:
         return _ObserverState(arrays, f"{observer.name}_", self.state)
 
     def state_under(self, name: str) -> dict[str, np.ndarray]:
-        """Return the stored arrays whose names begin with "name_", without this prefix."""
+        """Return the stored arrays with names that begin with "name_", without this prefix."""
         start = f"{name}_"
         return {k.removeprefix(start): v for k, v in self.state.items() if k.startswith(start)}
 
@@ -267,7 +267,7 @@ AnyStep = TypeVar("AnyStep", bound=Step)
 
 @renamed_attributes(followed_by="with_observers")
 class Process(ABC, Generic[AnyStep]):
-    """Base class of processes: sequences of contacts of a scene, such as rolling with wear.
+    """Base class of processes: sequences of contacts of a scene, as in rolling with wear.
 
     Parameters
     ----------
@@ -320,7 +320,7 @@ class Process(ABC, Generic[AnyStep]):
         return next((column for column in self.columns if column.role == COORDINATE), None)
 
     def describe(self) -> Iterable[Row]:
-        """Return the rows that `explain` prints for the process, besides those of its table."""
+        """Return the rows that `explain` prints for the process, besides the rows of its table."""
         summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
         return [Row("process", summary)]
 

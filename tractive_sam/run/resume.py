@@ -109,7 +109,7 @@ def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
 
 
 def describe_differences(before: Scene, requested: Scene) -> str:
-    """List entries of two scenes whose difference prevents resuming; "" if there are none."""
+    """List differences of two scenes that prevent resuming; "" if there are none."""
     # Number of differences of two scenes that a message lists.
     most_listed = 5
     stored, current = before.settings(), requested.settings()
@@ -132,7 +132,7 @@ def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> N
 
 
 def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRecord]) -> None:
-    """Raise an error unless the given laws equal those of a results file."""
+    """Raise an error unless the given laws equal the laws of a results file."""
     stored, current = (
         {name: law.fingerprint for name, law in records.items()}
         for records in (history.law_records, laws)
@@ -184,7 +184,7 @@ def check_observers_in_file(
 
 
 def _check_columns(history: History, path: str | PathLike, columns: Iterable[Quantity]) -> None:
-    """Raise an error if a results file has a different column of the same name."""
+    """Raise an error if a results file has another column of this name."""
     for column in columns:
         current = column.with_units_of(history.scene)
         if history.columns.get(column.name, current) != current:

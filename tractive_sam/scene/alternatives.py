@@ -22,7 +22,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
 
 
 def excluded_keys(key: str) -> tuple[str, ...]:
-    """Return the keys that a scene cannot have beside a given key, such as alternatives of it."""
+    """Return the keys that a scene cannot have beside a given key, as they are alternatives."""
     excluded = tuple(
         alternative
         for groups in _ALTERNATIVES

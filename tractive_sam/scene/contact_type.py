@@ -34,5 +34,5 @@ class LineContact(PointContact):
     weibull_slope = 9.0 / 8.0
 
     def unit(self, unit: str) -> str:
-        """Return the unit per length of a quantity, such as N/mm for N."""
+        """Return the unit per length of a quantity: N/mm for N."""
         return {"mm3": "mm2", "mm2": "mm"}.get(unit, f"{unit}/mm")

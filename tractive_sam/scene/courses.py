@@ -37,7 +37,7 @@ PositiveCourse = tuple[Positive, ...]
 
 
 def course(meaning: str, allowed: str = "a list of numbers, one for each knot") -> Any:
-    """Return the definition of a field whose value is a course: one number for each knot."""
+    """Return the definition of a field for a course: one number for each knot."""
     return entry(meaning, allowed, None)
 
 

@@ -50,7 +50,7 @@ class BlockLoad(Table):
 
 
 class BlockCreepage(Table):
-    """Creepages of a block of [[duty]], which replace those of the scene.
+    """Creepages of a block of [[duty]], in place of the scene's.
 
     Examples
     --------
@@ -80,7 +80,7 @@ class BlockFriction(Table):
 
 
 class BlockWheelset(Table):
-    """Position of the wheelset in a block of [[duty]], which replaces that of the scene.
+    """Position of the wheelset in a block of [[duty]], in place of the scene's.
 
     Examples
     --------

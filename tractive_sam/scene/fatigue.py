@@ -214,12 +214,12 @@ class Fatigue(LawTable):
 
     @property
     def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, from the given yield stress or k; None without either."""
+        """Yield stress in tension, MPa, from the given yield stress or k, or None."""
         if self.yield_strength is not None:
             return self.yield_strength
         return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
 
     @property
     def shear_yield_stress(self) -> float | None:
-        """Yield stress in shear k, MPa, from k or the given yield stress; None without either."""
+        """Yield stress in shear k, MPa, from k or the given yield stress, or None."""
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)

@@ -43,7 +43,7 @@ _MAY_BE_MISSING = ContextVar("gap files may be missing", default=False)
 
 @contextmanager
 def allow_missing_files() -> Iterator[None]:
-    """Within the block, accept scenes that name missing files, such as a gap file."""
+    """Within the block, accept scenes that name missing files, as a gap file."""
     before = _MAY_BE_MISSING.set(True)
     try:
         yield
@@ -122,7 +122,7 @@ def _check_source(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_shape(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a separation whose shape differs from the lengths of x and y."""
+    """Report a separation with another shape than (len(x), len(y))."""
     if not entries.given.issuperset(_ARRAYS):
         return
     x, y, separation = (entries[key] for key in _ARRAYS)

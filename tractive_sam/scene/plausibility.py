@@ -73,7 +73,7 @@ class Rule:
             yield from self.judge(self.read(subject))
 
     def judge(self, readings: Iterable[Reading]) -> Iterator[tuple[str, str]]:
-        """Yield (key, note) for each reading whose value is in the implausible range."""
+        """Yield (key, note) for each reading with a value in the implausible range."""
         for reading in readings:
             if self.above < reading.value < self.below:
                 details = {"above": self.above, "below": self.below, **reading.details}
@@ -170,8 +170,8 @@ RULES = (
         read_contact_angles,
         "the contact angle varies by {value:.3g} degrees over a patch; more than {above:g} is a "
         "conformal contact, which a half-space does not describe: the forces are estimates",
-        "the normals at the edges then differ by 7.5 degrees from that of the plane, and their "
-        "components along it by 1 %",
+        "the normals at the edges then differ by 7.5 degrees from the normal of the plane, and "
+        "their components along it by 1 %",
         needs="wheelset",
         above=15.0,
     ),

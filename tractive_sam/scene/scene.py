@@ -259,7 +259,7 @@ class Scene(Document):
 
     @property
     def thermal(self) -> dict[str, Thermal]:
-        """Thermal properties of the bodies "A" and "B", by default those of steel."""
+        """Thermal properties of the bodies "A" and "B", by default of steel."""
         return {name: getattr(self.body, name).thermal or STEEL for name in "AB"}
 
     @property

@@ -162,7 +162,7 @@ def _check_number_of_elements(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Iterator[Fault]:
-    """Report elements whose influence coefficients lose all digits, as they are so long.
+    """Report elements that are so long that influence coefficients lose all digits.
 
     Parameters
     ----------

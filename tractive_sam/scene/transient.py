@@ -35,7 +35,7 @@ from .schedule import Distance, Schedule, Shifts
 
 
 def _check_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses whose number of values differs from the knots, and a distance of 0."""
+    """Report courses with another number of values than knots, and a distance of 0."""
     knots = entries["distance"]
     if knots[0] == knots[-1]:
         yield Fault("distance", str(list(knots)), "a last knot above the first one")

@@ -104,7 +104,7 @@ class WheelRail:
         return self.patches[0].creepages(self.pitch)
 
     def is_motion(self, creepage: Creepage) -> bool:
-        """Return whether given creepages equal those of the wheelset's motion."""
+        """Return whether given creepages follow from the wheelset's motion."""
         return tuple(getattr(creepage, key) for key in _MOTIONS) == self.creepages
 
 

@@ -67,7 +67,7 @@ def list_names(names: Iterable[str], last: str = "or") -> str:
 
 
 def _bounds(constraints: Iterable[Any]) -> dict[str, Any]:
-    """Return those of the bounds gt, ge, lt, le that constraints contain, by name."""
+    """Return the bounds (gt, ge, lt, le) that constraints contain, by name."""
     bounds: dict[str, Any] = {}
     for check in constraints:
         metadata = check.metadata if isinstance(check, FieldInfo) else [check]

@@ -34,7 +34,7 @@ class Fault:
 
     FILE: ClassVar = "(file)"
     SCENE: ClassVar = "(scene)"
-    """Keys of faults of a document as a whole."""
+    """Keys of faults of a complete document."""
 
     def __str__(self) -> str:
         return f"{self.key}: given {self.given}; allowed: {self.allowed}"
@@ -42,7 +42,7 @@ class Fault:
     def under(self, table: str) -> Fault:
         """Return the fault with its key prefixed by the name of an outer table.
 
-        A fault of a document as a whole becomes one of the table that names the document.
+        A fault of a complete document becomes one of the table that names the document.
         """
         return replace(
             self, key=table if self.key in (self.FILE, self.SCENE) else f"{table}.{self.key}"

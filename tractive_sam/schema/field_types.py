@@ -54,7 +54,7 @@ def number_to_tuple(value: Any) -> Any:
 
 
 def _read_integer(value: Any) -> Any:
-    """Return an integer for a float without fraction, such as 1e4; other values unchanged."""
+    """Return an integer for a float without fraction (1e4); other values unchanged."""
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 

@@ -120,7 +120,7 @@ def allow_laws(names: tuple[str, ...]) -> str:
 
 
 def _full_name(text: str) -> str | None:
-    """Return "module:class" for such a text or for an entry point's name; else None."""
+    """Return "module:class" for this text or for an entry point's name; else None."""
     if ":" in text:
         identifier = r"[^\W\d]\w*"
         return text if re.fullmatch(rf"{identifier}(\.{identifier})*:{identifier}", text) else None
@@ -186,7 +186,7 @@ def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
 
 
 def _load(name: str) -> Any:
-    """Import and return the class "module:class", whose module must be installed."""
+    """Import and return the class "module:class" of an installed module."""
     module, _, attribute = name.partition(":")
     if module not in sys.modules:
         _check_installed(module.partition(".")[0])

@@ -59,7 +59,7 @@ _TableType: Any = type(
 
 
 class Table(TableBase, metaclass=_TableType):
-    """Base class of immutable tables whose keywords are the keys of a TOML table.
+    """Base class of immutable tables, with the keys of a TOML table as keywords.
 
     Keywords are the keys of the TOML table; None stands for "not given".
 

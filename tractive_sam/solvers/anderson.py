@@ -57,7 +57,7 @@ class Anderson(Projection):
 
 
 def combine_images(images: Sequence[np.ndarray], changes: Sequence[np.ndarray]) -> np.ndarray:
-    """Return the affine combination of images whose combined change has the smallest norm."""
+    """Return the affine combination of images for which the combined change is smallest."""
     if len(images) == 1:
         return images[0]
     differences = np.stack([(changes[-1] - c).ravel() for c in changes[:-1]])

@@ -50,7 +50,7 @@ class Bracketing:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem whose first prescribed force is met by a search over its creepage.
+        """Solve a problem by a search over the creepage that gives its first prescribed force.
 
         Returns
         -------

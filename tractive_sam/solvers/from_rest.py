@@ -72,7 +72,7 @@ class FromRest:
         return outcome
 
     def _continued(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
-        """Solve problems at speeds from the one of `start` to that of the problem."""
+        """Solve problems at speeds between `start` and the problem; return the last outcome."""
         # Forces that one creepage has no more are beyond the top: no need to come quite near it.
         shortest = 0.5 * self.first if len(problem.forces) else self.shortest
 

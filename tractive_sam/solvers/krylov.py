@@ -15,7 +15,7 @@ Map = Callable[[np.ndarray], np.ndarray]
 
 
 class LinearSystem(Protocol):
-    """Protocol of a linear system whose matrix contains an elastic operator."""
+    """Protocol of a linear system with an elastic operator in its matrix."""
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -73,7 +73,7 @@ class NormalProblem:
 
 @dataclass(frozen=True, eq=False)
 class PrescribedForces:
-    """Prescribed tangential forces, whose creepages are unknowns of the problem.
+    """Prescribed tangential forces; their creepages are unknowns of the problem.
 
     A unit of the unknown zeta_k adds the constant slip v_k to every element, and the force k is the
     sum of v_k . pi_t over the elements: work per revolution is force times creepage.
@@ -131,7 +131,7 @@ class PrescribedForces:
         return self.vectors @ traction.sum(axis=(1, 2))
 
     def coarsened(self, block: tuple[int, int]) -> "PrescribedForces":
-        """Return the forces for a mesh whose elements combine `block` elements of this one."""
+        """Return the forces for a mesh with elements that combine `block` of this one."""
         return replace(self, target=self.target / math.prod(block))
 
 
@@ -352,7 +352,7 @@ class Problem:
         return self.friction.law.project(traction, radius, physical)
 
     def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:
-        """Return the slip that tractions oppose in each element, from that of leading faces."""
+        """Return the slip that tractions oppose in each element, from the slip of leading faces."""
         sticking = seen.sticking(slip, traction)
         return self.friction.law.opposed_slip(sticking, seen.bound, seen.staggered)
 

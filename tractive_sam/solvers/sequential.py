@@ -113,7 +113,7 @@ def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
 
 @dataclass(frozen=True)
 class RoughSequential:
-    """Sequential solver with a low accuracy, whose outcome starts coupled methods.
+    """Sequential solver of low accuracy; coupled methods start from its outcome.
 
     Attributes
     ----------

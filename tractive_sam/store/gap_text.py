@@ -57,7 +57,7 @@ class TextTable:
 
 
 def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
-    """Return the cells of a text file, whose separator and decimal sign are detected.
+    """Return the cells of a text file; its separator and decimal sign are detected.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ from tractive_sam.store.stored_records import StoredCycles, StoredField, StoredS
 
 
 def open_history(path: str | PathLike[str]) -> History:
-    """Open a results file as a history, whose fields are read when accessed.
+    """Open a results file as a history; its fields are read when accessed.
 
     A column that the file does not contain reads as nan.
 

@@ -67,7 +67,7 @@ def _field_groups(record: Record) -> list[str]:
 
 
 def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Record]) -> None:
-    """Append fields, stress and fatigue of records that have the same groups."""
+    """Append fields, stress and fatigue of records with equal groups."""
     _append_group(file["fields"], rows, records, [record.fields for record in records], OUTSIDE)
     for planes in zip(*(record.stress for record in records), strict=True):
         group = file["stress"][

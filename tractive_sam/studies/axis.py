@@ -46,7 +46,7 @@ _SPACING = '"linear" or "logarithmic"'
 
 
 def _check_values(entries: ValidEntries) -> Iterator[Fault]:
-    """Report an axis unless it gives either values or a complete range."""
+    """Report an axis without values and complete range, or with both."""
     ends = [name for name in ("start", "stop", "number") if name in entries.given]
     allowed = "values, or start, stop and number; not both"
     if "values" in entries.given:
@@ -87,7 +87,7 @@ def _check_spacing(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_range(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a range whose start equals its stop."""
+    """Report a range with equal start and stop."""
     if entries["start"] is not None and entries["start"] == entries["stop"]:
         yield Fault("stop", f"{entries['stop']:g}", "another number than start")
 
@@ -149,7 +149,7 @@ def _check_variables(entries: ValidEntries) -> Iterator[Fault]:
 def _find_repeated_keys(
     name: str, before: list[str], tables: Iterable[Values | Bounds]
 ) -> Iterator[Fault]:
-    """Yield a fault for each table whose key is already among the keys before it."""
+    """Yield a fault for each table with a key that is already among those before it."""
     for k, table in enumerate(tables):
         if table.key in before:
             yield Fault(f"{name}[{k}].key", f"{table.key} again", "each entry of the scene once")

@@ -146,7 +146,7 @@ def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "
 
 
 def _close_unused_clients() -> None:
-    """Close clients whose connection failed, before another event loop starts.
+    """Close clients without a connection, before another event loop starts.
 
     The garbage collector closes these clients at any time. If the lock of the loops is held at that
     time, it would wait forever.

@@ -218,7 +218,7 @@ def is_study(path: str | PathLike[str]) -> bool:
 
 
 def _setting_from(folder: Path, setting: Any) -> Any:
-    """Return a setting ("key=value") whose relative file path starts from a folder."""
+    """Return a setting ("key=value") with its relative file path starting from a folder."""
     if not isinstance(setting, str) or setting.partition("=")[0].strip() not in FILE_KEYS:
         return setting
     ((key, file),) = parse_settings([setting]).items()
@@ -226,7 +226,7 @@ def _setting_from(folder: Path, setting: Any) -> Any:
 
 
 def _dimensions(axes: Iterable[Axis], latin: Latin | None) -> tuple[Dimension, ...]:
-    """Return the dimensions of axes, followed by that of a Latin hypercube."""
+    """Return the dimensions of axes, followed by the one of a Latin hypercube."""
     of_axes = tuple(axis.dimension() for axis in axes)
     return of_axes if latin is None else (*of_axes, latin.dimension())
 

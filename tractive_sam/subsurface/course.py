@@ -86,7 +86,7 @@ class Course(ShortArrays):
 
 
 def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """Return the fatigue of bodies whose material passes a sequence of contacts, by body.
+    """Return the fatigue of each body's material in a sequence of contacts, by body.
 
     The sequence is one cycle of every point. The results are the largest utilisation and the
     largest ball of all points of a row and a depth.

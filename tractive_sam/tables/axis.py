@@ -15,7 +15,7 @@ from tractive_sam.studies import Axis
 
 
 def _check_name(entries: ValidEntries) -> Iterator[Fault]:
-    """Report an axis of a table whose name is not valid."""
+    """Report an axis of a table with an invalid name."""
     name = entries["name"] or _default_name(entries["key"])
     try:
         check_axis_name(name, further=True)
@@ -29,7 +29,7 @@ def _default_name(key: str) -> str:
 
 
 def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
-    """Report an axis whose values have no numeric positions."""
+    """Report an axis with values that have no numeric positions."""
     values, at = entries["values"], entries["at"]
     if values is None:  # a range of numbers
         return
@@ -102,7 +102,7 @@ class TableAxis(Axis):
 
     @property
     def apart(self) -> bool:
-        """Whether the values are discrete (such as files), so that none are interpolated."""
+        """Whether the values are discrete (files), so that none are interpolated."""
         return not all(map(_is_interpolated, self.dimension().columns.items()))
 
     def entries_at(self, x: float) -> dict[str, Any]:

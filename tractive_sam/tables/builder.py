@@ -242,7 +242,7 @@ class TableBuilder:
         return largest
 
     def _random_point(self, axis: int, x: float) -> Point:
-        """Return a random node whose coordinate along one axis is replaced by x."""
+        """Return a random node with its coordinate along one axis replaced by x."""
         at = [float(self.random.choice(nodes)) for nodes in self.axes]
         if axis != len(self.axes) - 1:  # neither at rest nor in full slip
             at[-1] = float(self.random.choice(self.axes[-1][1:-1]))

@@ -95,7 +95,7 @@ def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_axes_without_scene(entries: ValidEntries) -> Iterator[Fault]:
-    """Report axes other than those of friction in a table without a scene."""
+    """Report axes of other tables than [friction] in a table without a scene."""
     # Keys that do not change the scaling of contacts of Hertz, by mu1 P.
     scaled = ("friction.mu", "friction.angle")
     if entries["scene"] is not None:
@@ -121,7 +121,7 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
         if getattr(scene.load, key) is not None:
             yield Fault(f"scene.load.{key}", "a value", "none: creepages are the axes of a table")
     if scene.wheelset is not None and scene.wheelset.normal_load is None:
-        cure = "wheelset.normal_load: the contacts of a table have the same normal force"
+        cure = "wheelset.normal_load: the contacts of a table have one normal force"
         yield Fault("scene.wheelset.load", f"{scene.wheelset.load:g} N", cure)
     if scene.normal_load is None:
         yield Fault("scene.load", "no normal load", "load.normal or load.pressure")
@@ -323,6 +323,6 @@ def _reverses_with_creepages(scene: Scene) -> bool:
 
 
 def _has_named_law(scene: Scene) -> bool:
-    """Return whether a scene has a user-defined law, whose symmetry is unknown."""
+    """Return whether a scene has a user-defined law: its symmetry is unknown."""
     tables = (scene.friction, scene.elasticity)
     return any(table is not None and table.named_law is not None for table in tables)

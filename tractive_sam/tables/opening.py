@@ -29,7 +29,7 @@ def _path_of_builtin(name: str) -> Path:
 
 
 def is_table(name: str | PathLike[str]) -> bool:
-    """Return whether a name is that of a built-in table or ends in .nc."""
+    """Return whether a name belongs to a built-in table or ends in .nc."""
     return str(name).endswith(".nc") or str(name) in builtin_tables()
 
 

@@ -160,7 +160,7 @@ class ErrorBars(Observer):
         )
 
     def _assess(self, block: int, sample: Sample) -> Assessment:
-        """Return the error bars of a block's sample, from the same revolution of coarser runs."""
+        """Return the error bars of a block's sample, from this revolution of coarser runs."""
         revolution = self.step.place
         samples = (self.coarse[block].at(revolution), self.middle[block].at(revolution), sample)
         return assess(self.step.contacts[block], samples, peak=revolution == 0)
