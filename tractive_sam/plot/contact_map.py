@@ -98,10 +98,11 @@ class ContactMap:
 
         A print has no more dots than `finest` elements on a side: of finer meshes some are omitted.
         """
-        every = slice(None, None, 1 + max(values.shape) // finest)
-        x, y, values = self.view.x_over_a[every], self.view.y_over_a[every], values[every, every]
+        every = 1 + max(values.shape) // finest
+        i, j = (_range_of(np.nonzero(self.view.contact.touching)[k], every) for k in (0, 1))
         style |= {"shading": "gouraud", "rasterized": True, "zorder": 0.5}
-        mesh = self.axes.pcolormesh(x, y, values.T, **style)
+        x, y = self.view.x_over_a[i], self.view.y_over_a[j]
+        mesh = self.axes.pcolormesh(x, y, values[i, j].T, **style)
         mesh.set_clip_path(self.contact, self.axes.transData)
         return mesh
 
@@ -159,6 +160,11 @@ class ContactMap:
         heads: dict[str, Any] = {"headwidth": 4.0, "headlength": 4.5, "headaxislength": 4.0}
         x, y = view.x_over_a[i], view.y_over_a[j]
         self.axes.quiver(x, y, u, v, color=color, pivot="mid", **look, **heads)
+
+
+def _range_of(indices: np.ndarray, every: int) -> slice:
+    """Return a slice from before the smallest index to behind the largest one."""
+    return slice(max(int(indices.min()) - every, 0), int(indices.max()) + every + 1, every)
 
 
 def add_axes(figure: Figure, left: float, bottom: float, width: float, height: float) -> Axes:

@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Self, TypeAlias
 
 import numpy as np
-from scipy.ndimage import binary_opening
 
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import math_value
@@ -141,7 +140,12 @@ class ContactView:
         On a mesh the steps of the leading edge slip, because the traction bound nearly vanishes
         there; a layer of one element is no zone.
         """
-        return binary_opening(self.contact.sliding, [[True], [True]])
+        sliding = self.contact.sliding
+        pairs = sliding[1:] & sliding[:-1]
+        zone = np.zeros_like(sliding)
+        zone[1:] |= pairs
+        zone[:-1] |= pairs
+        return zone
 
     @property
     def bound_ratios(self) -> tuple[float, float]:

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.style import LOOK, apply_style, new_axes
-from tractive_sam.reference import kalker_simplified, vermeulen_johnson
 
 MARKERS = "so^Dv"
 """Markers of computed points, in their order."""
@@ -51,6 +50,9 @@ def creep_force_curve(
     for marker, (name, (xi, force)) in zip(cycle("x+*"), reference.items(), strict=False):
         axes.plot(xi, force, marker, label=name, color=LOOK.grey)
     if theory:
+        # Other figures need no reference solutions, whose interpolation takes long to load.
+        from tractive_sam.reference import kalker_simplified, vermeulen_johnson  # noqa: PLC0415
+
         ends = [float(np.max(xi)) for xi, _ in (*computed.values(), *reference.values())]
         xi, grey = np.linspace(0.0, max(1.0, *ends), 201), LOOK.grey
         axes.plot(xi, vermeulen_johnson(xi), "--", color=grey, label="Vermeulen & Johnson (1964)")

@@ -1,6 +1,7 @@
 """The figure that every function returns: without a window, and displayed once by a notebook."""
 
 from base64 import b64encode
+from collections.abc import Iterator
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -8,8 +9,14 @@ from typing import IO, Any
 
 import matplotlib.figure
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.text import Text
+from matplotlib.ticker import ScalarFormatter
+from PIL import Image
 
 from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
@@ -32,11 +39,65 @@ class InsideLayout(ConstrainedLayoutEngine):
         box, size = fig.get_tightbbox(), fig.get_size_inches()
         pads = np.array([self.get()["w_pad"], self.get()["h_pad"]])
         low, high = (np.maximum(pads - space, 0.0) for space in (box.min, size - box.max))
-        if low.any() or high.any():
+        if max(*low, *high) > 1e-6:  # more than rounding
             left, bottom = low / size
             width, height = (size - low - high) / size
             self.set(rect=(left, bottom, width, height))
             super().execute(fig)
+
+
+class TickNumbers(ScalarFormatter):
+    """Format tick labels as plain text and the power of ten of an axis as math text.
+
+    The layout of math text takes several times as long, and a number looks the same.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(useMathText=False)
+
+    def get_offset(self) -> str:
+        """Return the power of ten that multiplies the numbers of the axis; empty for 1."""
+        self.set_useMathText(True)
+        offset = super().get_offset()
+        self.set_useMathText(False)
+        return offset
+
+
+def _format_ticks(axes: Axes) -> Axes:
+    """Let `TickNumbers` replace the default formatters of axes."""
+    for axis in (axes.xaxis, axes.yaxis):
+        if type(axis.get_major_formatter()) is ScalarFormatter:
+            axis.set_major_formatter(TickNumbers())
+            axis.isDefault_majfmt = True  # dates and categories replace it
+    return axes
+
+
+class _Canvas(FigureCanvasAgg):
+    """Canvas that writes opaque PNG pictures without alpha: a tenth smaller, in half the time."""
+
+    def print_png(
+        self, filename_or_obj: Any, *, metadata: Any = None, pil_kwargs: Any = None, **_: Any
+    ) -> None:
+        """Write a picture; arguments as in matplotlib, which applied all others to the figure."""
+        options = pil_kwargs or {}
+        self.draw()
+        pixels = np.asarray(self.buffer_rgba())
+        if metadata or pixels[..., 3].min() < 255:
+            super().print_png(filename_or_obj, metadata=metadata, pil_kwargs=options)
+        else:
+            options = {"dpi": (self.figure.dpi, self.figure.dpi)} | options
+            Image.fromarray(pixels).convert("RGB").save(filename_or_obj, format="png", **options)
+
+
+def _find_texts(artist: Artist) -> Iterator[Text]:
+    """Return the texts of an artist, without tick labels, which their formatters set."""
+    for child in artist.get_children():
+        if isinstance(child, Text):
+            yield child
+        elif isinstance(child, Axis):
+            yield child.label
+        else:
+            yield from _find_texts(child)
 
 
 class Figure(matplotlib.figure.Figure):
@@ -61,6 +122,15 @@ class Figure(matplotlib.figure.Figure):
         if options.get("layout") is None:
             options["layout"] = InsideLayout()
         super().__init__(*args, **options)
+        _Canvas(self)
+
+    def add_subplot(self, *args: Any, **options: Any) -> Axes:
+        """Add axes in a grid; arguments as in matplotlib."""
+        return _format_ticks(super().add_subplot(*args, **options))
+
+    def add_axes(self, *args: Any, **options: Any) -> Axes:
+        """Add axes in a rectangle; arguments as in matplotlib."""
+        return _format_ticks(super().add_axes(*args, **options))
 
     def savefig(self, fname: str | PathLike[str] | IO, **options: Any) -> None:
         """Save the figure; the file appears when it is complete. Arguments as in matplotlib.
@@ -70,7 +140,7 @@ class Figure(matplotlib.figure.Figure):
         OutputError
             If the file cannot be written; an earlier one is unchanged.
         """
-        for text in self.findobj(Text):  # fonts have no signs for control characters
+        for text in _find_texts(self):  # fonts have no signs for control characters
             safe_text = printable_text(text.get_text(), None).replace("\t", " ")
             if text.get_text() != safe_text:
                 text.set_text(safe_text)
@@ -81,8 +151,8 @@ class Figure(matplotlib.figure.Figure):
         if not options.get("format"):
             options["format"] = path.suffix[1:] or self.canvas.get_default_filetype()
         if options["format"] == "png":
-            # A level of 6, the default, takes a seventh more time for files 3 % smaller.
-            options.setdefault("pil_kwargs", {"compress_level": 4})
+            # A level of 6, the default, takes twice the time for files a tenth smaller.
+            options.setdefault("pil_kwargs", {"compress_level": 3})
         if not path.suffix:
             path = path.with_name(f"{path.name.rstrip('.')}.{options['format']}")
         memory = BytesIO()

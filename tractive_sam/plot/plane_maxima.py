@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from scipy.ndimage import maximum_filter
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,8 @@ def stress_maxima(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> li
     ['interior', 'surface']
     """
     along, depth = axes
-    tops = values == maximum_filter(values, 3, mode="nearest")
+    neighbours = np.lib.stride_tricks.sliding_window_view(np.pad(values, 1, "edge"), (3, 3))
+    tops = values == neighbours.max(axis=(2, 3))
     # Beyond the edges of the plane the stress is unknown.
     tops[[0, -1]] = tops[:, -1] = False
     inside = np.where(tops & (depth >= along[1] - along[0]), values, 0.0)

@@ -6,9 +6,9 @@ Both are zero lines of a function that is about linear across the boundary.
 from typing import Any
 
 import numpy as np
+import scipy  # its parts are loaded when first used
 from matplotlib.axes import Axes
 from matplotlib.path import Path
-from scipy.ndimage import distance_transform_edt
 
 from tractive_sam.plot.contact_view import ContactView
 
@@ -50,7 +50,8 @@ def extend_outwards(values: np.ndarray, where: np.ndarray) -> np.ndarray:
     >>> bool(plot.extend_outwards(contact.pressure, contact.touching).min() > 0.0)
     True
     """
-    nearest = distance_transform_edt(~where, return_distances=False, return_indices=True)
+    distances = scipy.ndimage.distance_transform_edt
+    nearest = distances(~where, return_distances=False, return_indices=True)
     return values[tuple(nearest)]
 
 

@@ -6,7 +6,13 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.description import ShortArrays
-from tractive_sam.mechanics import StressCriterion, max_shear, principal_stresses, von_mises
+from tractive_sam.mechanics import (
+    VON_MISES,
+    StressCriterion,
+    max_shear,
+    principal_stresses,
+    von_mises,
+)
 from tractive_sam.scene import Plane
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -66,7 +72,8 @@ class PlaneStress(ShortArrays):
 
     def by(self, criterion: StressCriterion) -> np.ndarray:
         """Return the value of a stress criterion at each point of the plane, in its unit."""
-        return criterion(self._tensor)
+        # Results are drawn without the compiled criterion: the compiler takes long to load.
+        return self.von_mises if criterion == VON_MISES else criterion(self._tensor)
 
     @cached_property
     def von_mises(self) -> np.ndarray:
