@@ -91,7 +91,7 @@ def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
     seconds = perf_counter() - began
     assert contact.error_bars, contact.message
     levels = Levels(scene, None)
-    level = levels.of(contact.grid)
+    level = levels.find_level(contact.grid)
     finer = level + FINER
     while math.prod(levels.grid(finer).elements) > MAX_ELEMENTS and finer > level + 2:
         finer -= 1

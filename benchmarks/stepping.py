@@ -144,7 +144,7 @@ def rolled(step: Step, tolerance: float) -> tuple[History, Course, float]:
         jump = max(1, int(max(taken * change, jump if change > 1.0 and taken < jump else 0)))
         if course.passage.revolution in SAVED and course.passage.revolution > revolution:
             process_values = {"revolution": course.passage.revolution}
-            records.append(Record.of(course.passage.contact, process_values))
+            records.append(Record.from_contact(course.passage.contact, process_values))
     seconds = process_time() - began
     return History.of_records(records, model.scene, model.grid), course, seconds
 

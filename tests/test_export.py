@@ -18,7 +18,9 @@ def contact():
 
 def history(contact):
     """Three records of the contact, the second without fields."""
-    records = [Record.of(contact, {"revolution": N}, with_fields=N != 10) for N in (0, 10, 20)]
+    records = [
+        Record.from_contact(contact, {"revolution": N}, with_fields=N != 10) for N in (0, 10, 20)
+    ]
     return ts.History.of_records(records, contact.scene, contact.grid)
 
 

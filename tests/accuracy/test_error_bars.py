@@ -97,7 +97,7 @@ def test_the_points_of_a_path_count_in_the_bar_of_utilisation(criterion):
     scene = ts.Scene.builtin("twin-discs").replace(wear=None, subsurface=None, grid=grid)
     scene = scene.replace(fatigue=material | {"elements": 8})
     contact = ts.solve(scene)
-    one = Sample.of(contact, {}, ts.fatigue(contact))
+    one = Sample.from_contact(contact, {}, ts.fatigue(contact))
     largest = ts.fatigue(contact)["A"].utilisation_max
     bar = error_bars(relative_error_bars(one, one, one), one)["utilisation"]["A"]
     least = ts.Laws.of(scene).fatigue.path_error * largest
@@ -110,7 +110,7 @@ def test_the_points_of_a_path_count_in_the_bar_of_the_stressed_volume():
     grid = {"half_length": (0.32, 0.9), "elements": (25, 25)}
     scene = ts.Scene.builtin("twin-discs").replace(wear=None, subsurface=None, grid=grid)
     contact = ts.solve(scene.replace(fatigue=material | {"volume": {}}))
-    one = Sample.of(contact, {}, ts.fatigue(contact))
+    one = Sample.from_contact(contact, {}, ts.fatigue(contact))
     bar = relative_error_bars(one, one, one)[BodyColumn("stressed_volume", "A")]
     # Rounding of two integrals, over the difference of both.
     error = ts.Laws.of(contact.scene).fatigue.path_error
@@ -131,7 +131,7 @@ def test_bars_hold_against_a_much_finer_mesh(name):
     scene = ts.Scene.builtin(name).replace(**{"accuracy.tolerance": 5e-3, **planes, **SCENES[name]})
     contact = ts.solve(scene)
     levels = Levels(scene, None)
-    finer = levels.grid(levels.of(contact.grid) + 3)  # 2.8 times finer in every direction
+    finer = levels.grid(levels.find_level(contact.grid) + 3)  # 2.8 times finer in every direction
     _, fine = solve_on_fitted_mesh(Model(scene, None, finer))
     for quantity in ("Qx", "Qy", "Mz", "approach", "p_max"):
         error = abs(getattr(contact, quantity) - getattr(fine, quantity))
@@ -177,9 +177,9 @@ def test_a_tolerance_out_of_reach_is_reported_with_the_cure():
 def test_every_level_is_recognised_by_its_mesh():
     levels = Levels(ts.Scene.builtin("twin-discs").replace(**{"accuracy.tolerance": 0.01}), None)
     for level in (-4, -1, 0, 3):
-        assert levels.of(levels.grid(level)) == level
+        assert levels.find_level(levels.grid(level)) == level
     with pytest.raises(LookupError):
-        levels.of(Levels(ts.Scene.builtin("spheres"), None).grid(0))
+        levels.find_level(Levels(ts.Scene.builtin("spheres"), None).grid(0))
 
 
 def test_tractions_tiny_against_the_pressure_take_no_finer_mesh():

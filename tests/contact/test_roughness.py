@@ -35,7 +35,7 @@ def test_what_flattens_a_wave_left_out():
     y = np.linspace(-1.0, 1.0, 4001)
     heights = 1e-4 * np.cos(2.0 * np.pi * y / 0.01) * np.ones((2, 1))
     map_ = Roughness((np.array([-1e6, 1e6]), y, heights), 1e5, 1e3)
-    _, along_y = map_.unresolved_parts(Grid.of((0.9, 0.9), (9, 31)))
+    _, along_y = map_.unresolved_parts(Grid.from_half_lengths((0.9, 0.9), (9, 31)))
     expected = 0.5 * 1e5 * (2.0 * np.pi / 0.01) * 1e-4 / 2.0**0.5
     # What the mesh samples of the wave appears as a long one with a thousandth of its slope.
     assert map_.flattening(along_y) == pytest.approx(expected, rel=0.02)

@@ -154,7 +154,7 @@ def test_what_particles_carry_is_kept_and_never_below_zero():
     step = np.where((x > 12) & (x < 20), 1.0, 0.0) * np.ones((1, 2))
     now = step
     for length in (0.3, 1.0, 0.75, 2.5, 0.45):
-        now = Advection.from_distance(length).carried(now)
+        now = Advection.from_distance(length).move_depths(now)
         assert now.min() >= 0.0
         assert now.max() <= 1.0 + 1e-15
         assert now.sum() == pytest.approx(step.sum(), rel=1e-14)
@@ -170,7 +170,7 @@ def test_what_particles_carry_is_of_second_order():
         x = np.linspace(0.0, 10.0, n, endpoint=False)[:, None]
         now = np.exp(-((x - 6.0) ** 2))
         for _ in range(n // 10):
-            now = Advection.from_distance(0.4).carried(now)
+            now = Advection.from_distance(0.4).move_depths(now)
         # The limiter flattens the top alone: the mean error is of second order.
         missed.append(np.abs(now - np.exp(-((x - 5.6) ** 2))).mean())
     assert missed[1] < 0.3 * missed[0]

@@ -61,7 +61,7 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
             continue
         past, columns = before.contact, now.contact.grid.elements[0]
         touching = np.pad(past.touching, ((0, way.reach), (0, 0)))
-        held = way.inside(touching) & stepper.model.stencil.staggered
+        held = way.parabola_mask(touching) & stepper.model.stencil.staggered
         tractions = stepper.model.scaled_fields(past), stepper.model.scaled_fields(now.contact)
         requested = StepInput(now.distance, by)
         came = way.previous_values(stepper._displacement(before, way.reach), held)

@@ -21,7 +21,7 @@ def warmed(grid, flux, speed, steps, length=1.0, **settings):
     """Rise and memory after steps, each of so many elements, under a constant flux."""
     memory = HeatMemory(grid, speed, KAPPA, LAM, **settings)
     time = length * grid.dx / speed
-    now, past = SurfaceHeat(grid, speed, KAPPA, LAM, time), memory.none()
+    now, past = SurfaceHeat(grid, speed, KAPPA, LAM, time), memory.cold_fields()
     for _ in range(steps):
         step = memory.step(past, time)
         rise, past = step.temperature + now(flux), step.after(flux)
@@ -31,9 +31,9 @@ def warmed(grid, flux, speed, steps, length=1.0, **settings):
 @pytest.mark.parametrize("longest", [1e3, 1e6])
 def test_exponentials_are_the_inverse_root(longest):
     times = np.geomspace(1.0, longest, 3000)
-    error = Exponentials.between(1.0, longest)(times) * np.sqrt(times) - 1.0
+    error = Exponentials.fit(1.0, longest)(times) * np.sqrt(times) - 1.0
     assert np.abs(error).max() < 5e-4  # 4.3e-4, at the ends
-    rough = Exponentials.between(1.0, longest, ratio=6.0)(times) * np.sqrt(times) - 1.0
+    rough = Exponentials.fit(1.0, longest, ratio=6.0)(times) * np.sqrt(times) - 1.0
     assert np.abs(rough).max() > np.abs(error).max()
 
 
@@ -119,7 +119,7 @@ def test_past_spreads_as_gauss_bell():
     memory = HeatMemory(grid, speed, KAPPA, LAM, margin=0.5)
     _, nx, ny = memory.shape
     rng = np.random.default_rng(1)
-    past = memory.none()
+    past = memory.cold_fields()
     past[:, 8:-8, 2:-2] = rng.normal(size=past[:, 8:-8, 2:-2].shape)
 
     def bell(n, side, shift):
@@ -141,10 +141,10 @@ def test_heat_in_the_body_is_the_heat_given():
     _, memory, past = warmed(grid, flux, speed, 5, margin=40.0)
     given = flux.sum() * grid.element_area * 5 * grid.dx / speed
     # 3e-6: the margin is 4 diffusion lengths wide.
-    assert memory.taken_up(past) == pytest.approx(given, rel=1e-5)
+    assert memory.stored_heat(past) == pytest.approx(given, rel=1e-5)
 
     # A while after it the surface is warm by heat/(rho c sqrt(pi kappa t)), integrated over it.
-    shock = memory.after_shock(memory.none(), flux)
+    shock = memory.after_shock(memory.cold_fields(), flux)
     time = 2.0 * grid.dx / speed
     rise = memory.step(shock, time).rise
     exact = flux.sum() * KAPPA / LAM / sqrt(pi * KAPPA * time)
@@ -159,10 +159,10 @@ def test_a_shock_is_a_short_flux():
         1e-4 * grid.dx / speed,
         grid.dx / speed,
     )
-    brief = memory.step(memory.none(), short).after(heat / short)
+    brief = memory.step(memory.cold_fields(), short).after(heat / short)
     later = [
         memory.step(past, time).temperature
-        for past in (brief, memory.after_shock(memory.none(), heat))
+        for past in (brief, memory.after_shock(memory.cold_fields(), heat))
     ]
     assert np.abs(later[1] - later[0]).max() < 3e-3 * later[0].max()  # 1e-4 of an element moved
 
@@ -172,7 +172,7 @@ def test_settled_is_steady():
     flux = np.maximum(1.0 - grid.x**2, 0.0)[:, None]
     memory = HeatMemory(grid, speed, KAPPA, LAM)
     later = warmed(grid, flux, speed, 200)[2]
-    difference = memory.on_mesh(memory.settled(flux)[-1] - later[-1])
+    difference = memory.on_mesh(memory.steady_fields(flux)[-1] - later[-1])
     assert np.abs(difference).max() < 2e-4 * later[-1].max()  # 6e-5, by how heat fades out
 
 
@@ -183,5 +183,5 @@ def test_a_wider_mesh_continues():
     small, past = (one for one in warmed(narrow, flux, speed, 4)[1:])
     large = HeatMemory(wide, speed, KAPPA, LAM)
     assert large.shape[0] > small.shape[0]
-    rise = large.step(large.adopt(past), time).temperature[50:-50]
+    rise = large.step(large.widen(past), time).temperature[50:-50]
     np.testing.assert_allclose(rise, small.step(past, time).temperature, rtol=5e-4)  # of both sums

@@ -183,7 +183,7 @@ def history(contact):
     """Two records with stress on two planes, one of them of one body."""
     planes = list(stress_on_planes(contact, ["y=0"], ["A", "B"]))
     planes.append(stress_on_plane(contact, "z=0.5a"))
-    records = [Record.of(contact, {"revolution": N}, stress=planes) for N in (0, 10)]
+    records = [Record.from_contact(contact, {"revolution": N}, stress=planes) for N in (0, 10)]
     return History.of_records(records, contact.scene, contact.grid)
 
 

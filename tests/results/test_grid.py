@@ -10,7 +10,7 @@ from tractive_sam.results import Grid
     [((2.0,), (40,), "40 elements"), ((2.0, 3.0), (40, 30), "40 x 30 elements")],
 )
 def test_directions_sides_and_size(half_length, elements, text):
-    grid = Grid.of(half_length, elements)
+    grid = Grid.from_half_lengths(half_length, elements)
     assert grid.directions == len(elements)
     assert grid.line == (len(elements) == 1)
     expected = [2.0 * half / count for half, count in zip(half_length, elements, strict=True)]

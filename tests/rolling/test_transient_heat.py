@@ -96,7 +96,7 @@ def test_heat_is_the_work_of_friction():
     assert any(one.result.shifted for one in found)
     memories, last = heat_memories(model), found[-1]
     past = last.observed["heat"].past
-    taken = sum(memories[body].taken_up(past[body]) for body in "AB")
+    taken = sum(memories[body].stored_heat(past[body]) for body in "AB")
     assert taken == pytest.approx(last.friction, rel=1e-3)  # N mm = mJ; of what has faded out
     shift = next(one for one in found if one.result.shifted)
     heat = shift.observed["heat"].heat

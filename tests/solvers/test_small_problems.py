@@ -207,7 +207,7 @@ def test_newton_steps_converge_quadratically(settings, slip):
 
 def test_a_step_too_bold_is_shortened():
     problem = tangential_problem()
-    mapping = ProjectedMap.of(problem, problem.normal.pressure > 0.0, step_factor=12.0)
+    mapping = ProjectedMap.from_problem(problem, problem.normal.pressure > 0.0, step_factor=12.0)
     outcome, shortened = Uzawa().iterate(mapping, 1e-6, np.zeros_like(problem.rigid))
     assert outcome.converged
     assert (shortened.steps < mapping.steps).all()  # and the map itself is as it was

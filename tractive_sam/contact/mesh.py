@@ -115,10 +115,10 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
     if scene.grid is not None:
         length, elements = scene.grid.half_length, scene.grid.elements
     if length and elements:
-        return Grid.of(length, elements)
+        return Grid.from_half_lengths(length, elements)
     if scene.line:
         half, number = _line_extent(scene, measured, length, finer)
-        return Grid.of(half, elements or (number,))
+        return Grid.from_half_lengths(half, elements or (number,))
     if scene.hertz is None:
         half_length, side = _extent_of_gap(required(measured, "gap"), length, finer)
     else:

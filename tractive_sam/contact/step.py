@@ -100,7 +100,7 @@ class Stepper:
         meter = ConvolutionMeter(self.operators.lattice.padded)
         advection = Advection.from_distance(inputs.distance / self.model.grid.dx)
         motion, law = self._motion(before, inputs, advection), self._law(before, inputs, advection)
-        worn = before.worn if self.wear is None else advection.carried(before.worn)
+        worn = before.worn if self.wear is None else advection.move_depths(before.worn)
         expected = worn
         if earlier is not None:
             expected = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)
@@ -127,7 +127,7 @@ class Stepper:
     ) -> ParticleMotion:
         """Return the motion of particles to the nodes, without the slip of unknown creepages."""
         touching = advection.with_nodes_ahead(before.contact.pressure) > 0.0
-        curved = advection.inside(touching) & self.model.stencil.staggered
+        curved = advection.parabola_mask(touching) & self.model.stencil.staggered
         rigid = self._rigid(inputs, advection, advection.middle(curved))
         displacement = self._displacement(before, advection.reach)
         return ParticleMotion(
@@ -204,7 +204,7 @@ class Stepper:
         bound = past.pressure if past.traction_bound is None else past.traction_bound
         touching = rest.radius > 0.0
         lost = np.where(touching, 1.0 - bound / np.where(touching, rest.radius, 1.0), 0.0)
-        share = 1.0 - advection.carried(lost)
+        share = 1.0 - advection.move_depths(lost)
         return law.with_previous(PreviousShare(grid.x, grid.y, share, inputs.distance))
 
     def _problem(

@@ -63,7 +63,7 @@ class StepWear:
         for group in groups:
             depth = self._depths(inputs, group, law)
             deep = max(deep, self._relative_depth(group.pressure, depth))
-            gained += group.weight * (advection.carried(depth) if group.earlier else depth)
+            gained += group.weight * (advection.move_depths(depth) if group.earlier else depth)
         worn = result.worn + gained
         contact = replace(result.contact, wear=self.model.add_initial_wear(worn.sum(axis=0)))
         if deep > 1.0:

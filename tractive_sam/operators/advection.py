@@ -132,7 +132,7 @@ class Advection:
         here, behind = (nodes[..., np.maximum(k, 0), :] for k in (at, at - 1))
         return (1.0 - self.part) * here + self.part * behind
 
-    def carried(self, nodes: np.ndarray) -> np.ndarray:
+    def move_depths(self, nodes: np.ndarray) -> np.ndarray:
         """Move depths with the material by one step; none turns negative, their sum is unchanged.
 
         A part of an element moves as a flux from node to node, with slopes that make no new
@@ -185,7 +185,7 @@ class Advection:
             nodes[..., count:, :] = fields[..., -1:, :]
         return nodes
 
-    def inside(self, contact: np.ndarray) -> np.ndarray:
+    def parabola_mask(self, contact: np.ndarray) -> np.ndarray:
         """Return a mask of particles that came from between three nodes in contact, (n_x, n_y).
 
         Parameters

@@ -39,7 +39,7 @@ class Exponentials:
     weights: np.ndarray
 
     @classmethod
-    def between(cls, first: float, last: float, ratio: float = 3.0) -> "Exponentials":
+    def fit(cls, first: float, last: float, ratio: float = 3.0) -> "Exponentials":
         """Fit the exponentials to 1/sqrt(t) between two times, s.
 
         Parameters
@@ -121,22 +121,22 @@ class HeatMemory:
         self._margins = margins[0] + fading, margins[1]
         extended = [n + 2 * more for n, more in zip(grid.elements, self._margins, strict=True)]
         first = grid.dx / speed
-        self.exponentials = Exponentials.between(shortest * first, 2.0 * extended[0] * first)
+        self.exponentials = Exponentials.fit(shortest * first, 2.0 * extended[0] * first)
         self.shape = (self.exponentials.rates.size, *extended)
         ramp = np.sin(0.5 * np.pi * (np.arange(fading) + 0.5) / fading) ** 2
         self.fade = np.ones((extended[0], 1))
         self.fade[:fading, 0], self.fade[-fading:, 0] = ramp, ramp[::-1]
 
-    def none(self) -> np.ndarray:
+    def cold_fields(self) -> np.ndarray:
         """Return heat fields of zero: a body that was never warmed."""
         return np.zeros(self.shape)
 
-    def settled(self, flux: np.ndarray, changing: float = 1e-6) -> np.ndarray:
+    def steady_fields(self, flux: np.ndarray, changing: float = 1e-6) -> np.ndarray:
         """Return the steady heat fields of a body under a constant flux, mW/mm², shape (n_x, n_y).
 
         Until what a step of as many elements as heat fades over changes of them, over the largest.
         """
-        past, more = self.none(), np.inf
+        past, more = self.cold_fields(), np.inf
         time = self._fading * self.grid.dx / self._speed
         while more > changing:
             later = self.step(past, time).after(flux)
@@ -144,7 +144,7 @@ class HeatMemory:
             past = later
         return past
 
-    def adopt(self, past: np.ndarray) -> np.ndarray:
+    def widen(self, past: np.ndarray) -> np.ndarray:
         """Return heat fields of a smaller mesh, with equal elements, on this larger one.
 
         A wider mesh may have slower rates. As all lags so far are short for these, exp(-r tau) is
@@ -159,7 +159,7 @@ class HeatMemory:
         """Return the heat fields after the sudden release of heat, mJ/mm², shape (n_x, n_y)."""
         return past + widen_field(heat, self.shape[1:])
 
-    def taken_up(self, past: np.ndarray) -> float:
+    def stored_heat(self, past: np.ndarray) -> float:
         """Return the heat contained in heat fields, with the margin, mJ (line contact: mJ/mm)."""
         return float(past[-1].sum() * self.grid.element_area)
 

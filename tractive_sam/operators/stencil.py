@@ -114,7 +114,7 @@ def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) 
     aspect : float
         dx/dy.
     """
-    here, behind, left, right = _around(bound, i, j) ** 2
+    here, behind, left, right = _neighbour_values(bound, i, j) ** 2
     return np.arctan2(0.5 * aspect * (left - right), np.maximum(behind - here, 0.1 * here))
 
 
@@ -126,12 +126,12 @@ def edge_turning(
     def aside_and_fall(here, behind, left, right):
         return 0.5 * aspect * (left - right), np.where(falls, behind - here, 0.1 * here)
 
-    pressure = _around(bound, i, j)
+    pressure = _neighbour_values(bound, i, j)
     squares = pressure**2
     falls = squares[1] > 1.1 * squares[0]
     aside, fall = aside_and_fall(*squares)
     # d(p²) = 2 p dp, d arctan2(a, f) = (f da - a df)/(f² + a²).
-    moving, falling = aside_and_fall(*(2.0 * pressure * _around(change, i, j)))
+    moving, falling = aside_and_fall(*(2.0 * pressure * _neighbour_values(change, i, j)))
     return (fall * moving - aside * falling) / (fall**2 + aside**2)
 
 
@@ -140,21 +140,21 @@ def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
     At the edge the squared pressure, linear from the element behind on, is zero.
     """
-    here, behind, _, _ = _around(bound, i, j) ** 2
+    here, behind, _, _ = _neighbour_values(bound, i, j) ** 2
     # Zero lies t = here/(behind - here) elements ahead of the centre, so that it is (1 - t)/t.
     return np.clip(behind / here - 2.0, 0.0, FARTHEST)
 
 
 def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """Return the change of `entry_beyond` that a small change of pressure causes, shape (m,)."""
-    here, behind, _, _ = _around(bound, i, j)
+    here, behind, _, _ = _neighbour_values(bound, i, j)
     ratio = behind / here
-    changed, changed_behind, _, _ = _around(change, i, j)
+    changed, changed_behind, _, _ = _neighbour_values(change, i, j)
     inside = (ratio**2 > 2.0) & (ratio**2 < 2.0 + FARTHEST)
     return np.where(inside, 2.0 * ratio * (changed_behind - ratio * changed) / here, 0.0)
 
 
-def _around(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+def _neighbour_values(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
     """Return a field's values at elements (i, j), behind them, and behind to the left and right."""
     rows, columns = np.add(i, [[0], [-1], [-1], [-1]]), np.add(j, [[0], [0], [-1], [1]])
     width = field.shape[1]
@@ -215,7 +215,7 @@ class FrictionSlip:
             self._stiffness = self._opened + self._entry * np.trace(layer)
 
     @cached_property
-    def _turned(self) -> np.ndarray:
+    def _opening_by_angle(self) -> np.ndarray:
         """Derivative of the slip per unit of gap with respect to the angle of the edge."""
         h = 1e-4
         return (self._opening_at(self._angle + h) - self._opening_at(self._angle - h)) / (2.0 * h)
@@ -235,11 +235,11 @@ class FrictionSlip:
         if not self._gap.size:
             return slip
         slip = slip.copy()
-        add_leading_response(slip, traction, *self._here, *self._met)
+        add_leading_response(slip, traction, *self._here, *self._sticking_factors)
         return slip
 
     @cached_property
-    def _answer(self) -> np.ndarray:
+    def _slip_by_traction(self) -> np.ndarray:
         """Slip at the faces of leading elements per traction of the element, shape (m, 2, 2)."""
         answer = self._opening * (self._gap / self._bound)[:, None, None]
         if self._layer is not None:
@@ -247,12 +247,12 @@ class FrictionSlip:
         return answer
 
     @cached_property
-    def _met(self) -> tuple[np.ndarray, np.ndarray]:
+    def _sticking_factors(self) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients of slip and of tractions in `sticking` at the leading elements."""
         factor = 1.0 / (1.0 + self._stiffness)
-        return factor, factor[:, None, None] * self._answer
+        return factor, factor[:, None, None] * self._slip_by_traction
 
-    def _share(self, traction: np.ndarray) -> np.ndarray:
+    def _relative_traction(self, traction: np.ndarray) -> np.ndarray:
         """Return the traction of the leading elements over their traction bound, shape (2, m)."""
         return traction[:, *self._here] / self._bound
 
@@ -283,7 +283,7 @@ class FrictionSlip:
         """
         if not self._gap.size:
             return slip
-        share, shifted = self._share(traction), self._share(change[1:])
+        share, shifted = self._relative_traction(traction), self._relative_traction(change[1:])
         pressed = change[0][self._here] / self._bound
         widened = gap[self._ahead] if self._gap_changes else np.zeros_like(pressed)
         shifted -= share * pressed
@@ -293,7 +293,7 @@ class FrictionSlip:
         # too, which matters if a leading element slips.
         i, j = self._here
         angle = edge_turning(self.bound, change[0], i, j, self._aspect)
-        turned = self._turned * angle[:, None, None]
+        turned = self._opening_by_angle * angle[:, None, None]
         more = np.einsum("mab,bm->am", turned, self._gap * share)
         stiffer = np.trace(turned, axis1=1, axis2=2) * self._gap
         stiffer += np.trace(self._opening, axis1=1, axis2=2) * widened
@@ -323,8 +323,10 @@ class FrictionSlip:
         """
         change = by[:, None, None] * self.sticking(slip, traction)
         if self._gap.size:
-            stiffer = np.einsum("mkk,k->m", self._answer, 2.0 * by - unit) / (1.0 + self._stiffness)
-            share = self._share(traction)
+            stiffer = np.einsum("mkk,k->m", self._slip_by_traction, 2.0 * by - unit) / (
+                1.0 + self._stiffness
+            )
+            share = self._relative_traction(traction)
             change[:, *self._here] -= stiffer * self._leading(
                 slip, self._gap * share, self._bound * share
             )

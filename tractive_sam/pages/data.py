@@ -58,7 +58,7 @@ def page_data(
     for at in saved:
         interrupt.raise_if_interrupted()
         states += [ContactView.from_source(block, at) for _, block in blocks]
-    surface = _Window.around(states, limits)
+    surface = _Window.from_states(states, limits)
     along = history.coordinate
     rows = [int(np.flatnonzero(history[along.name] == at)[-1]) for at in saved]
     each = [row for row in rows for _ in blocks]
@@ -125,7 +125,7 @@ class _Window:
     every: int
 
     @classmethod
-    def around(cls, states: Sequence[ContactView], limits: PageLimits) -> "_Window | None":
+    def from_states(cls, states: Sequence[ContactView], limits: PageLimits) -> "_Window | None":
         """Return the window around the contacts of all records, thinned to the limits, or None."""
         if not states:
             return None

@@ -31,7 +31,7 @@ class Grid:
     centre: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
-    def of(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
+    def from_half_lengths(cls, half_length: tuple[float, ...], elements: tuple[int, ...]) -> "Grid":
         """Return the grid of two directions, or of x alone for a line contact."""
         (half_x, half_y), (nx, ny) = (*half_length, 0.5)[:2], (*elements, 1)[:2]
         return cls((half_x, half_y), (nx, ny))

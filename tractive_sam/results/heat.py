@@ -53,27 +53,33 @@ class FlashTemperature(ShortArrays):
         return self.flux["A"]
 
     @cached_property
-    def _inside(self) -> np.ndarray:
+    def _contact_temperature(self) -> np.ndarray:
         """Temperatures of elements in contact, degrees C; -inf for the other elements."""
         return np.where(self.touching, self.temperature["A"], -np.inf)
 
     @property
     def temperature_max(self) -> float:
         """Largest temperature in the contact, degrees C; nan without contact."""
-        return float(self._inside.max()) if self.touching.any() else np.nan
+        return float(self._contact_temperature.max()) if self.touching.any() else np.nan
 
     @property
     def temperature_max_at(self) -> tuple[float, float]:
         """Place of the largest temperature, (x, y) in mm; nan without contact."""
         if not self.touching.any():
             return np.nan, np.nan
-        i, j = np.unravel_index(np.argmax(self._inside), self._inside.shape)
+        i, j = np.unravel_index(
+            np.argmax(self._contact_temperature), self._contact_temperature.shape
+        )
         return float(self.grid.x[i]), float(self.grid.y[j])
 
     @property
     def temperature_mean(self) -> float:
         """Mean temperature in the contact, degrees C; nan without contact."""
-        return float(self._inside[self.touching].mean()) if self.touching.any() else np.nan
+        return (
+            float(self._contact_temperature[self.touching].mean())
+            if self.touching.any()
+            else np.nan
+        )
 
     @property
     def power(self) -> float:

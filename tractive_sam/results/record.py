@@ -42,7 +42,7 @@ class Record:
     user_fields: Mapping[str, Quantity] = field(default_factory=dict)
 
     @classmethod
-    def of(
+    def from_contact(
         cls,
         contact: State,
         process_values: Mapping[str, Any],

@@ -69,13 +69,15 @@ class TransientHeat(Observer):
         temperature, and in contact the temperature of two half-spaces put together.
         """
         heat = step.result.contact.heat or _first_temperatures(step.result.contact, model)
-        first = TransientHeat(heat, _per_body(heat_memories(model), HeatMemory.settled, heat.flux))
+        first = TransientHeat(
+            heat, _per_body(heat_memories(model), HeatMemory.steady_fields, heat.flux)
+        )
         return first._after_shift(step.result, model) if step.result.shifted else first
 
     def after(self, step: Any, model: Model) -> "TransientHeat":
         """Return the observer updated by a later step, which may be on a wider mesh."""
         memories = heat_memories(model)
-        adopted = replace(self, past=_per_body(memories, HeatMemory.adopt, self.past))
+        adopted = replace(self, past=_per_body(memories, HeatMemory.widen, self.past))
         if step.result.shifted:
             return adopted._after_shift(step.result, model)
         contact, speed = step.result.contact, model.scene.creepage.speed

@@ -306,9 +306,9 @@ class Process(ABC, Generic[AnyStep]):
 
     def with_observers(self, further: Iterable[Observer]) -> Self:
         """Return a copy of the process with these further observers."""
-        return self._with(self.model, tuple(further))
+        return self._copy_with(self.model, tuple(further))
 
-    def _with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
+    def _copy_with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
         """Return a copy of the process with another model, or with other further observers."""
         process = type(self)(model, **self.parameters)
         process.further_observers = self.further_observers if further is None else further
@@ -358,7 +358,7 @@ class Process(ABC, Generic[AnyStep]):
 
     def on(self, grid: Grid) -> Self:
         """Return a copy of the process on another mesh."""
-        return self._with(self.model.on(grid))
+        return self._copy_with(self.model.on(grid))
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -496,7 +496,7 @@ class Process(ABC, Generic[AnyStep]):
                 of_fields |= {quantity: arrays[quantity.name] for quantity in seen.fields}
                 stress += seen.record_stress(block)
         chosen = recorder.choose_columns(contact.scene, user_columns)
-        return Record.of(
+        return Record.from_contact(
             contact,
             values,
             chosen=chosen,

@@ -149,7 +149,9 @@ class ProfileWear(Process[WornStep]):
         observers = self._recording(step)
         extra = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
         records = [
-            Record.of(position.contact, position.values, user_columns=extra, with_fields=False)
+            Record.from_contact(
+                position.contact, position.values, user_columns=extra, with_fields=False
+            )
             for position in step.positions
         ]
         # Depths are those at the nodes of the profiles; the meshes of the contacts differ.

@@ -40,7 +40,7 @@ class Revolutions(Process[Passage]):
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
         """Return the process on a mesh that fits the contacts, and its first step."""
         model, contacts = solve_blocks_on_fitted_mesh(self.model)
-        return self._with(model), start_passage(model, contacts)
+        return self._copy_with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
         """Yield the steps that follow a step, to the end or to an unsolved contact."""

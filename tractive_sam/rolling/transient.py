@@ -101,9 +101,9 @@ class TransientProcess(Process[Moment]):
             worn, depth = model.add_initial_wear(0.0), self._separation(at)
             contact = equilibrium(steady, worn + depth, check_resolution=False)
             contact = replace(contact, scene=model.scene, wear=worn, laws=model.laws)
-            return self._begun(contact, at)
+            return self._first_moment(contact, at)
         pressed = self.stepper.press(self._input(0.0, first, (0.0, 0.0, 0.0), at))
-        moment = self._begun(pressed, at)
+        moment = self._first_moment(pressed, at)
         forced = first["load.force_x"], first["load.force_y"]
         shifts = np.array([first[key] for key in CREEPAGES])
         if self.courses.rolls:
@@ -113,7 +113,7 @@ class TransientProcess(Process[Moment]):
         inputs = self._input(0.0, first, tuple(shifts), at)
         return self._moment(moment, self.stepper.step(moment.result, inputs), at, -1, 0.0)
 
-    def _begun(self, contact: State, at: float) -> Moment:
+    def _first_moment(self, contact: State, at: float) -> Moment:
         """Return the first moment from the first contact, of new or worn bodies."""
         model, volumes = self.model, np.zeros(2)
         if model.began is not None:
@@ -132,14 +132,14 @@ class TransientProcess(Process[Moment]):
                     return
                 last = replace(last, stretch=last.stretch + 1, wish=0.0)
                 if courses.shifted(last.stretch):
-                    last = self._jump(last)
+                    last = self._take_jump(last)
                     yield last
             else:
-                for moment in self._along(last):
+                for moment in self._roll_stretch(last):
                     last = moment
                     yield last
 
-    def _jump(self, last: Moment) -> Moment:
+    def _take_jump(self, last: Moment) -> Moment:
         """Return the moment after a step without distance, in which prescribed values jump."""
         stretch, at = last.stretch, last.distance
         values, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
@@ -148,7 +148,7 @@ class TransientProcess(Process[Moment]):
         inputs = self._input(0.0, values, shifts, at)
         return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
-    def _along(self, last: Moment) -> Iterator[Moment]:
+    def _roll_stretch(self, last: Moment) -> Iterator[Moment]:
         """Yield the moments along a stretch of the course, those to save included."""
         courses, table = self.courses, self.courses.table
         first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
@@ -160,7 +160,9 @@ class TransientProcess(Process[Moment]):
         usual = longest if not adaptive else min(longest, unit * (1 if courses.rolls else 100))
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
-            moment = self._met(self._next(last, control, wish, adaptive, end), saves, unit)
+            moment = self._snap_to_save(
+                self._take_step(last, control, wish, adaptive, end), saves, unit
+            )
             between = self._moments_to_save(last, moment, saves) if moment.converged else []
             if between and not between[-1].converged:
                 yield between[-1]
@@ -169,7 +171,7 @@ class TransientProcess(Process[Moment]):
             yield replace(moment, earlier=between[-1].result if between else None)
             last = moment
 
-    def _met(self, moment: Moment, saves: tuple[float, ...], unit: float) -> Moment:
+    def _snap_to_save(self, moment: Moment, saves: tuple[float, ...], unit: float) -> Moment:
         """Return the moment at just the distance to save, if it is there but for rounding."""
         near = [s for s in saves if abs(s - moment.distance) <= CLOSE * unit]
         at_knot = moment.distance in self.courses.knots
@@ -179,7 +181,7 @@ class TransientProcess(Process[Moment]):
         """Return the moments to save within a step, up to the first that is not solved."""
         moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < end.distance):
-            moment, _ = self._tried(last, place, None, end)
+            moment, _ = self._try_step(last, place, None, end)
             earlier = moments[-1].result if moments else None
             moment = replace(moment, earlier=earlier, continues=False)
             moments.append(moment)
@@ -198,7 +200,7 @@ class TransientProcess(Process[Moment]):
         length = 2.0 * (half if hertz is None else min(hertz.a, half))
         return max(dx, int(0.25 * length / dx) * dx)
 
-    def _next(
+    def _take_step(
         self, last: Moment, control: Stops, wish: float, adaptive: bool, end: float
     ) -> Moment:
         """Return the next moment: in adaptive stepping, after the longest accurate step."""
@@ -209,7 +211,7 @@ class TransientProcess(Process[Moment]):
             at = here + step.length
             if abs(stop - at) <= CLOSE * wish:
                 at = stop
-            moment, error = self._tried(last, at, control if adaptive else None)
+            moment, error = self._try_step(last, at, control if adaptive else None)
             solves += 1
             shortest = step.length <= 1.000001 * control.control.unit
             unsolved = not moment.contact.converged and moment.result.deep <= 1.0
@@ -220,7 +222,7 @@ class TransientProcess(Process[Moment]):
         after = after if at < end else 0.0
         return replace(moment, wish=after, solves=solves)
 
-    def _tried(
+    def _try_step(
         self, last: Moment, at: float, control: Stops | None, beyond: Moment | None = None
     ) -> tuple[Moment, float]:
         """Take a step to a distance; return the moment there and its error over the tolerance.

@@ -96,7 +96,7 @@ class WheelRailPatches(Process[PatchStep]):
     def begin_fitted(self) -> tuple[Self, PatchStep]:
         """Return the process on a mesh that fits the contacts, and its first step."""
         model, steps = solve_patch_steps(self.model)
-        process = self._with(model)
+        process = self._copy_with(model)
         process.solved = steps
         return process, steps[0]
 

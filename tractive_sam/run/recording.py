@@ -147,7 +147,7 @@ class _InMemory:
 
     def __init__(self, scene: Scene, laws: Mapping[str, LawRecord], started: str) -> None:
         self._scene, self._laws, self._started = scene, laws, started
-        self._grid, self._records = Grid.of((1.0,), (1,)), list[Record]()
+        self._grid, self._records = Grid.from_half_lengths((1.0,), (1,)), list[Record]()
 
     def __enter__(self) -> Self:
         return self

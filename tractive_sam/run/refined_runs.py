@@ -59,7 +59,7 @@ def resume_to_accuracy(run: Recording, last: Step, before: History) -> History:
     levels, missed = Levels(scene, measured), describe_missed_accuracy(before, scene)
     model = run.model_of(scene, measured, last.contact.grid.shifted(0.0))
     try:
-        level = levels.of(last.grid)
+        level = levels.find_level(last.grid)
     except LookupError:
         raise ResultsError(
             f"{run.path} has a mesh that this version does not choose for the scene: resume it "

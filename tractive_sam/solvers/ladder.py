@@ -81,7 +81,7 @@ class Method:
     predictable: bool = True
 
     @classmethod
-    def of(cls, solver: ProblemSolver) -> "Method":
+    def from_solver(cls, solver: ProblemSolver) -> "Method":
         """Return a method that uses a user-defined solver for all bodies."""
         return cls(solver, solver, repr(solver))
 

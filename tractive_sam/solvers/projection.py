@@ -78,7 +78,7 @@ class ProjectedMap:
     steps: Array
 
     @classmethod
-    def of(cls, problem: Problem, contact: Array, step_factor: float) -> "ProjectedMap":
+    def from_problem(cls, problem: Problem, contact: Array, step_factor: float) -> "ProjectedMap":
         """Return the map of a problem, with step lengths that are stable on a contact area."""
         slip = step_factor * slip_step(problem.operators, contact)
         gap = [] if problem.is_pressure_fixed else [gap_step(problem.operators, contact)]
@@ -222,7 +222,7 @@ class Projection(ABC):
         if traction is None or not np.isfinite(traction).all():
             traction = np.zeros_like(problem.rigid)
         if problem.is_pressure_fixed:
-            mapping = ProjectedMap.of(
+            mapping = ProjectedMap.from_problem(
                 problem, problem.fixed_pressure.pressure > 0.0, self.step_factor
             )
             outcome, _ = self.iterate(mapping, tolerance, traction)
@@ -232,7 +232,7 @@ class Projection(ABC):
                 normal = Nested(ConjugateGradients()).solve(problem.free_pressure, self.beginning)
                 approach, cost = normal.approach, normal.cost
                 pressure = needed(normal.pressure, "outcome.pressure")
-            mapping = ProjectedMap.of(problem, pressure > 0.0, self.step_factor)
+            mapping = ProjectedMap.from_problem(problem, pressure > 0.0, self.step_factor)
             state = np.concatenate((pressure[None], traction))
             if problem.load is None:
                 outcome, _ = self.iterate(mapping, tolerance, state)

@@ -76,7 +76,7 @@ class Sequential:
         if len(problem.forces):
             share = problem.forces.minimum / problem.bound(pressure).radius.sum()
             if share > 1.0:
-                return _beyond(problem, share)
+                return _refuse_forces(problem, share)
         box = rectangle(pressure > 0.0)
         if start is not None:
             start = _on_part(problem, start, box)
@@ -149,8 +149,8 @@ def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
     return replace(tangential, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
 
 
-def _beyond(problem: Problem, share: float) -> Outcome:
-    """Return an unconverged outcome: the forces are `share` (> 1) of what friction can carry."""
+def _refuse_forces(problem: Problem, share: float) -> Outcome:
+    """Return an unconverged outcome, as the forces are `share` (> 1) of what friction can carry."""
     none = np.zeros_like(problem.rigid)
     note = Note(f"the forces take {share:.1%} of what friction can carry", Status.DIVERGED)
     creepage = np.zeros(len(problem.forces))

@@ -119,7 +119,7 @@ class Values(Table):
         number, start, stop = (
             required(getattr(self, name), name) for name in ("number", "start", "stop")
         )
-        return _between(self.key, start, stop, self.spacing, np.linspace(0.0, 1.0, number))
+        return _spread_values(self.key, start, stop, self.spacing, np.linspace(0.0, 1.0, number))
 
 
 def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
@@ -225,7 +225,7 @@ class Latin(Table):
         hypercube = qmc.LatinHypercube(len(self.variable), rng=np.random.default_rng(self.seed))
         shares = hypercube.random(self.number).T
         columns = {
-            variable.key: _between(
+            variable.key: _spread_values(
                 variable.key, variable.start, variable.stop, variable.spacing, share
             )
             for variable, share in zip(self.variable, shares, strict=True)
@@ -263,7 +263,7 @@ class Dimension:
         return {key: column[place] for key, column in self.columns.items()}
 
 
-def _between(
+def _spread_values(
     key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
 ) -> tuple[float | int, ...]:
     """Return values between start and stop at shares 0 to 1, on a linear or logarithmic scale."""

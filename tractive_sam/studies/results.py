@@ -217,7 +217,7 @@ class StudyResults:
             raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(self._names))}")
         if revolution is None:
             return np.array([row.last.get(name, math.nan) for row in self.rows])
-        return np.array([_at(row, name, revolution) for row in self.rows])
+        return np.array([_value_at(row, name, revolution) for row in self.rows])
 
     def values(self, key: str) -> np.ndarray:
         """Return the values of a key of the scene in all cases: numbers, or else texts.
@@ -390,7 +390,7 @@ def _row(case: Case, file: Path, failure: str) -> CaseRow:
     return CaseRow(case, INTERRUPTED, "", *result)
 
 
-def _at(row: CaseRow, name: str, revolution: int) -> float:
+def _value_at(row: CaseRow, name: str, revolution: int) -> float:
     """Return the value of a quantity of a case at a revolution; nan if it is unknown."""
     if row.file is None:
         values = row.last if row.last.get("revolution") == revolution else {}

@@ -180,7 +180,7 @@ def _climb_to_maxima(
     threshold = _SEARCH.close * surface[bodies]
     ended = []
     for step in range(_SEARCH.steps):
-        values = levels.around(bodies, stencil(at), at)
+        values = levels.stress_around(bodies, stencil(at), at)
         if step == 0:
             highest = _SEARCH.rise * values[:, 0]
         fates = climb(at, barred, best, values, bodies, highest, threshold, floor, step == 0)
@@ -192,5 +192,5 @@ def _climb_to_maxima(
             each[on] for each in (bodies, at, barred, highest, threshold)
         )
     bodies, at = (np.concatenate(each) for each in zip(*ended, strict=True))
-    values = levels.around(bodies, stencil(at), at, closely=True)
+    values = levels.stress_around(bodies, stencil(at), at, closely=True)
     return bodies, at, last_steps(at, values, floor)

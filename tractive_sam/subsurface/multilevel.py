@@ -152,7 +152,7 @@ class MultiLevel:
         first = x.corner + 0.5 * steps[0], y.corner + 0.5 * steps[1]
         return Layer(depth, first, steps, self._criterion(stress.swapaxes(0, 1)))
 
-    def around(
+    def stress_around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
         """Return the equivalent stress (m, n) at points (m, n, 3) near the points `around` (m, 3).

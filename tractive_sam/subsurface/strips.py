@@ -94,7 +94,7 @@ class StripLevels:
         values = self._criterion(self._layers.at(depth).swapaxes(0, 1))
         return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), values)
 
-    def around(
+    def stress_around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
     ) -> np.ndarray:
         """Return the equivalent stress (m, n) at points (m, n, 3) near the points `around` (m, 3).

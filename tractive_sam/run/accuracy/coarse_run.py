@@ -268,4 +268,4 @@ def _sample(step: Any, block: int) -> Sample | None:
     # Blocks of a duty cycle have their fatigue in common.
     cycles = (cycle for observer in step.observed.values() for cycle in observer.cycles)
     fatigue = {cycle.body: cycle for cycle in cycles} if len(step.contacts) == 1 else {}
-    return Sample.of(contact, maxima, fatigue)
+    return Sample.from_contact(contact, maxima, fatigue)

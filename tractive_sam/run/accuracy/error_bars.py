@@ -97,7 +97,7 @@ class Sample:
     floors: Mapping[Name, float] = field(default_factory=dict)
 
     @classmethod
-    def of(
+    def from_contact(
         cls,
         contact: State,
         maxima: Mapping[str, Maximum],

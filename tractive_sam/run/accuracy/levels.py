@@ -39,7 +39,7 @@ class Levels:
         most = required(self._scene.accuracy, "accuracy").elements
         return few or math.prod(self.grid(level).elements) <= most
 
-    def of(self, grid: Grid) -> int:
+    def find_level(self, grid: Grid) -> int:
         """Return the level of a mesh, which may have grown; raise a LookupError for other meshes.
 
         Raises

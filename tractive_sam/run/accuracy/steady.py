@@ -70,4 +70,4 @@ def _sample(contact: State, laws: Laws) -> Sample:
     """Return the sample of a contact, with its largest stresses and its fatigue."""
     has_fatigue = contact.scene.has("fatigue") and not contact.scene.schedule.end
     cycles = fatigue(contact, laws=laws) if has_fatigue else {}
-    return Sample.of(contact, maxima_by_body(contact, laws), cycles)
+    return Sample.from_contact(contact, maxima_by_body(contact, laws), cycles)
