@@ -168,7 +168,7 @@ class Model:
 
     @property
     def initial_wear(self) -> np.ndarray | None:
-        """Initial worn depth of both bodies together (n_x, n_y), mm; None for unworn bodies."""
+        """Initial wear depth of both bodies together (n_x, n_y), mm; None for unworn bodies."""
         if self.began is None:
             return None
         return np.tile(self.began.on(self.grid).sum(axis=0), (self.grid.elements[0], 1))
@@ -210,7 +210,7 @@ class Model:
         return gap if self.datum == "vertex" else gap - gap.min()
 
     def add_initial_wear(self, worn: np.ndarray | float) -> np.ndarray:
-        """Return a worn depth of both bodies plus the depth worn before the start, mm."""
+        """Return a wear depth of both bodies plus the depth worn before the start, mm."""
         before = self.initial_wear
         return np.zeros(self.grid.elements) + worn + (0.0 if before is None else before)
 
@@ -363,7 +363,7 @@ class Model:
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear, kinematics)
 
     def creepages(self, computed: np.ndarray | None) -> tuple[float, float, float]:
-        """Return (xi_x, xi_y, spin) in physical units: prescribed, or computed where a force is."""
+        """Return (xi_x, xi_y, spin), with the `computed` creepages if forces are prescribed."""
         longitudinal, lateral, spin = self._motion
         values = [longitudinal, lateral]
         if computed is not None:

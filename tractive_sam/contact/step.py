@@ -210,7 +210,7 @@ class Stepper:
     def _problem(
         self, inputs: StepInput, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
     ) -> Problem:
-        """Return the dimensionless problem of a step for a worn depth, mm, without rigid slip."""
+        """Return the dimensionless problem of a step for a wear depth, mm, without rigid slip."""
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if inputs.load is None else inputs.load / (units.pressure * grid.element_area)
         approach = 0.0 if inputs.approach is None else inputs.approach / units.gap

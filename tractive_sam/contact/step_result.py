@@ -51,7 +51,7 @@ class StepInput:
 
 @dataclass(frozen=True, eq=False)
 class StepResult:
-    """Result of a time step: the contact at its end, its work, and the worn depth.
+    """Result of a time step: the contact at its end, its work, and the wear depth.
 
     Attributes
     ----------

@@ -9,7 +9,7 @@ from tractive_sam.results import Grid
 
 @dataclass(frozen=True, eq=False)
 class Worn:
-    """Worn depth of both bodies across the track, with which a roll begins.
+    """Wear depth of both bodies across the track, with which a roll begins.
 
     Attributes
     ----------
@@ -23,7 +23,7 @@ class Worn:
     depths: np.ndarray
 
     def on(self, grid: Grid) -> np.ndarray:
-        """Return the worn depths at the rows of a mesh, shape (2, n_y), mm, interpolated.
+        """Return the wear depths at the rows of a mesh, shape (2, n_y), mm, interpolated.
 
         Raises
         ------

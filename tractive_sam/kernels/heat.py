@@ -21,7 +21,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def front_integrand(at, x, speed, kappa, out):
-    """Set `out` to erf((x_i + V s²)/(2 sqrt(kappa) s)) / 2 at points s_k and sides x_i, (k, i)."""
+    """Set `out` (k, i) to erf((x_i + V s²)/(2 sqrt(kappa) s)) / 2 at points s_k and sides x_i."""
     for k in range(at.size):
         s = at[k]
         scale = 0.5 / (sqrt(kappa) * s)
@@ -80,7 +80,7 @@ def _front_time(x, speed, kappa):
 
 @compiled
 def front_integral(x, y, dx, dy, speed, kappa, out):
-    """Set `out` to the integral of A B over s at points (x_i, y_j), for sharp heat fronts."""
+    """Set `out` to the temperature integral over s at points (x_i, y_j), for sharp heat fronts."""
     width = 2.0 * sqrt(kappa)
     for i in range(x.size):
         first = _front_time(-(x[i] + 0.5 * dx), speed, kappa)

@@ -133,7 +133,7 @@ def log_argument(y1, y2, r1, r2, q, width):
 
 @compiled
 def edge(x, y1, y2, r1, r2, z, width):
-    """Return four terms of the stress integrals: differences between the ends of a patch edge.
+    """Return differences of y/r, y/(q r), y/(r + z) between ends of an edge, and a log argument.
 
     They are the differences of y / R, y / (R (x^2 + z^2)) and y / (R + z), and the ratio of y + R;
     r1 and r2 are the values of R.

@@ -254,7 +254,7 @@ class HalfSpaces(Elasticity):
         return 1.0 / self.material.shear
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """Return (1 - nu n n^T)/(1 - nu) for edge normals n, as for line loads.
+        """Return tangential over normal displacement ahead of an edge: (1 - nu n n^T)/(1 - nu).
 
         See `Elasticity.opening`.
         """
@@ -326,7 +326,7 @@ class Strips(HalfSpaces):
 
 
 class _ElementIntegrals:
-    """Stored integrals of an element for all components and any material, extended on demand.
+    """Surface kernels integrated over an element, for any material, stored and extended on demand.
 
     The table has as many offsets as were needed so far: a rectangle around the contact has the
     elements of its mesh.

@@ -11,7 +11,7 @@ import numpy as np
 class Turns:
     """Turns of the bodies A and B per counted revolution, and the wear that they accumulate.
 
-    Each body has its share of the worn depth of a pass, and this material returns to the contact
+    Each body has its share of the wear depth of a pass, and this material returns to the contact
     after a turn of the body. With different circumferences it returns in another phase each time;
     the entering depth is the average over the phases: per counted revolution a body accumulates its
     share of as many passes as it turns.
@@ -19,7 +19,7 @@ class Turns:
     Parameters
     ----------
     share : mapping of str to float
-        Shares of the bodies "A" and "B" in the worn depth; their sum is one.
+        Shares of the bodies "A" and "B" in the wear depth; their sum is one.
     per_count : mapping of str to float
         Turns of each body per counted revolution.
     """
@@ -51,7 +51,7 @@ class Turns:
 
     @property
     def gain(self) -> float:
-        """Growth of the worn depth per counted revolution over the depth worn in one pass."""
+        """Growth of the wear depth per counted revolution over the depth worn in one pass."""
         return 1.0 + sum(self.share[body] * (self.per_count[body] - 1.0) for body in "AB")
 
     def share_of_entering(self, body: str) -> float:
@@ -59,7 +59,7 @@ class Turns:
         return self.share[body] * self.per_count[body] / self.gain
 
     def next_entering(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the worn depth that enters the next revolution, mm, for both bodies together.
+        """Return the wear depth that enters the next revolution, mm, for both bodies together.
 
         Parameters
         ----------
@@ -69,7 +69,7 @@ class Turns:
         return leaving + (self.gain - 1.0) * (leaving - entering)
 
     def mean_depth(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the mean worn depth of a body over its circumference after a revolution, mm.
+        """Return the mean wear depth of a body over its circumference after a revolution, mm.
 
         Both bodies roll an equal distance: their volumes are proportional to their shares. 0 for a
         flat body. Parameters as in `next_entering`.
@@ -77,7 +77,7 @@ class Turns:
         return self.share_of_entering(body) * self.next_entering(entering, leaving)
 
     def depth_behind(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the worn depth of a body just behind the contact, mm.
+        """Return the wear depth of a body just behind the contact, mm.
 
         A flat body passes the contact only once: its depth is the wear of a single pass.
         Parameters as in `next_entering`.

@@ -16,12 +16,12 @@ from tractive_sam.mechanics.law import Law
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WearConditions(ShortArrays):
-    """Worn depth, revolution and temperature before a pass, for wear laws that depend on them.
+    """Wear depth, revolution and temperature before a pass, for wear laws that depend on them.
 
     Attributes
     ----------
     depth : ndarray, shape (n_y,) or (n_x, n_y)
-        Worn depth of both bodies together before the pass, mm: of the material that enters the
+        Wear depth of both bodies together before the pass, mm: of the material that enters the
         contact, or in a transient of the material in every element.
     revolution : float
         Number of the revolution as in `wear.revolutions`; nan in a transient.
@@ -54,7 +54,7 @@ class WearLaw(Law, ABC):
 
     @abstractmethod
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         Parameters
         ----------
@@ -78,7 +78,7 @@ class WearLaw(Law, ABC):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the worn depth (2, n_y), or None if the scene gives them.
+        """Return the shares of A and B in the wear depth (2, n_y), or None if the scene gives them.
 
         Parameters as in `rate`. None, the default: the shares of the scene, from hardness or
         coefficients, hold everywhere.
@@ -92,7 +92,7 @@ class WearLaw(Law, ABC):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """Return the worn depth of each body per rolling distance, shape (2, n_x, n_y).
+        """Return the wear depth of each body per rolling distance, shape (2, n_x, n_y).
 
         Parameters
         ----------
@@ -118,7 +118,7 @@ class WearLaw(Law, ABC):
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
-        """Return the law at a worn depth, a revolution and a temperature; by default this law.
+        """Return the law at a wear depth, a revolution and a temperature; by default this law.
 
         Running-in is an example. The dependence must be smooth: adaptive stepping extrapolates the
         rate.
@@ -137,7 +137,7 @@ class WearLaw(Law, ABC):
         slip: np.ndarray,
         dx: float,
     ) -> np.ndarray:
-        """Return the worn depth below every element during one pass (paper, eq. 32), mm.
+        """Return the wear depth below every element during one pass (paper, eq. 32), mm.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class Archard(WearLaw):
     angle: float
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         It does not depend on the traction.
 
@@ -192,7 +192,7 @@ class TemperatureScaledWear(WearLaw):
     factor: np.ndarray
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -208,7 +208,7 @@ class TemperatureScaledWear(WearLaw):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the worn depth (2, n_y), or None, from the scaled law.
+        """Return the shares of A and B in the wear depth (2, n_y), or None, from the scaled law.
 
         Parameters as in `WearLaw.shares`.
         """
@@ -259,7 +259,7 @@ class Energy(WearLaw):
     angle: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies; negative work counts as 0."""
+        """Return the wear depth per rolling distance of both bodies; negative work counts as 0."""
         along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = self.per_work
@@ -301,7 +301,7 @@ class ArchardByWork(WearLaw):
     length: float = 0.0
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies; negative work counts as 0."""
+        """Return the wear depth per rolling distance of both bodies; negative work counts as 0."""
         along, across = work_along_axes(traction, slip, self.angle)
         work = np.maximum(along + across, 0.0)
         first, second = (i / mu for i, mu in zip(self.intensity, self.mu, strict=True))

@@ -40,7 +40,7 @@ class TGammaPerArea(WearLaw):
     recorded_name = "ByWork"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -104,7 +104,7 @@ class TGammaTotal(WearLaw):
         return replace(self, element_area=element_area)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -150,7 +150,7 @@ class WearMap(WearLaw):
     recorded_name = "ByChart"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -210,7 +210,7 @@ class PerBody(WearLaw):
         )
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the worn depth per rolling distance of both bodies together, dimensionless.
+        """Return the wear depth per rolling distance of both bodies together, dimensionless.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -224,7 +224,7 @@ class PerBody(WearLaw):
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the shares of A and B in the worn depth of each row, shape (2, n_y).
+        """Return the shares of A and B in the wear depth of each row, shape (2, n_y).
 
         Rows without wear have the shares of the contact.
 
@@ -244,7 +244,7 @@ class PerBody(WearLaw):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """Return the worn depth of each body per rolling distance, shape (2, n_x, n_y).
+        """Return the wear depth of each body per rolling distance, shape (2, n_x, n_y).
 
         Each body has its law; `share` is not used.
 
@@ -265,7 +265,7 @@ class PerBody(WearLaw):
         return self.map_laws(lambda law: law.with_friction(friction))
 
     def under(self, conditions: WearConditions) -> "PerBody":
-        """Return the laws of both bodies at a worn depth, a revolution and a temperature."""
+        """Return the laws of both bodies at a wear depth, a revolution and a temperature."""
         return self.map_laws(lambda law: law.under(conditions))
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
