@@ -95,9 +95,9 @@ def read_columns(path: str | PathLike[str], max_bytes: int = 2**26) -> dict[str,
     header, body = rows[0], rows[1:]
     for (line, _), row in zip(lines[1:], body, strict=True):
         if len(row) != len(header):
-            raise ValueError(f"line {line} of {len(row)} cells, not {len(header)}")
+            raise ValueError(f"line {line} has {len(row)} cells, and the header {len(header)}")
     if len(set(header)) < len(header):
-        raise ValueError(f"two columns of one name in {', '.join(header)}")
+        raise ValueError(f"a column name occurs twice in {', '.join(header)}")
     if separator != ",":
         body = [[cell.replace(",", ".") for cell in row] for row in body]
     return {name: [row[k] for row in body] for k, name in enumerate(header)}

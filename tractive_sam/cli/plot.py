@@ -127,7 +127,7 @@ def plot(
         except ValueError as error:
             raise error_exit(ExitStatus.INVALID, str(error)) from None
     if not paths:
-        raise error_exit(ExitStatus.INVALID, f"{file} contains no record to draw yet")
+        raise error_exit(ExitStatus.INVALID, f"{file} contains no record to draw; resume its run")
     if not history.finished:
         print_note(f"{file} is {history.status}: {history.message}")
     if history.block_names and not block:

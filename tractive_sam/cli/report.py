@@ -35,7 +35,7 @@ def report(
 
         history = open_history(file)
         if not len(history):
-            raise error_exit(ExitStatus.INVALID, f"{file} contains no record to show yet")
+            raise error_exit(ExitStatus.INVALID, f"{file} has no record to show; resume its run")
         path = output or Path(f"{file.stem}.html")
         try:
             points = None if measured is None else Measurements.from_file(measured)

@@ -104,7 +104,7 @@ def study(
 def check_workers(scheduler: str | None, workers: int | None) -> None:
     """End with an error if both a scheduler and a number of workers are given."""
     if scheduler is not None and workers is not None:
-        message = "--workers: a scheduler has its workers; start them by dask worker ADDRESS"
+        message = "--workers: not with a scheduler; start its workers by dask worker ADDRESS"
         raise error_exit(ExitStatus.INVALID, message)
 
 

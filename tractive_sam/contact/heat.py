@@ -229,8 +229,8 @@ def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCou
     law = model.friction_law
     if not isinstance(law, FallingCoulomb):
         raise ValueError(
-            f"friction.temperature: the friction law {type(law).__name__} of the call replaces the "
-            "scene's and does not depend on temperature; leave the key out, or use FallingCoulomb"
+            f"friction.temperature: the friction law {type(law).__name__} replaces that of the "
+            "scene, and does not depend on temperature; remove the key, or use a FallingCoulomb"
         )
     degrees, factors = np.array(required(model.scene.friction, "friction").temperature).T
     warmth = TemperatureFactor(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))

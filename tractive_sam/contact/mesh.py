@@ -130,7 +130,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
     )
     if nx * ny > MAX_ELEMENTS:
         domain = f"a domain of {2 * half_length[0]:g} x {2 * half_length[1]:g} mm"
-        cure = "both half_length and elements for a gap of this length or width"
+        cure = "half_length and elements, both given: the chosen mesh would have too many elements"
         raise SceneError([Fault("grid", domain, cure)])
     return Grid(half_length, (nx, ny))
 
@@ -157,7 +157,7 @@ def _extent_of_gap(
     x, y, _ = measured
     along, across = length or (float(max(-x[0], x[-1])), float(max(-y[0], y[-1])))
     if length is None and along >= ALONG:
-        cure = "a number: a profile across the track gives no length of the contact"
+        cure = "a number: a profile across the track does not give the length of the contact"
         raise SceneError([Fault("grid.half_length", "nothing", cure)])
     side = 2.0 * (0.5 * min(along, across)) / (ACROSS * finer)
     return (along, across), (side, side)

@@ -83,7 +83,7 @@ def read_measured(data: Data, key: str) -> Measured:
         ) from None
     except ValueError as error:
         raise FitError(
-            [Fault(f"{key}.{_source(data)}", str(error), "rows of one length")]
+            [Fault(f"{key}.{_source(data)}", str(error), "a header and columns of equal length")]
         ) from None
     wanted = [*data.vary, *(["y", DEPTH] if data.profile else data.observe)]
     wanted += [data.uncertainty.column] if data.uncertainty.column else []

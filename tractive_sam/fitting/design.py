@@ -45,7 +45,7 @@ def _check_parameters(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"parameter[{k}].key", shorten(table.key), suggest_name(table.key, free))
     keys = [table.key for table in entries["parameter"]]
     for key in {key for key in keys if keys.count(key) > 1}:
-        yield Fault("parameter", f"{key} {keys.count(key)} times", "each once")
+        yield Fault("parameter", f"{key} {keys.count(key)} times", "one table for each key")
 
 
 def _check_free_keys(entries: ValidEntries) -> Iterator[Fault]:
@@ -59,7 +59,7 @@ def _check_free_keys(entries: ValidEntries) -> Iterator[Fault]:
                         for fault in error.faults)  # fmt: skip
     for key in entries["free"]:
         if key != base_of(key) and base_of(key) in entries["free"]:
-            yield Fault("free", f"{key} and {base_of(key)}", "one of them")
+            yield Fault("free", f"{key} and {base_of(key)}", "the pair or its numbers, not both")
 
 
 def _check_varied_keys(entries: ValidEntries) -> Iterator[Fault]:

@@ -43,14 +43,14 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
     if isinstance(value, tuple) and len(value) == 2 and value[0] == value[1]:
         value = value[0]
     if isinstance(value, tuple) and len(value) == 2:
-        raise SceneError([Fault(key, shorten(value), f"{key}[0] and {key}[1]: it is a pair")])
+        raise SceneError([Fault(key, shorten(value), f"its two numbers: {key}[0], {key}[1]")])
     if key != base_of(key) and value is None:
-        raise SceneError([Fault(key, "nothing", "a pair in the scene")])
+        raise SceneError([Fault(key, "nothing", f"a scene that gives the pair {base_of(key)}")])
     if value is not None and (isinstance(value, bool) or not isinstance(value, int | float)):
-        raise SceneError([Fault(key, shorten(value), "a key with a number")])
+        raise SceneError([Fault(key, shorten(value), "the key of a number")])
     first = value if start is None else start
     if first is None:
-        raise SceneError([Fault(key, "nothing in the scene", "a value there, or a start")])
+        raise SceneError([Fault(key, "nothing", "a value in the scene, or a start")])
     return float(first)
 
 

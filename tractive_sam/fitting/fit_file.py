@@ -59,7 +59,7 @@ def open_fit(path: str | PathLike[str]) -> FitResult:
     kind = str(dataset.attrs.get("format", ""))
     if kind != FIT_FORMAT:
         raise ResultsError(
-            f"{path} is not a fit of this version ({FIT_FORMAT}): {kind or 'no format'}"
+            f"{path} has the format {kind or 'none'}, this version reads {FIT_FORMAT}: fit again"
         )
     if missing := {"status", "message"} - dataset.attrs.keys() or {"design"} - {*dataset}:
         raise ResultsError(f"{path} is damaged: it lacks {', '.join(missing)}; fit again")

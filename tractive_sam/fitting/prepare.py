@@ -80,7 +80,7 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     for quantity in wanted:
         if not quantity.applies(scene) or (quantity.of is None and is_steady(scene)):
             needs = " and ".join(f"[{name}]" for name in quantity.needs) or "[wear] or [transient]"
-            raise SceneError([Fault("observe", quantity.name, f"a scene with {needs} for it")])
+            raise SceneError([Fault("observe", quantity.name, f"only with {needs} in the scene")])
     return scene
 
 
@@ -166,7 +166,7 @@ def _roll_adaptively(scene: Scene) -> Answer:
         warnings.simplefilter("ignore")
         history = roll(scene, progress=False)
     if not history.finished:
-        cure = f"a scene that is rolled to its end: {history.message}"
+        cure = f"a scene that can be rolled to its end; {history.message}"
         raise SceneError([Fault("scene", "a roll that ends early", cure)])
     numbers = {
         "steps": history["revolution"].astype(float),

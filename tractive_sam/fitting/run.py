@@ -184,7 +184,7 @@ def _check_count(measured: list[Measured], parameters: Parameters) -> None:
     if points + priors < len(parameters) + positions:
         sought = f"{len(parameters)} parameters"
         sought += f" and {positions} positions of profiles" if positions else ""
-        cure = "as many points or priors, or fewer free keys"
+        cure = "at least as many points and priors as unknowns, or fewer free keys"
         raise FitError([Fault("fit.data", f"{points} points for {sought}", cure)])
 
 

@@ -75,7 +75,7 @@ def _check_noise(entries: ValidEntries) -> Iterator[Fault]:
     if not entries.given:
         yield Fault("noise", "nothing", _NOISE)
     elif "column" in entries.given and len(entries.given) > 1:
-        yield Fault("column", "together with other keys", "column alone")
+        yield Fault("column", "together with other keys", "column without absolute and relative")
 
 
 class Noise(Table):
@@ -126,7 +126,7 @@ def _check_profile(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults of a profile with other columns or `vary`, and of `nuisance` without one."""
     profiles = [name for name in entries["observe"] if is_profile(name)]
     if profiles and len(entries["observe"]) > 1:
-        yield Fault("observe", shorten(entries["observe"]), f"{profiles[0]} in a data set alone")
+        yield Fault("observe", shorten(entries["observe"]), f"{profiles[0]} without other columns")
     if profiles and entries["vary"]:
         cure = "nothing: rows of a profile are its points; at = ... chooses the revolution"
         yield Fault("vary", shorten(entries["vary"]), cure)
@@ -150,9 +150,9 @@ def _check_place(entries: ValidEntries) -> Iterator[Fault]:
     """Yield faults if the revolution or distance of a record is given twice."""
     places = [key for key in entries["vary"] if key in COORDINATES]
     if places and entries["at"] is not None:
-        yield Fault("at", f"{entries['at']:g}, and {places[0]} varies", "one of them")
+        yield Fault("at", f"{entries['at']:g}, and {places[0]} varies", "at or vary, not both")
     if len(places) > 1:
-        yield Fault("vary", shorten(places), "one of revolution, distance")
+        yield Fault("vary", shorten(places), "only one of revolution and distance")
 
 
 class Observation(Table):

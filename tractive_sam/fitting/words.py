@@ -74,7 +74,7 @@ def list_notes(best: Estimate, table: Fit) -> list[str]:
         cure = "the noise is larger than stated, or the model does not describe the data"
         notes.append(f"chi-square {best.chi2:.3g} is above its expected range: {cure}")
     if best.chi2 < low:
-        notes.append(f"chi-square {best.chi2:.3g} is below its expected range: smaller noise")
+        notes.append(f"chi-square {best.chi2:.3g} is below its expected range: overstated noise")
     if best.degrees <= 0:
         notes.append("as many parameters as points: chi-square says nothing about the model")
     for key, value, low_end, high_end in zip(
@@ -83,7 +83,7 @@ def list_notes(best: Estimate, table: Fit) -> list[str]:
         for bound, name in ((low_end, "lower"), (high_end, "upper")):
             if np.isclose(value, bound, rtol=1e-6, atol=0.0):
                 notes.append(
-                    f"{key} is at its {name} bound, {bound:g}: its interval is no interval"
+                    f"{key} is at its {name} bound, {bound:g}: no valid interval; widen the bounds"
                 )
     if messages := best.problem.failures:
         notes.append(f"{len(messages)} computations failed during the fit: {messages[-1]}")

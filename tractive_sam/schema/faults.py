@@ -122,7 +122,7 @@ def shorten(value: object, max_length: int = 60) -> str:
 
 
 def suggest_name(name: str, names: Iterable[str], meanings: Mapping[str, str] = {}) -> str:
-    """Return a text that lists the allowed names, with the nearest one first.
+    """Return a text with the nearest allowed name, and with a list of all names if it is short.
 
     Parameters
     ----------
@@ -135,13 +135,16 @@ def suggest_name(name: str, names: Iterable[str], meanings: Mapping[str, str] = 
         one with that word in its meaning.
     """
     names = list(names)
-    listed = ", ".join(names)
+    listed = f"one of {', '.join(names)}"
     reordered = [key for key in names if sorted(key.split("_")) == sorted(name.split("_"))]
     nearest = reordered or difflib.get_close_matches(name, names, n=1)
     if not nearest:
         described = [key for key in names if name in re.findall(r"\w+", meanings.get(key, ""))]
-        nearest = described if len(described) == 1 else []
-    return f"{nearest[0]}, perhaps? One of {listed}" if nearest else f"one of {listed}"
+        if len(described) != 1:
+            return listed
+        nearest = described
+    # A long list would hide the suggestion.
+    return f"{nearest[0]}, perhaps?" + (f" Or {listed}" if len(names) <= 8 else "")
 
 
 def required(value: Value | None, key: str) -> Value:
