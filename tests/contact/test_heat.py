@@ -93,6 +93,38 @@ def test_friction_falls_with_the_temperature(discs, cold):
     assert ts.solve(flat).Qx == pytest.approx(plain.Qx, rel=1e-8)
 
 
+@pytest.mark.parametrize("law", [{}, {"law": "exponential", "kinetic": 0.2, "half_speed": 500.0}])
+def test_friction_with_a_memory_adapts_to_the_temperature_over_the_sliding_distance(discs, law):
+    """The ratio in an element follows from the ratio ahead, by the equation of the theory."""
+    distance, bulk = 1e-3, {"A": 20.0, "B": 100.0}
+    mu = {"static": 0.3, "mu": None} if law else {"mu": 0.3}
+    table = discs.friction.entries() | mu | law | {"memory": distance}
+    scene = discs.replace(friction=table, **{"heat.bulk": bulk})
+    contact = ts.solve(scene)
+    degrees, factors = np.array(scene.friction.temperature).T
+    dx, V = contact.grid.dx, scene.creepage.speed
+    size = np.hypot(*contact.slip)
+    target = np.interp(contact.heat.temperature["A"], degrees, factors)
+    if law:
+        target = target * (0.2 + 0.1 * np.exp(-np.log(2.0) * V * size / 500.0)) / 0.3
+    used = np.hypot(*contact.traction[:, :, 15]) / (0.3 * np.maximum(contact.pressure[:, 15], 1e-9))
+    assert contact.sliding[contact.touching].all()
+    first, *rest, _ = np.flatnonzero(contact.touching[:, 15])[::-1]
+    entering = np.interp(60.0, degrees, factors)  # equal bodies: the mean of both bulks
+    assert target[first, 15] < used[first] < entering
+    kept = np.exp(-V * size[:, 15] * dx / (V * distance))
+    expected = [kept[i] * used[i + 1] + (1.0 - kept[i]) * target[i, 15] for i in rest]
+    np.testing.assert_allclose(used[rest], expected, rtol=1e-5)  # the slip at the leading edge
+    with_none, at_once = (ts.solve(scene.replace(**{"friction.memory": m})) for m in (0.0, 1e-9))
+    assert at_once.Qx == pytest.approx(with_none.Qx, rel=1e-7)  # ten tolerances of the coupling
+    assert contact.Qx > with_none.Qx
+
+
+def test_constant_friction_without_temperature_has_nothing_to_adapt_to(cold):
+    with pytest.raises(ts.SceneError, match=r"friction\.memory.*friction\.temperature"):
+        cold.replace(**{"friction.memory": 0.1})
+
+
 def test_without_contact_nothing_is_warm(discs):
     approach = discs.hertz.approach
     apart = discs.replace(load={"normal": None, "approach": approach})

@@ -1,6 +1,7 @@
 """What `contact` lets out, for `__init__.py` and for type checkers."""
 
 from .heat import divide_heat as divide_heat
+from .heat import shares_of_instant_heat as shares_of_instant_heat
 from .heat import wear_conditions as wear_conditions
 from .heat import wear_law_at as wear_law_at
 from .heat import with_heat as with_heat

@@ -233,8 +233,28 @@ def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCou
             "scene, and does not depend on temperature; remove the key, or use a FallingCoulomb"
         )
     degrees, factors = np.array(required(model.scene.friction, "friction").temperature).T
-    warmth = TemperatureFactor(model.grid.x, model.grid.y, np.interp(temperature, degrees, factors))
+    bulks, shares = required(model.scene.heat, "heat").bulks, shares_of_instant_heat(model)
+    entering = sum(share * bulks[body] for body, share in shares.items())
+    warmth = TemperatureFactor(
+        model.grid.x,
+        model.grid.y,
+        np.interp(temperature, degrees, factors),
+        float(np.interp(entering, degrees, factors)),
+    )
     return replace(law, warmth=warmth)
+
+
+def shares_of_instant_heat(model: Model) -> dict[str, float]:
+    """Return the shares of both bodies in heat that appears at once, by their effusivities.
+
+    They are also the weights of the bulk temperatures in the temperature of first contact.
+    """
+    effusivity = {
+        body: thermal.conductivity / thermal.diffusivity**0.5
+        for body, thermal in model.scene.thermal.items()
+    }
+    total = sum(effusivity.values())
+    return {body: value / total for body, value in effusivity.items()}
 
 
 def solve_with_heat(

@@ -31,7 +31,7 @@ heat due to every change above, and within the matrix on the heat due to every s
 """
 
 from collections.abc import Callable, Container, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Self
 
@@ -326,8 +326,12 @@ class _Linearised:
         slope = steps[
             np.searchsorted(degrees, required(self.contact.heat, "heat").temperature["A"])
         ]
-        follows = np.where(self.at.bound.by_pressure > 0.0, self.at.bound.radius, 0.0)
-        return follows / law.warmth.factor * slope * warmer
+        change, bound = slope * warmer / law.warmth.factor, self.at.bound
+        if bound.slope is not None and bound.slope.by_temperature_factor is not None:
+            by_factor = np.stack((bound.slope.by_temperature_factor, self._none[0]))
+            remembered = replace(bound.slope, by_slip=by_factor)
+            return remembered.change(np.stack((change, self._none[0])))
+        return np.where(bound.by_pressure > 0.0, bound.radius, 0.0) * change
 
     def _slip_change(self, slip: np.ndarray, fields: np.ndarray, gap=None) -> np.ndarray:
         """Return the change of slip in the friction law due to changes of slip, fields and gap."""

@@ -14,6 +14,7 @@ from tractive_sam.mechanics import (
     VON_MISES,
     Archard,
     ArchardByWork,
+    ConstantShare,
     Coulomb,
     Crossland,
     CycleCriterion,
@@ -32,6 +33,7 @@ from tractive_sam.mechanics import (
     PerBody,
     Rational,
     Regimes,
+    SlidingShare,
     StressCriterion,
     Strips,
     TGammaPerArea,
@@ -249,11 +251,15 @@ def _friction(scene: Scene) -> Coulomb | None:
     mu, angle = table.mu, float(np.deg2rad(table.angle))
     if not table.varies:
         return Coulomb(mu, angle)
-    sliding, speed, memory = None, 0.0, 0.0
+    sliding: SlidingShare | None = None
+    speed, memory = 0.0, 0.0
     if table.falls:
         sliding = (Rational if table.law == "rational" else Exponential)(
             *required(table.share, "friction.kinetic")
         )
+    elif table.memory and table.temperature is not None:
+        sliding = ConstantShare()
+    if sliding is not None:
         speed, memory = required(scene.creepage.speed, "creepage.speed"), table.memory
     strength = np.inf if table.strength is None else table.strength
     lateral = None if table.across is None else LateralFactor(*np.array(table.across).T)

@@ -8,6 +8,7 @@ from .criteria import StressCriterion as StressCriterion
 from .elasticity import Elasticity as Elasticity
 from .elasticity import HalfSpaces as HalfSpaces
 from .elasticity import Strips as Strips
+from .falling import ConstantShare as ConstantShare
 from .falling import Exponential as Exponential
 from .falling import FallingCoulomb as FallingCoulomb
 from .falling import LateralFactor as LateralFactor

@@ -6,12 +6,13 @@ and the traction is limited by a strength:
     ||p_t||_mu <= min(share(V |s|) factor(T) factor(y) p_n, strength / max(mu1, mu2)).
 
 The sliding speed is evaluated at the centre of an element, as the traction. The share may have a
-memory: it adapts to the sliding speed over a sliding distance (Vollebregt & Schuttelaars 2012,
-J. Sound Vib. 331, 2141-2155),
+memory: the product of share and temperature factor adapts to sliding speed and temperature over a
+sliding distance (Vollebregt & Schuttelaars 2012, J. Sound Vib. 331, 2141-2155),
 
-    d(share)/dt = -(max(V |s|, s0) / d_c) (share - share(V |s|)),
+    d(share)/dt = -(max(V |s|, s0) / d_c) (share - share(V |s|) factor(T)),
 
-which is integrated along the contact from the leading edge with a share of one.
+which is integrated along the contact from the leading edge, where the material is at rest and has
+its bulk temperature.
 """
 
 from abc import ABC, abstractmethod
@@ -118,6 +119,20 @@ class Rational(SlidingShare):
         return self.kinetic
 
 
+@dataclass(frozen=True)
+class ConstantShare(SlidingShare):
+    """A share of one at any speed: with a memory, friction adapts to the temperature alone."""
+
+    def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return one and zero, both of the shape of the speed (`SlidingShare.at`)."""
+        return np.ones_like(speed), np.zeros_like(speed)
+
+    @property
+    def least(self) -> float:
+        """Limit of the share at high speed (`SlidingShare.least`)."""
+        return 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class TemperatureFactor:
     """Factor on the friction coefficients due to the surface temperature of each element.
@@ -128,11 +143,14 @@ class TemperatureFactor:
         Centres of the elements, mm.
     factor : ndarray, shape (n_x, n_y)
         Factor in each element.
+    entering : float
+        Factor of material that enters the contact, at which a memory begins.
     """
 
     x: np.ndarray
     y: np.ndarray
     factor: np.ndarray
+    entering: float = 1.0
 
     def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Return the factor on the elements of another mesh, by linear interpolation.
@@ -169,6 +187,11 @@ class LateralFactor:
         return LateralFactor(y, self.at(y))
 
 
+def _spacing(x: np.ndarray) -> float:
+    """Return the distance of the rows of a mesh with centres x; 0 for a single row."""
+    return float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0
+
+
 def _interpolate(
     values: np.ndarray, nodes: tuple[np.ndarray, ...], points: tuple[np.ndarray, ...]
 ) -> np.ndarray:
@@ -202,7 +225,7 @@ class FallingCoulomb(Coulomb):
     speed : float
         Rolling speed V, mm/s.
     memory : float
-        Sliding distance d_c over which the coefficients adapt to the speed, mm.
+        Sliding distance d_c over which the coefficients adapt to speed and temperature, mm.
     strength : float
         Largest traction, MPa.
     warmth : TemperatureFactor, optional
@@ -268,7 +291,13 @@ class FallingCoulomb(Coulomb):
         share = 1.0
         if self.sliding is not None and np.isinf(self.speed):
             share = self.sliding.least
-        return self._capped(pressure, np.full_like(pressure, share), self._factor(x, y))[0]
+        factor = self._factor(x, y)
+        if self.falls and self.memory > 0.0 and self.warmth is not None:
+            # With a memory, the share may lag behind a temperature factor that falls.
+            factor = factor * (
+                max(self.warmth.entering, self.warmth.factor.max()) / self.warmth.at(x, y)
+            )
+        return self._capped(pressure, np.full_like(pressure, share), factor)[0]
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
@@ -286,14 +315,21 @@ class FallingCoulomb(Coulomb):
                 f"{type(self.sliding).__name__}.at returned the share {share[wrong][0]:g} at "
                 f"{(self.speed * size)[wrong][0]:g} mm/s; allowed: at least 0"
             )
-        retained = np.zeros_like(share)
+        retained, by_factor, factor = np.zeros_like(share), None, self._factor(x, y)
         if self.memory > 0.0:
+            if self.warmth is not None:
+                remembered = self.warmth.at(x, y) / self.warmth.entering
+                share, by_speed = remembered * share, remembered * by_speed
+                factor = factor / remembered
+                adapted = 1.0 - self._retained_share(size, _spacing(x), second)[0]
+                by_factor = adapted * share
             share, by_speed, retained = self._with_memory(
                 pressure, size, share, by_speed, x, y, second
             )
-        bound, by_share = self._capped(pressure, share, self._factor(x, y))
+        bound, by_share = self._capped(pressure, share, factor)
         along = slip / np.where(size > 0.0, size, 1.0)
-        return replace(bound, slope=Slope(by_share, self.speed * by_speed * along, retained))
+        by_slip = self.speed * by_speed * along
+        return replace(bound, slope=Slope(by_share, by_slip, retained, by_factor))
 
     def by_mu(self, bound: Bound, change: np.ndarray) -> np.ndarray:
         """Return the derivative of the scaled bound (n_x, n_y) along a change of mu1 and mu2.
@@ -323,15 +359,19 @@ class FallingCoulomb(Coulomb):
             Length of an element along x, mm, over which a memory fades; 0: without memory.
         """
         share = np.ones_like(pressure)
+        factor = 1.0 if self.warmth is None else self.warmth.factor
+        if self.lateral is not None:
+            factor = factor * self.lateral.factor  # see `on_rows`
         if self.sliding is not None:
             size = np.hypot(*slip)
             share, by_speed = self.sliding.at(self.speed * size)
             if self.memory > 0.0 and length > 0.0:
                 x, y = np.array([[0.0], [length]]), np.zeros((1, 1))
+                if self.warmth is not None:
+                    remembered = self.warmth.factor / self.warmth.entering
+                    share, by_speed = remembered * share, remembered * by_speed
+                    factor = factor / remembered
                 share = self._with_memory(pressure, size, share, by_speed, x, y, second=True)[0]
-        factor = 1.0 if self.warmth is None else self.warmth.factor
-        if self.lateral is not None:
-            factor = factor * self.lateral.factor  # see `on_rows`
         radius = self._capped(pressure, share, factor)[0].radius
         return np.divide(radius, pressure, out=share, where=pressure > 0.0)
 
@@ -350,9 +390,7 @@ class FallingCoulomb(Coulomb):
         To second order the memory over an element follows from a constant speed, exp(-slid/d_c); to
         first order from an implicit step.
         """
-        retained, by_retained = self._retained_share(
-            size, float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0, second
-        )
+        retained, by_retained = self._retained_share(size, _spacing(x), second)
         share, ahead = np.empty_like(target), np.empty_like(target)
         friction.remember(target, retained, pressure, ahead, share)
         by_speed = (1.0 - retained) * by_speed + (ahead - target) * by_retained

@@ -63,6 +63,9 @@ class Slope(ShortArrays):
         Derivative of the share by the slip of the element.
     kept : ndarray, shape (n_x, n_y)
         Derivative of the share by the share of the element ahead; zero without memory.
+    by_temperature_factor : ndarray, shape (n_x, n_y), optional
+        Derivative of the share by a relative change of the temperature factor, to which a memory
+        adapts; None if the share does not depend on it.
 
     Examples
     --------
@@ -75,6 +78,7 @@ class Slope(ShortArrays):
     by_share: np.ndarray
     by_slip: np.ndarray
     kept: np.ndarray
+    by_temperature_factor: np.ndarray | None = None
 
     def change(self, slip: np.ndarray) -> np.ndarray:
         """Return the change of the friction bound for a change of the slip at centres."""

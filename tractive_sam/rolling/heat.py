@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.contact import Model, StepResult, divide_heat
+from tractive_sam.contact import Model, StepResult, divide_heat, shares_of_instant_heat
 from tractive_sam.operators import HeatMemory
 from tractive_sam.results import BODIES, FlashTemperature, Grid, State, widen_field
 from tractive_sam.rolling.observer import Observer
@@ -101,7 +101,7 @@ class TransientHeat(Observer):
         heat = FlashTemperature(contact.grid, contact.touching, warmth, dict.fromkeys(BODIES, none))
         past = {
             body: heat_memories(model)[body].after_shock(self.past[body], share * total)
-            for body, share in _shares_of_instant_heat(model).items()
+            for body, share in shares_of_instant_heat(model).items()
         }
         return replace(self, heat=heat, past=past)
 
@@ -139,7 +139,7 @@ class TransientHeat(Observer):
 def _first_temperatures(contact: State, model: Model) -> FlashTemperature:
     """Return the temperatures at first contact of two bodies at their bulk temperatures."""
     none, bulk = np.zeros(contact.grid.elements), required(model.scene.heat, "heat").bulks
-    share = _shares_of_instant_heat(model)
+    share = shares_of_instant_heat(model)
     difference = contact.touching * (bulk["B"] - bulk["A"])
     warmth = {"A": bulk["A"] + share["B"] * difference, "B": bulk["B"] - share["A"] * difference}
     return FlashTemperature(contact.grid, contact.touching, warmth, dict.fromkeys(BODIES, none))
@@ -156,16 +156,6 @@ def _friction_heat(result: StepResult) -> np.ndarray:
     if total <= 0.0 or result.friction <= 0.0:
         return np.zeros_like(local)
     return result.friction / total * local
-
-
-def _shares_of_instant_heat(model: Model) -> dict[str, float]:
-    """Return the shares of the bodies in heat released in no time, by their effusivities."""
-    effusivity = {
-        body: thermal.conductivity / thermal.diffusivity**0.5
-        for body, thermal in model.scene.thermal.items()
-    }
-    total = sum(effusivity.values())
-    return {body: value / total for body, value in effusivity.items()}
 
 
 def _per_body(

@@ -92,7 +92,13 @@ def _check_parameters_of_law(entries: ValidEntries) -> Iterator[Fault]:
     if isinstance(law, NamedLaw):
         return
     if law == "constant":
-        keys = ("static", *_FALLING, *_POLACH, "memory", "start")
+        if entries["memory"] and entries["temperature"] is None:
+            cure = (
+                "friction.temperature, or a law that falls with the sliding speed: constant "
+                "friction has nothing to adapt to"
+            )
+            yield Fault("memory", f'{entries["memory"]:g} with law = "constant"', cure)
+        keys = ("static", *_FALLING, *_POLACH, "start")
         if unused := [key for key in keys if key in keys_of_table]:
             cure = 'only with a falling law: law = "exponential", "rational" or "polach"'
             yield Fault(", ".join(unused), 'with law = "constant"', cure)
@@ -186,8 +192,8 @@ class Friction(LawTable):
         "rate of decay, s/m, for Polach's law instead of half_speed", default=None
     )
     memory: NotNegative = entry(
-        "sliding distance over which the coefficients adapt to the speed, mm; with 0, they "
-        "adapt immediately",
+        "sliding distance over which the coefficients adapt to sliding speed and temperature, mm; "
+        "with 0, they adapt immediately",
         default=0.0,
     )
     temperature: Factors | None = entry(
@@ -238,6 +244,8 @@ class Friction(LawTable):
         if self.named_law:
             text += f", with the law {self.named_law}"
         text += describe_factors(self.temperature)
+        if self.temperature is not None and self.memory and self.share is None:
+            text += f", over {self.memory:g} mm of sliding"
         if self.across is not None:
             (left, first), (right, last) = self.across[0], self.across[-1]
             text += f"; times {first:g} at y = {left:g} mm to {last:g} at {right:g} mm"
