@@ -21,8 +21,8 @@ LIMITS = {
     "functions over 60 code lines": 0,
     "modules over 250 code lines": 2,
     "module constants": 250,
-    "code lines": 38480,
-    "public names": 122,
+    "code lines": 38860,
+    "public names": 123,
 }
 
 PACKAGE = Path(tractive_sam.__file__).parent

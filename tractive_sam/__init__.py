@@ -24,7 +24,7 @@ Names by topic
 **Scene** Scene, Bodies, Body, Load, Creepage, Friction, Wear, Coefficients, WearLaws, Sets, Mesh,
 Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Heat, Bulk, Thermal; builtin_names
 
-**Changing scenes** Transient, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
+**Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
 
 **Wheel and rail** WheelTable, RailTable, WheelsetTable, BlockWheelset; contact_locus,

@@ -89,6 +89,7 @@ from .scene import RailTable as RailTable
 from .scene import Scene as Scene
 from .scene import Sets as Sets
 from .scene import Solver as Solver
+from .scene import Stage as Stage
 from .scene import Subsurface as Subsurface
 from .scene import Thermal as Thermal
 from .scene import Transient as Transient

@@ -39,8 +39,8 @@ def _remarks(outcome: Outcome, model: Model) -> str:
         text += f", by way of {', '.join(map(str, outcome.trace))}"
     touching = needed(outcome.pressure, "outcome.pressure") > 0.0
     if not touching.any():
-        courses = model.scene.schedule.courses
-        key = "transient.load.approach" if "load.approach" in courses else "load.approach"
+        keys = model.scene.schedule.course_keys
+        key = keys.get("load.approach", "load.approach")
         text += f"; the bodies do not touch: {key} is less than the gap at every element"
     across = [int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1]
     if 0 < min(across) < FewestElements.slip:
@@ -70,7 +70,8 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
         f"({', '.join(map(str, outcome.trace))}), tolerance {scene.solver.tolerance:.1e}; "
     )
     forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(scene.load, key)]
-    forces += [f"transient.{key}" for key in scene.schedule.courses if key.startswith("load.force")]
+    courses = scene.schedule.course_keys.items()
+    forces += [key for name, key in courses if name.startswith("load.force")]
     if outcome.top is not None:
         return reached + _beyond_the_top(outcome.top, forces[0], model)
     if forces and outcome.status is Status.DIVERGED:

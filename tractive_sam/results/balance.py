@@ -69,10 +69,11 @@ class SteadyBalance:
     def _wear_per_work(self) -> tuple[float, float] | None:
         """Smallest and largest wear area per frictional work, 1/MPa; None if the law changes."""
         scene = self.history.scene
-        changing = ("wear.temperature", "duty", "transient.friction.mu")
+        changing = "friction.mu" in scene.schedule.courses
+        changing = changing or scene.has("wear.temperature") or scene.has("duty")
         replaced = not {"wear", UNNAMED}.isdisjoint(self.history.law_records)
         friction, wear = scene.friction, scene.wear
-        if friction is None or wear is None or replaced or any(map(scene.has, changing)):
+        if friction is None or wear is None or replaced or changing:
             return None
         return None if friction.varies else wear.per_work(friction.mu)
 

@@ -52,7 +52,7 @@ DISTANCE = Quantity(
     "rolling distance",
     symbol="s",
     label="distance",
-    needs=("transient.rolls",),
+    needs=("transient.only_rolls",),
     role=COORDINATE,
 )
 
@@ -74,6 +74,8 @@ _of_heat = partial(Quantity, needs=("heat",))
 _SCALARS = (
     REVOLUTION,
     PARAMETER,
+    replace(DISTANCE, needs=("transient.is_mixed",),
+            long_name="rolling distance, and the parameter of stages in which the bodies shift"),
     DISTANCE,  # the last of its name, which is therefore found without a scene
     Quantity("P", "N", "normal load", attrgetter("P"), symbol="P", per_length=True),
     Quantity("Qx", "N", "longitudinal force on body A", attrgetter("Qx"),
@@ -149,6 +151,7 @@ _SCALARS = (
     Quantity("next_step", "1", "increment of the parameter in the next step",
              needs=("schedule.shifts",)),
     Quantity("next_step", "mm", "length of the next step", needs=("transient.rolls",)),
+    Quantity("stage", "1", "index of the stage, from 0", format="g", needs=("transient.stage",)),
     _of_step("stretch", "1", "index of the interval between two knots, from 0", format="g"),
 )
 

@@ -286,9 +286,10 @@ class History:
         x = self.grid.x
         if "step_worn" not in self.columns or not self.scene.schedule.rolls:
             raise ValueError("worn_track: only a [transient] that rolls, with [wear], has one")
-        places, depth = self["distance"] + x[0], self["wear_profile"]
+        rolled = self.scene.schedule.rolled(self["distance"])
+        places, depth = rolled + x[0], self["wear_profile"]
         if len(self.saved) and self.saved[-1] == self["distance"][-1]:
-            on_mesh = self.saved[-1] + x
+            on_mesh = rolled[-1] + x
             behind = places < on_mesh[0]
             places = np.append(places[behind], on_mesh)
             depth = np.concatenate((depth[behind], self.field("wear")))

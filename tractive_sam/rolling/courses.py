@@ -5,7 +5,7 @@ from itertools import pairwise
 from math import ceil
 from typing import Any
 
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, Stage
 from tractive_sam.schema import required
 
 PARTS = 10
@@ -14,9 +14,13 @@ PARTS = 10
 CLOSE = 1e-6
 """Part of a step by which a step may be longer, instead of leaving a shorter one."""
 
+CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+
 
 class Courses:
     """Loads, creepages, shifts and friction that a [transient] prescribes over the distance.
+
+    The knots of all stages form one list. The stretch between two stages has no length.
 
     Parameters
     ----------
@@ -26,9 +30,74 @@ class Courses:
 
     def __init__(self, scene: Scene):
         self.scene, self.table = scene, required(scene.transient, "transient")
-        self.knots = self.table.distance
-        self.rolls = self.table.rolls
-        load, creepage = scene.load, scene.creepage
+        self.knots = self.table.knots
+        self._place = [(stage, k) for stage in self.table.stages for k in stage.knot_range]
+
+    @property
+    def stretches(self) -> int:
+        """Number of stretches, each between two successive knots of all stages."""
+        return len(self.knots) - 1
+
+    def stage(self, stretch: int) -> Stage:
+        """Return the stage of a stretch; between two stages the later one."""
+        return self._place[stretch + 1][0]
+
+    def stage_index(self, stretch: int) -> int:
+        """Return the index of the stage of a stretch, from 0."""
+        return self.table.stages.index(self.stage(stretch))
+
+    def rolls(self, stretch: int) -> bool:
+        """Return whether the bodies roll in a stretch; otherwise they shift."""
+        return self.stage(stretch).rolls
+
+    def rolled_to(self, stretch: int) -> bool:
+        """Return whether the bodies roll at the end of a stretch; -1 is the first knot."""
+        return self.rolls(stretch) or (stretch < 0 and self.table.start == "steady")
+
+    def shift_comes_next(self, stretch: int, distance: float) -> bool:
+        """Return whether a shift (a step without rolling) begins at this distance."""
+        at_end = distance == self.knots[stretch + 1]
+        return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
+
+    def at(self, distance: float, stretch: int) -> dict[str, float | None]:
+        """Return the prescribed quantities, by scene key, at a distance within a stretch."""
+        first, last = self.knots[stretch], self.knots[stretch + 1]
+        end = self._at_knot(stretch + 1)
+        if last == first:
+            return end
+        share, begin = (distance - first) / (last - first), self._at_knot(stretch)
+        courses = self.stage(stretch).courses
+        between = {key: (1.0 - share) * begin[key] + share * end[key] for key in courses}
+        return end | between
+
+    @property
+    def first_shift(self) -> tuple[float, float, float]:
+        """Shifts in x and y, mm, and turn, radians, at the first knot; zero if the bodies roll."""
+        return (0.0, 0.0, 0.0) if self.rolls(-1) else creepages_of(self.first())
+
+    @property
+    def shifts_from_steady(self) -> bool:
+        """Whether bodies that rolled steadily shift at the first knot, or their loads jump."""
+        steady = self._constant(self.table.stages[0])
+        changed = (
+            value not in (None, steady[key])
+            for key, value in self.first().items()
+            if key not in CREEPAGES
+        )
+        return not self.rolls(-1) and (any(self.first_shift) or any(changed))
+
+    def first(self) -> dict[str, float | None]:
+        """Return the prescribed quantities, by scene key, at the start, before any jump there."""
+        return self._at_knot(0)
+
+    def _at_knot(self, knot: int) -> dict[str, Any]:
+        """Return the prescribed quantities at a knot of the list, by dotted key."""
+        stage, k = self._place[knot]
+        return stage.values_at(k, self._constant(stage))
+
+    def _constant(self, stage: Stage) -> dict[str, float | None]:
+        """Return the quantities of a stage without courses, by dotted key."""
+        scene, load, creepage = self.scene, self.scene.load, self.scene.creepage
         constant = {
             "load.normal": scene.normal_load,
             "load.approach": load.approach,
@@ -39,49 +108,31 @@ class Courses:
             "creepage.spin": creepage.spin,
             "friction.mu": required(scene.friction, "friction").mu[0],
         }
-        self._courses = self.table.courses
-        self._constant = {k: v for k, v in constant.items() if k not in self._courses}
-        if "load.normal" in self._courses or "load.approach" in self._courses:
-            self._constant |= {
-                k: None for k in ("load.normal", "load.approach") if k not in self._courses
-            }
-
-    @property
-    def stretches(self) -> int:
-        """Number of stretches, each between two successive knots (distances of the table)."""
-        return len(self.knots) - 1
-
-    def shift_comes_next(self, stretch: int, distance: float) -> bool:
-        """Return whether a shift (a step without rolling) begins at this distance."""
-        at_end = distance == self.knots[stretch + 1]
-        return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
-
-    def at(self, distance: float, stretch: int) -> dict[str, float | None]:
-        """Return the prescribed quantities, by scene key, at a distance within a stretch."""
-        first, last = self.knots[stretch], self.knots[stretch + 1]
-        share = (distance - first) / (last - first) if last > first else 1.0
-        values_at = dict(self._constant)
-        for key, values in self._courses.items():
-            values_at[key] = (1.0 - share) * values[stretch] + share * values[stretch + 1]
-        return values_at
-
-    def first(self) -> dict[str, float | None]:
-        """Return the prescribed quantities, by scene key, at the start, before any jump there."""
-        return self._constant | {key: values[0] for key, values in self._courses.items()}
+        shifts_in_list = self.table.stage and not stage.rolls
+        return constant | dict.fromkeys(CREEPAGES, 0.0) if shifts_in_list else constant
 
     def shifted(self, stretch: int) -> bool:
         """Return whether a stretch of length zero is a jump of values that needs a shift step."""
-        return self.knots[stretch] == self.knots[stretch + 1] and any(
-            values[stretch] != values[stretch + 1]
-            for key, values in self._courses.items()
-            if not (self.rolls and key.startswith("creepage."))
+        if self.knots[stretch] != self.knots[stretch + 1]:
+            return False
+        before, after = self._at_knot(stretch), self._at_knot(stretch + 1)
+        return any(self.jump(stretch)) or any(
+            value not in (None, before[key]) for key, value in after.items() if key not in CREEPAGES
         )
 
     def jump(self, stretch: int) -> tuple[float, float, float]:
-        """Return the changes of the three shifts (x, y, turn) over a stretch."""
-        none = (0.0,) * len(self.knots)
-        courses = (self._courses.get(key, none) for key in CREEPAGES)
-        x, y, turn = (values[stretch + 1] - values[stretch] for values in courses)
+        """Return the changes of the shifts (x, y, turn) over a stretch; zero if bodies roll."""
+        if self.rolls(stretch):
+            return 0.0, 0.0, 0.0
+        (before, _), (after, _) = self._place[stretch : stretch + 2]
+        first, last = self._at_knot(stretch), self._at_knot(stretch + 1)
+        if before is not after:  # a shift counts from the start of its course
+            continued = frozenset() if before.rolls else before.courses.keys()
+            first |= {key: 0.0 for key in CREEPAGES if key not in continued}
+        x, y, turn = (
+            late - early
+            for early, late in zip(creepages_of(first), creepages_of(last), strict=True)
+        )
         return x, y, turn
 
     def friction_factor(self, inputs: Mapping[str, float | None]) -> float:
@@ -89,17 +140,20 @@ class Courses:
         mu = required(inputs["friction.mu"], "friction.mu")
         return mu / required(self.scene.friction, "friction").mu[0]
 
-    def scene_at(self, inputs: Mapping[str, float | None]) -> Scene:
-        """Return the scene of steady rolling with the quantities prescribed at a moment."""
+    def steady_scene(self) -> Scene:
+        """Return the scene of steady rolling before the first knot, with its quantities."""
         scene, friction = self.scene, required(self.scene.friction, "friction")
-        factor = self.friction_factor(inputs)
         changes: dict[str, Any] = {"transient": None, "wear": None}
+        if not self.rolls(-1):  # the courses are of shifts
+            return scene.replace(**changes)
+        inputs, courses = self.first(), self.table.stages[0].courses
+        factor = self.friction_factor(inputs)
         for key in friction.entries().keys() & {"mu", "static", "kinetic"}:
             changes[f"friction.{key}"] = tuple(factor * mu for mu in getattr(friction, key))
         for key in ("load.normal", "load.approach"):
-            if key in self._courses:
+            if key in courses:
                 changes[key] = inputs[key]
-        for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
+        for force, creepage in Stage.forced:
             forced = inputs[f"load.{force}"] is not None
             key = f"load.{force}" if forced else f"creepage.{creepage}"
             changes[key] = inputs[key]
@@ -107,7 +161,10 @@ class Courses:
         return scene.replace(**changes)
 
 
-CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+def creepages_of(inputs: Mapping[str, float | None]) -> tuple[float, float, float]:
+    """Return the longitudinal, lateral and spin creepage, or shifts, of prescribed quantities."""
+    longitudinal, lateral, spin = (required(inputs[key], key) for key in CREEPAGES)
+    return longitudinal, lateral, spin
 
 
 def expected_steps(scene: Scene, dx: float) -> int:
@@ -117,7 +174,9 @@ def expected_steps(scene: Scene, dx: float) -> int:
         if first == end:
             count += courses.shifted(stretch)
             continue
-        step = courses.table.step or (dx if courses.rolls else (end - first) / PARTS)
+        step = courses.stage(stretch).step or (
+            dx if courses.rolls(stretch) else (end - first) / PARTS
+        )
         count += ceil((end - first) / step - CLOSE)
         saved = ((s - first) / step for s in courses.table.save if first < s < end)
         count += sum(abs(place - round(place)) > CLOSE for place in saved)  # between two steps

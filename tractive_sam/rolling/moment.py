@@ -134,19 +134,20 @@ class Moment(Step):
     def record(self, block: int | None = None) -> StepRecord:
         """Return the contact and the values that the step (or one block) adds to its record."""
         course, contact = Courses(self.contact.scene), self.contact
-        step = self.result.since(self.earlier)
+        step, rolls = self.result.since(self.earlier), course.rolled_to(self.stretch)
         distance = step.distance
         per_distance: dict[str, Any] = {}
-        if course.rolls and distance > 0.0:
+        if rolls and distance > 0.0:
             per_distance["work_supplied"] = step.supplied / distance
             per_distance["dissipation"] = step.friction / distance
-        elif step.shifted or not course.rolls:
+        elif step.shifted or not rolls:
             # A shift has no creepage, and its work is not per distance.
             of_rolling = ("xi_x", "xi_y", "spin", "t_gamma", "work_supplied", "dissipation")
             per_distance = dict.fromkeys((*of_rolling, "t_gamma_over_area"), np.nan)
             per_distance["creepage_found"] = np.full(2, np.nan)
         if contact.scene.wear is not None:
-            per_distance |= self._worn(course.rolls, step)
+            per_distance |= self._worn(course.table.rolls, step)
+            per_distance |= {} if rolls else {"worn_area": np.nan}
             contact = replace(contact, volumes=dict(zip(BODIES, self.volumes, strict=True)))
         values = {
             "distance": self.distance,
@@ -162,6 +163,8 @@ class Moment(Step):
             "solves": self.solves,
             **per_distance,
         }
+        if course.table.stage:
+            values["stage"] = course.stage_index(self.stretch)
         may_store = not course.shift_comes_next(self.stretch, self.distance)
         return StepRecord(contact, values, may_store)
 
@@ -179,4 +182,4 @@ class Moment(Step):
         }
         for body, before, depth in zip(BODIES, new, each[:, at, rows], strict=True):
             columns[f"wear_profile_{body}"] = before + depth
-        return columns if rolls else columns | {"worn_area": np.nan}
+        return columns

@@ -157,16 +157,15 @@ class StressHistory(Observer):
         contact, model = self._contact, self.model
         if model is None:
             return {}
-        table = required(model.scene.transient, "transient")
-        rolls = model.scene.schedule.rolls
+        table, schedule = required(model.scene.transient, "transient"), model.scene.schedule
         contacts = []
         for load in self.loads:
             pressure, x, y, sliding = (widen_field(field, contact.grid.elements) for field in load)
             loaded = replace(contact, pressure=pressure, traction=np.stack((x, y)))
             contacts.append(replace(loaded, sliding=sliding > 0.0))
-        places = np.array(self.places) if rolls else np.zeros(len(self.places))
-        steady = table.start == "steady" and self.places[0] == table.distance[0]
-        course = Course(contacts, places, model.laws, rolls, steady)
+        places = schedule.rolled(np.array(self.places))
+        steady = table.start == "steady" and self.places[0] == table.knots[0]
+        course = Course(contacts, places, model.laws, schedule.rolls, steady)
         cycles = course_fatigue(course, cycle_depths(contact))
         life = model.laws.life
         if life is None:
@@ -183,7 +182,7 @@ def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
 def _cycle_start(model: Model) -> float:
     """Return the distance at which the load cycle begins (transient.cycle_start)."""
     table = required(model.scene.transient, "transient")
-    return table.distance[0] if table.cycle_start is None else table.cycle_start
+    return table.knots[0] if table.cycle_start is None else table.cycle_start
 
 
 def _with_x(at: tuple[float, ...], cycle: BodyFatigue, x: np.ndarray) -> tuple[float, ...]:

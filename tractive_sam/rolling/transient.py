@@ -1,7 +1,8 @@
 """Transient rolling: steps through the courses of [transient], one record each.
 
 Between the knots all prescribed quantities are linear in the distance. A stretch without length is
-a jump: the loads that jump take a shift, a step without distance. Steps end at every knot
+a jump: the loads that jump take a shift, a step without distance. So is the place between two
+stages; each stage rolls or shifts. Steps end at every knot
 (`rolling.control.Stops`). A distance to save between two steps is reached by a shorter step from
 the first of them, from which nothing continues: what is stored does not change what is computed.
 
@@ -18,13 +19,12 @@ import numpy as np
 from tractive_sam.contact import Model, StepInput, Stepper, StepResult, equilibrium, not_resolved
 from tractive_sam.results import BODIES, State, Status
 from tractive_sam.rolling.control import ErrorControl, Stops, Trial
-from tractive_sam.rolling.courses import CLOSE, CREEPAGES, PARTS, Courses, expected_steps
+from tractive_sam.rolling.courses import CLOSE, PARTS, Courses, creepages_of, expected_steps
 from tractive_sam.rolling.heat import TransientHeat
 from tractive_sam.rolling.moment import Moment
 from tractive_sam.rolling.process import Process, StoredStep
 from tractive_sam.rolling.stress_history import StressHistory
 from tractive_sam.scene import FewestElements, Scene
-from tractive_sam.schema import required
 
 
 class TransientProcess(Process[Moment]):
@@ -86,32 +86,38 @@ class TransientProcess(Process[Moment]):
 
     def _separation(self, distance: float) -> np.ndarray | float:
         """Return the gap that moving profiles add at a distance, mm; none moves in a shift."""
-        return self.model.profile_offset(distance if self.courses.rolls else 0.0)
+        return self.model.profile_offset(self.model.scene.schedule.rolled(distance))
 
     def begin(self) -> Moment:
         """Return the first moment: the contact at the first knot, at rest or rolling steadily.
 
         It is the contact at the first knot.
         """
-        model, first, at = self.model, self.courses.first(), self.courses.knots[0]
+        first, at = self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
-            friction = model.friction_law.weakened(self.courses.friction_factor(first))
-            parts = model.measured, model.grid, model.laws.replace(friction=friction)
-            steady = Model(self.courses.scene_at(first), *parts, datum=model.datum)
-            worn, depth = model.add_initial_wear(0.0), self._separation(at)
-            contact = equilibrium(steady, worn + depth, check_resolution=False)
-            contact = replace(contact, scene=model.scene, wear=worn, laws=model.laws)
-            return self._first_moment(contact, at)
-        pressed = self.stepper.press(self._input(0.0, first, (0.0, 0.0, 0.0), at))
-        moment = self._first_moment(pressed, at)
-        forced = first["load.force_x"], first["load.force_y"]
-        shifts = np.array([first[key] for key in CREEPAGES])
-        if self.courses.rolls:
-            shifts[:] = 0.0
-        if not pressed.converged or not (any(forced) or shifts.any()):
+            moment = self._first_moment(self._steady(), at)
+            shifted = self.courses.shifts_from_steady
+        else:
+            moment = self._first_moment(
+                self.stepper.press(self._input(0.0, first, (0.0, 0.0, 0.0), at)), at
+            )
+            shifted = any((first["load.force_x"], first["load.force_y"], *self.courses.first_shift))
+        if not moment.contact.converged or not shifted:
             return moment
-        inputs = self._input(0.0, first, tuple(shifts), at)
+        inputs = self._input(0.0, first, self.courses.first_shift, at)
         return self._moment(moment, self.stepper.step(moment.result, inputs), at, -1, 0.0)
+
+    def _steady(self) -> State:
+        """Return the contact in steady rolling before the first knot."""
+        model, scene = self.model, self.courses.steady_scene()
+        # Before a shift, the values of the tables apply instead of those of the first knot.
+        rolls = self.courses.rolls(-1)
+        factor = self.courses.friction_factor(self.courses.first()) if rolls else 1.0
+        laws = model.laws.replace(friction=model.friction_law.weakened(factor))
+        steady = Model(scene, model.measured, model.grid, laws, datum=model.datum)
+        worn, depth = model.add_initial_wear(0.0), self._separation(self.courses.knots[0])
+        contact = equilibrium(steady, worn + depth, check_resolution=False)
+        return replace(contact, scene=model.scene, wear=worn, laws=model.laws)
 
     def _first_moment(self, contact: State, at: float) -> Moment:
         """Return the first moment from the first contact, of new or worn bodies."""
@@ -130,7 +136,10 @@ class TransientProcess(Process[Moment]):
             if last.distance == courses.knots[last.stretch + 1]:
                 if last.stretch + 1 == courses.stretches:
                     return
+                rolled = courses.rolls(last.stretch)
                 last = replace(last, stretch=last.stretch + 1, wish=0.0)
+                if courses.rolls(last.stretch) != rolled:  # nothing to extrapolate from
+                    last = replace(last, before=None, length=0.0)
                 if courses.shifted(last.stretch):
                     last = self._take_jump(last)
                     yield last
@@ -142,22 +151,19 @@ class TransientProcess(Process[Moment]):
     def _take_jump(self, last: Moment) -> Moment:
         """Return the moment after a step without distance, in which prescribed values jump."""
         stretch, at = last.stretch, last.distance
-        values, shifts = self.courses.at(at, stretch), (0.0, 0.0, 0.0)
-        if not self.courses.rolls:
-            shifts = self.courses.jump(stretch)
-        inputs = self._input(0.0, values, shifts, at)
+        inputs = self._input(0.0, self.courses.at(at, stretch), self.courses.jump(stretch), at)
         return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
     def _roll_stretch(self, last: Moment) -> Iterator[Moment]:
         """Yield the moments along a stretch of the course, those to save included."""
-        courses, table = self.courses, self.courses.table
+        courses, stage = self.courses, self.courses.stage(last.stretch)
         first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
-        saves = tuple(s for s in table.save if first < s < end)
-        adaptive = table.stepping == "adaptive"
-        unit = self.model.grid.dx if courses.rolls else (end - first) / (PARTS * 100)
+        saves = tuple(s for s in courses.table.save if first < s < end)
+        adaptive = stage.stepping == "adaptive"
+        unit = self.model.grid.dx if stage.rolls else (end - first) / (PARTS * 100)
         control = Stops(ErrorControl(order=2, unit=unit), (end,))
-        longest = table.step or self._longest(adaptive, end - first)
-        usual = longest if not adaptive else min(longest, unit * (1 if courses.rolls else 100))
+        longest = stage.step or self._longest(stage.rolls, adaptive, end - first)
+        usual = longest if not adaptive else min(longest, unit * (1 if stage.rolls else 100))
         while last.contact.converged and last.distance < end:
             wish = min(last.wish or usual, longest)
             moment = self._snap_to_save(
@@ -189,9 +195,9 @@ class TransientProcess(Process[Moment]):
                 break
         return moments
 
-    def _longest(self, adaptive: bool, stretch: float) -> float:
+    def _longest(self, rolls: bool, adaptive: bool, stretch: float) -> float:
         """Return the longest step in a stretch, mm: an element, or a quarter of the contact."""
-        if not self.courses.rolls:
+        if not rolls:
             return stretch / (1 if adaptive else PARTS)
         dx = self.model.grid.dx
         if not adaptive:
@@ -240,13 +246,12 @@ class TransientProcess(Process[Moment]):
         """
         courses, stretch, contact = self.courses, last.stretch, last.contact
         begin, end = courses.at(last.distance, stretch), courses.at(at, stretch)
-        length = at - last.distance
-        share = 0.5 if courses.rolls else 1.0
+        length, rolls = at - last.distance, courses.rolls(stretch)
         xi_x, xi_y, spin = (
-            share * (final + first) if courses.rolls else final - first
-            for first, final in zip(_creepages(begin), _creepages(end), strict=True)
+            0.5 * (final + first) if rolls else final - first
+            for first, final in zip(creepages_of(begin), creepages_of(end), strict=True)
         )
-        inputs = self._input(length if courses.rolls else 0.0, end, (xi_x, xi_y, spin), at, begin)
+        inputs = self._input(length if rolls else 0.0, end, (xi_x, xi_y, spin), at, begin)
         ratio = length / last.length if last.before is not None and last.length > 0.0 else 0.0
         earlier = last.before
         if beyond is not None:
@@ -260,7 +265,7 @@ class TransientProcess(Process[Moment]):
             traction, before = moment.contact.traction, last.before.contact.traction
             expected = contact.traction + ratio * (contact.traction - before)
             missed, size = np.linalg.norm(traction - expected), np.linalg.norm(traction)
-            error = float(missed / size / courses.table.tolerance) if size > 0.0 else 0.0
+            error = float(missed / size / courses.stage(stretch).tolerance) if size > 0.0 else 0.0
         if control is not None and result.deep > 1.0:
             error = max(error, result.deep**2)  # half the distance wears half as deep
         return moment, error
@@ -294,9 +299,3 @@ class TransientProcess(Process[Moment]):
             volumes=last.volumes + gained * contact.grid.element_area,
             deepest=max(last.deepest, float(contact.wear.max())),
         )
-
-
-def _creepages(inputs: Mapping[str, float | None]) -> tuple[float, float, float]:
-    """Return the creepages, or shifts, in prescribed quantities."""
-    longitudinal, lateral, spin = (required(inputs[key], key) for key in CREEPAGES)
-    return longitudinal, lateral, spin

@@ -42,6 +42,7 @@ from .process import ProcessTable as ProcessTable
 from .resolution import FewestElements as FewestElements
 from .scene import Scene as Scene
 from .schedule import Schedule as Schedule
+from .stage import Stage as Stage
 from .tables import MAX_ELEMENTS as MAX_ELEMENTS
 from .tables import Accuracy as Accuracy
 from .tables import Creepage as Creepage

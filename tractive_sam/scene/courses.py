@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from tractive_sam.schema import InnerTable, Positive, Real, Table, entry
+from tractive_sam.schema import InnerTable, Positive, Real, Table, entry, number_to_tuple
 
 from .gap import Gap
 
@@ -32,11 +32,11 @@ def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
 NotBelowZero = Annotated[Real, Field(ge=0)]
 Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_check_knots)]
 Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(check_ascending)]
-Course = tuple[Real, ...]
-PositiveCourse = tuple[Positive, ...]
+Course = Annotated[tuple[Real, ...], BeforeValidator(number_to_tuple)]
+PositiveCourse = Annotated[tuple[Positive, ...], BeforeValidator(number_to_tuple)]
 
 
-def course(meaning: str, allowed: str = "a list of numbers, one for each knot") -> Any:
+def course(meaning: str, allowed: str = "a number, or a list of numbers, one for each knot") -> Any:
     """Return the definition of a field for a course: one number for each knot."""
     return entry(meaning, allowed, None)
 
@@ -52,7 +52,8 @@ class LoadCourse(Table):
 
     normal: PositiveCourse | None = course(
         "normal load P, N or N/mm",
-        "a list of numbers above 0, one for each knot; for separated bodies use load.approach",
+        "a number above 0, or a list of them, one for each knot; for separated bodies use "
+        "load.approach",
     )
     approach: Course | None = course(
         "approach of the bodies, mm, from the first touch of the unworn bodies without moving "
@@ -76,15 +77,13 @@ class CreepageCourse(Table):
         "lateral": "the shift of A relative to B in y, mm",
         "spin": "the rotation of A relative to B, radians",
     }
-    """Meaning of each course with `start = "shift"`."""
+    """Meaning of each course in a shift."""
 
     longitudinal: Course | None = course(
-        f'longitudinal creepage xi_x; with start = "shift", {shifts["longitudinal"]}'
+        f"longitudinal creepage xi_x; in a shift, {shifts['longitudinal']}"
     )
-    lateral: Course | None = course(
-        f'lateral creepage xi_y; with start = "shift", {shifts["lateral"]}'
-    )
-    spin: Course | None = course(f'spin creepage phi, 1/mm; with start = "shift", {shifts["spin"]}')
+    lateral: Course | None = course(f"lateral creepage xi_y; in a shift, {shifts['lateral']}")
+    spin: Course | None = course(f"spin creepage phi, 1/mm; in a shift, {shifts['spin']}")
 
 
 class FrictionCourse(Table):
@@ -98,7 +97,7 @@ class FrictionCourse(Table):
 
     mu: PositiveCourse | None = course(
         "friction coefficient mu1; mu2 changes in proportion",
-        "a list of numbers above 0, one for each knot",
+        "a number above 0, or a list of them, one for each knot",
     )
 
 

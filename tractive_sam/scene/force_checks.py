@@ -37,26 +37,32 @@ def _check_force_limit(entries: ValidEntries) -> Iterator[Fault]:
 def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
     """Report the first knot with prescribed forces above the friction limit, for a given load."""
     transient, mu, largest = entries["transient"], entries["friction.mu"], _largest_mu(entries)
-    if transient is None or transient.load.approach is not None:
+    if transient is None:
         return
-    courses, angle = transient.courses, math.radians(entries["friction.angle"])
-    constant = {
-        "load.force_x": entries["load.force_x"],
-        "load.force_y": entries["load.force_y"],
-        "load.normal": _normal_load(entries),
-        "friction.mu": mu[0],
-    }
-    for k, place in enumerate(transient.distance):
-        values = {key: courses[key][k] if key in courses else constant[key] for key in constant}
-        force_x, force_y, load, mu1 = values.values()
-        mu_at_knot = (mu1 * largest[0] / mu[0], mu1 * largest[1] / mu[0])
-        excess = [*_forces_above_limit((force_x, force_y), load, mu_at_knot, angle)]
+    angle, constant = math.radians(entries["friction.angle"]), constant_quantities(entries)
+    knots = (
+        (table, stage, k) for table, stage in transient.by_key.items() for k in stage.knot_range
+    )
+    for table, stage, k in knots:
+        values = stage.values_at(k, constant)
+        forces = values["load.force_x"], values["load.force_y"]
+        factor = values["friction.mu"] / mu[0]
+        mu_at_knot = factor * largest[0], factor * largest[1]
+        excess = [*_forces_above_limit(forces, values["load.normal"], mu_at_knot, angle)]
         for names, value, limit in excess:
-            keys = [f"transient.load.{n}" if f"load.{n}" in courses else f"load.{n}" for n in names]
-            unit = " mm" if transient.rolls else ""
-            yield _limit_fault(entries, keys, f"{value} at {place:g}{unit}", limit)
+            given = (f"load.{name}" for name in names)
+            keys = [f"{table}.{key}" if key in stage.courses else key for key in given]
+            unit = " mm" if stage.rolls else ""
+            yield _limit_fault(entries, keys, f"{value} at {stage.distance[k]:g}{unit}", limit)
         if excess:
             return
+
+
+def constant_quantities(entries: ValidEntries) -> dict[str, float | None]:
+    """Return loads, forces and friction of a scene without courses, by dotted key."""
+    keys = ("load.approach", "load.force_x", "load.force_y")
+    values: dict[str, float | None] = {key: entries[key] for key in keys}
+    return values | {"load.normal": _normal_load(entries), "friction.mu": entries["friction.mu"][0]}
 
 
 def _check_method_of_forces(entries: ValidEntries) -> Iterator[Fault]:

@@ -154,9 +154,9 @@ def _check_heat_of_transient(entries: ValidEntries) -> Iterator[Fault]:
     transient = entries["transient"]
     if transient is None or entries["heat"] is None:
         return
-    if not transient.rolls:
-        cure = '"rest" or "steady": temperature depends on time, and a shift takes no time'
-        yield Fault("transient.start", '"shift" with [heat]', cure)
+    for key in transient.shift_keys:
+        cure = "stages that roll: temperature depends on time, and a shift takes no time"
+        yield Fault(key, '"shift" with [heat]', cure)
     for table in ("friction", "wear"):
         if entries[table] is not None and entries[f"{table}.temperature"] is not None:
             cure = "nothing: in a transient the laws do not depend on the temperature"

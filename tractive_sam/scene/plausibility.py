@@ -281,7 +281,8 @@ def scene_notes(scene: Any) -> Iterator[str]:
 
 def _unused_entries(scene: Any) -> Iterator[str]:
     """Yield a note for each entry that a course of [transient] replaces."""
-    for key, course in scene.schedule.courses.items():
+    courses = {} if scene.has("transient.stage") else scene.schedule.courses
+    for key, course in courses.items():
         table, _, name = key.partition(".")
         value = getattr(scene, table).entries().get(name)
         if (table == "creepage" or name.startswith("force")) and value not in (None, course[0]):

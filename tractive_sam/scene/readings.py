@@ -64,13 +64,13 @@ class Pair:
     @classmethod
     def from_scene(cls, scene: Any) -> Pair:
         """Return the pair of a scene's bodies, under the largest load of its [transient]."""
-        hertz, key = scene.hertz, f"load.{scene.load.prescribed_key}"
-        courses = scene.schedule.courses
-        for name in ("normal", "approach"):
-            largest = max(courses.get(f"load.{name}", (0.0,)))
-            if largest > 0.0 and hertz is not None:
-                load = type(scene.load)(**{name: largest})
-                hertz, key = scene.body.hertz(load), f"transient.load.{name}"
+        hertz, key, schedule = scene.hertz, f"load.{scene.load.prescribed_key}", scene.schedule
+        largest = 0.0 if hertz is None or not schedule.own_load else hertz.load
+        for name, value in schedule.largest_loads.items():
+            load = type(scene.load)(**{name.removeprefix("load."): value})
+            under = None if hertz is None else scene.body.hertz(load)
+            if under is not None and under.load > largest:
+                hertz, key, largest = under, schedule.course_keys[name], under.load
         return cls(scene.body, hertz, key, scene.has_gap)
 
 

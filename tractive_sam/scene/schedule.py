@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
+import numpy as np
+
 from .gap import Gap
 
 
@@ -29,8 +31,14 @@ class Schedule:
         Whether each jump leads to the next value of `save`.
     courses : mapping of str to tuple of float
         Values at the knots, by the dotted key that changes.
+    course_keys : mapping of str to str
+        Dotted key of the first course of each of these keys.
     profiles : mapping of str to Gap
         Profiles that are fixed to the bodies and move with them, by the names of their tables.
+    own_load : bool
+        Whether the load of [load] applies, at least in a stage of a transient.
+    shifting : tuple of (float, float)
+        First and last value of the coordinate of each stage in which the bodies shift.
     """
 
     end: float = 0
@@ -38,7 +46,10 @@ class Schedule:
     adaptive: bool = False
     fixed: bool = False
     courses: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    course_keys: Mapping[str, str] = field(default_factory=dict)
     profiles: Mapping[str, Gap] = field(default_factory=dict)
+    own_load: bool = True
+    shifting: tuple[tuple[float, float], ...] = ()
 
     save_key: ClassVar[str] = "wear.save"
     """Key of the scene that lists `save`."""
@@ -64,9 +75,25 @@ class Schedule:
         """Values of the coordinate at which a step must end, ascending."""
         return tuple(sorted({*self.save, self.end}))
 
+    def rolled(self, places: Any) -> Any:
+        """Return the rolling distance, mm, at values of the coordinate, a number or an array.
+
+        It is the coordinate without the parts in which the bodies shift.
+        """
+        shifted = (np.clip(places, first, last) - first for first, last in self.shifting)
+        return places - sum(shifted)
+
     def under_largest_load(self, scene: Any) -> Any:
         """Return the scene under its largest load, from which the mesh follows: itself."""
         return scene
+
+    @property
+    def largest_loads(self) -> dict[str, float]:
+        """Largest load and approach of the courses, if above zero, by dotted key."""
+        loads = {
+            key: max(self.courses.get(key, (0.0,))) for key in ("load.normal", "load.approach")
+        }
+        return {key: load for key, load in loads.items() if load > 0.0}
 
 
 class RevolutionSchedule(Schedule):
@@ -84,11 +111,13 @@ class Distance(Schedule):
 
     def under_largest_load(self, scene: Any) -> Any:
         """Return the steady scene under the largest load of its courses."""
-        loads = {
-            key: max(self.courses.get(key, (0.0,))) for key in ("load.normal", "load.approach")
-        }
-        largest = {key: value for key, value in loads.items() if value > 0.0}
-        return scene.replace(transient=None, wear=None, **largest)
+        scene = scene.replace(transient=None, wear=None)
+        candidates = [scene.replace(**{key: load}) for key, load in self.largest_loads.items()]
+        if self.own_load or not candidates:
+            candidates.append(scene)
+        if len(candidates) == 1:
+            return candidates[0]
+        return max(candidates, key=lambda case: 0.0 if case.hertz is None else case.hertz.load)
 
 
 class Shifts(Distance):
@@ -96,6 +125,10 @@ class Shifts(Distance):
 
     rolls, shifts = False, True
     message_start = "after {:g} of the parameter: "
+
+    def rolled(self, places: Any) -> Any:
+        """Return zero: nothing rolls."""
+        return 0.0 * places
 
 
 class PatchSchedule(Schedule):

@@ -1,12 +1,12 @@
-"""The [transient] table: changes over the rolling distance, and the steps.
+"""The [transient] table: changes over the rolling distance, in one stage or several.
 
-A course is a list of values of a key at the knots of the distance, linear between them. Two equal
-knots are a jump.
+See `stage` for courses.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
@@ -14,65 +14,66 @@ from tractive_sam.schema import (
     Check,
     Fault,
     InnerTable,
-    Positive,
-    Real,
     Row,
-    Table,
     ValidEntries,
     entry,
 )
 
-from .courses import (
-    CreepageCourse,
-    FrictionCourse,
-    Knots,
-    LoadCourse,
-    NotBelowZero,
-    Profiles,
-    Saved,
-)
+from .courses import Knots, NotBelowZero, Profiles, Saved
 from .schedule import Distance, Schedule, Shifts
+from .stage import CourseTable, Stage, check_courses
 
 
-def _check_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses with another number of values than knots, and a distance of 0."""
-    knots = entries["distance"]
-    if knots[0] == knots[-1]:
-        yield Fault("distance", str(list(knots)), "a last knot above the first one")
-    for table, kind in (
-        ("load", LoadCourse),
-        ("creepage", CreepageCourse),
-        ("friction", FrictionCourse),
-    ):
-        for key in kind.model_fields:
-            values = entries.get(f"{table}.{key}")
-            if values is not None and len(values) != len(knots):
-                value = f"{len(values)} values and {len(knots)} knots"
-                yield Fault(f"{table}.{key}", value, "one value for each knot of distance")
+def _check_stages(entries: ValidEntries) -> Iterator[Fault]:
+    """Report missing knots, keys that belong to the stages, and stages that do not join."""
+    stages = entries["stage"]
+    if not stages:
+        if "distance" not in entries.given:
+            yield Fault("distance", "nothing", "a list of knots, mm, or [[transient.stage]]")
+        else:
+            yield from check_courses(entries)
+        return
+    for key in CourseTable.model_fields:
+        if key in entries.given:
+            yield Fault(key, "with [[transient.stage]]", "nothing: each stage has its own")
+    if entries["start"] == "shift":
+        cure = '"rest" or "steady"; a stage shifts with motion = "shift"'
+        yield Fault("start", '"shift" with [[transient.stage]]', cure)
+    for k, (before, after) in enumerate(pairwise(stages)):
+        if before.distance[-1] != after.distance[0]:
+            cure = f"a first knot at the end of the stage before, {before.distance[-1]:g}"
+            yield Fault(f"stage[{k + 1}].distance", str(list(after.distance)), cure)
+
+
+def _knots(entries: ValidEntries) -> tuple[float, ...]:
+    """Return the knots of all stages."""
+    stages = entries["stage"]
+    return tuple(s for stage in stages for s in stage.distance) or entries["distance"]
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:
     """Report distances to be stored that lie outside the knots."""
-    knots, save = entries["distance"], entries["save"]
-    if save and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
+    knots, save = _knots(entries), entries["save"]
+    if save and knots and not knots[0] <= save[0] <= save[-1] <= knots[-1]:
         cure = f"distances from the first knot to the last, {knots[0]:g} to {knots[-1]:g}"
         yield Fault("save", str(list(save)), cure)
 
 
 def _check_cycle_start(entries: ValidEntries) -> Iterator[Fault]:
     """Report a start of the load cycle (cycle_start) outside the knots."""
-    knots, start = entries["distance"], entries["cycle_start"]
-    if start is not None and not knots[0] <= start < knots[-1]:
+    knots, start = _knots(entries), entries["cycle_start"]
+    if start is not None and knots and not knots[0] <= start < knots[-1]:
         cure = f"a distance from {knots[0]:g} to below {knots[-1]:g}, within the knots"
         yield Fault("cycle_start", f"{start:g}", cure)
 
 
-class Transient(Table):
+class Transient(CourseTable):
     """Courses of load, creepage and friction over distance, and steps.
 
     Values change linearly between the knots; a key without a course has the value of its table.
     With ``start = "shift"``, the bodies do not roll: the distance is a parameter, and the creepages
-    are the shifts of A relative to B since the bodies were pressed together.
+    are the shifts of A relative to B since the bodies were pressed together. ``stage`` is a list of
+    tables in place of the courses: the bodies roll or shift in each stage, one after another.
 
     Examples
     --------
@@ -83,14 +84,14 @@ class Transient(Table):
     distance: Knots = entry(
         "knots: rolling distances, mm",
         "a list of two or more ascending numbers; two equal numbers are a jump",
+        default=(),
         min_length=2,
     )
-    load: InnerTable[LoadCourse] = entry("courses of the load", default=LoadCourse())
-    creepage: InnerTable[CreepageCourse] = entry(
-        "courses of the creepages", default=CreepageCourse()
-    )
-    friction: InnerTable[FrictionCourse] = entry(
-        "courses of the friction", default=FrictionCourse()
+    stage: tuple[Stage, ...] = entry(
+        "stages in their order, in place of distance and courses",
+        "at least one stage, [[transient.stage]]",
+        default=(),
+        min_length=1,
     )
     profile: InnerTable[Profiles] = entry(
         "profiles that move through the contact", default=Profiles()
@@ -100,26 +101,12 @@ class Transient(Table):
         "steadily (steady); with shift, the bodies are displaced without rolling",
         default="rest",
     )
-    step: Positive | None = entry(
-        "longest step, mm; the default is one element, a tenth of the distance between two "
-        "knots for shifts, or a quarter of the contact length for adaptive steps",
-        default=None,
-    )
-    stepping: Literal["even", "adaptive"] = entry(
-        "steps of equal length, except before a knot (even), or steps as long as their error "
-        "allows (adaptive)",
-        default="even",
-    )
-    tolerance: Real = entry(
-        "relative error of the tractions in an adaptive step",
-        default=1e-3,
-        gt=0,
-        le=0.1,
-    )
     save: Saved = entry(
         "distances at which fields are stored, mm",
         "a list of ascending numbers from the first knot to the last",
-        default_factory=lambda entries: tuple(sorted({*entries["distance"]})),
+        default_factory=lambda entries: tuple(
+            sorted({*entries["distance"], *(s for k in entries["stage"] for s in k.distance)})
+        ),
     )
     cycle_start: NotBelowZero | None = entry(
         "distance at which the stress history of [fatigue] begins, mm, for example the start of "
@@ -127,23 +114,7 @@ class Transient(Table):
         "a number from the first knot to below the last",
         default=None,
     )
-    checks: ClassVar[tuple[Check, ...]] = (_check_courses, _check_save, _check_cycle_start)
-
-    @classmethod
-    def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return entries with dotted keys, as ``"creepage.longitudinal"``, as nested tables."""
-        tables: dict[Any, Any] = {}
-        for key, value in entries.items():
-            table, dot, name = str(key).partition(".")
-            if not dot:
-                merge = isinstance(value, Mapping) and isinstance(tables.get(key), dict)
-                tables[key] = {**value, **tables[key]} if merge else value
-                continue
-            inner = tables.get(table, {})
-            if isinstance(inner, Table):
-                inner = inner.entries()
-            tables[table] = {**inner, name: value} if isinstance(inner, Mapping) else inner
-        return tables
+    checks: ClassVar[tuple[Check, ...]] = (_check_stages, _check_save, _check_cycle_start)
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Return the rows (label, text) that describe the table in reports of a scene."""
@@ -153,53 +124,103 @@ class Transient(Table):
             "shift": "bodies pressed together; they do not roll but shift, by the courses of "
             "[creepage] in mm and radians",
         }
-        unit = "mm" if self.rolls else "of the parameter"
-        longest = "one element" if self.rolls else "a tenth of the distance between two knots"
-        length = longest if self.step is None else f"{self.step:g} {unit}"
-        steps = f"of {length}, shorter before a knot"
-        if self.stepping == "adaptive":
-            steps = (
-                f"as long as the error of the extrapolated tractions is below {self.tolerance:g}"
-            )
+        if self.stage and self.start == "steady" and not self.stage[0].rolls:
+            start["steady"] = "steady rolling with the values of [load], [creepage] and [friction]"
         yield Row("starts from", start[self.start])
-        yield Row("distance", f"from {self.distance[0]:g} to {self.distance[-1]:g} {unit}")
-        courses = ", ".join(self.courses) or "none: the values of the other tables hold"
-        yield Row("courses", courses)
-        yield Row("steps", f"{steps}; each step starts from the two before")
+        if not self.stage:
+            yield from self.stages[0].describe(scene)
+        for k, stage in enumerate(self.stage):
+            motion = "rolls" if stage.rolls else "shifts"
+            text = "; ".join(f"{row.label} {row.text}" for row in stage.describe(scene))
+            yield Row(f"stage {k}", f"{motion}; {text}")
         yield Row("fields stored at", ", ".join(f"{place:g}" for place in self.save))
+
+    @cached_property
+    def stages(self) -> tuple[Stage, ...]:
+        """The stages; without ``stage``, the table itself is the only one."""
+        if self.stage:
+            return self.stage
+        motion: Literal["rolling", "shift"] = "shift" if self.start == "shift" else "rolling"
+        entries = {key: getattr(self, key) for key in CourseTable.model_fields}
+        return (Stage(motion=motion, **entries),)
+
+    @property
+    def by_key(self) -> dict[str, Stage]:
+        """The stages by the dotted keys of their tables in a scene."""
+        keys = [f"transient.stage[{k}]" for k in range(len(self.stage))] or ["transient"]
+        return dict(zip(keys, self.stages, strict=True))
 
     @property
     def schedule(self) -> Schedule:
         """Schedule of the transient: its end, distances to store, and courses."""
-        kind = Distance if self.rolls else Shifts
-        profiles = self.profile.by_table
-        return kind(self.distance[-1], self.save, courses=self.courses, profiles=profiles)
+        courses: dict[str, tuple[float, ...]] = {}
+        keys: dict[str, str] = {}
+        for table, stage in self.by_key.items():
+            for key, values in stage.courses.items():
+                courses[key] = (*courses.get(key, ()), *values)
+                keys.setdefault(key, f"{table}.{key}")
+        return (Distance if self.rolls else Shifts)(
+            self.knots[-1],
+            self.save,
+            courses=courses,
+            course_keys=keys,
+            profiles=self.profile.by_table,
+            own_load=any(stage.has_own_load for stage in self.stages),
+            shifting=tuple((s.distance[0], s.distance[-1]) for s in self.stages if not s.rolls),
+        )
+
+    @property
+    def knots(self) -> tuple[float, ...]:
+        """Knots of all stages."""
+        return tuple(place for stage in self.stages for place in stage.distance)
 
     @property
     def rolls(self) -> bool:
-        """Whether the bodies roll; otherwise they are shifted without rolling."""
-        return self.start != "shift"
+        """Whether the bodies roll in a stage; otherwise they only shift."""
+        return any(stage.rolls for stage in self.stages)
 
     @property
-    def jumps(self) -> list[tuple[float, str]]:
-        """(Distance in mm, keys) of each knot at which loads, forces or friction jump."""
+    def shift_keys(self) -> tuple[str, ...]:
+        """Dotted keys by which the bodies shift in a stage."""
+        if not self.stage:
+            return ("transient.start",) if self.start == "shift" else ()
+        return tuple(f"{key}.motion" for key, stage in self.by_key.items() if not stage.rolls)
+
+    @property
+    def only_rolls(self) -> bool:
+        """Whether the bodies roll in every stage."""
+        return all(stage.rolls for stage in self.stages)
+
+    @property
+    def is_mixed(self) -> bool:
+        """Whether the bodies roll in some stages and shift in others."""
+        return self.rolls and not self.only_rolls
+
+    def jumps(self, constant: Mapping[str, Any]) -> list[tuple[str, float, str]]:
+        """Return the jumps of loads, forces or friction within stages and between them.
+
+        Parameters
+        ----------
+        constant : mapping of str to float or None
+            Loads, forces and friction without courses (`CourseTable.values_at`).
+
+        Returns
+        -------
+        list of (str, float, str)
+            Dotted key of the knots, place, mm, and the keys that jump.
+        """
+        knots = [
+            (f"{key}.distance", stage.distance[k], stage.values_at(k, constant))
+            for key, stage in self.by_key.items()
+            for k in stage.knot_range
+        ]
         jumps = []
-        for k, (first, last) in enumerate(pairwise(self.distance)):
-            keys = [
-                key
-                for key, values in self.courses.items()
-                if values[k] != values[k + 1] and not key.startswith("creepage.")
+        for (_, first, before), (key, last, after) in pairwise(knots):
+            changed = [
+                name
+                for name, value in after.items()
+                if value not in (None, before[name]) and not name.startswith("creepage.")
             ]
-            if first == last and keys:
-                jumps.append((first, ", ".join(keys)))
+            if first == last and changed:
+                jumps.append((key, first, ", ".join(changed)))
         return jumps
-
-    @property
-    def courses(self) -> dict[str, tuple[float, ...]]:
-        """Values of each course at the knots, by the dotted key that the course sets."""
-        tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
-        return {
-            f"{name}.{key}": values
-            for name, table in tables.items()
-            for key, values in table.entries().items()
-        }

@@ -7,6 +7,9 @@ from collections.abc import Iterator
 
 from tractive_sam.schema import Check, Fault, ValidEntries
 
+from .force_checks import constant_quantities
+from .stage import Stage
+from .transient import Transient
 from .wear_laws import BY_COEFFICIENT
 
 
@@ -40,16 +43,18 @@ def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
         return
     falls = f'with friction.law = "{friction.law}"'
     why = "the law depends on the sliding speed, and a shift or a jump has no speed"
-    if not transient.rolls:
-        yield Fault("transient.start", f'"shift" {falls}', f'"rest" or "steady": {why}')
+    if transient.shift_keys:
+        for key in transient.shift_keys:
+            yield Fault(key, f'"shift" {falls}', f"stages that roll: {why}")
         return
-    for place, keys in transient.jumps:
+    constant, courses = constant_quantities(entries), transient.stages[0].courses
+    for key, place, changed in transient.jumps(constant):
         cure = f"knots a short distance apart: {why}"
-        yield Fault("transient.distance", f"a jump of {keys} at {place:g} mm {falls}", cure)
+        yield Fault(key, f"a jump of {changed} at {place:g} mm {falls}", cure)
     for force in ("load.force_x", "load.force_y"):
-        first = transient.courses.get(force, (entries[force],))[0]
+        first = transient.stages[0].values_at(0, constant)[force]
         if transient.start == "rest" and first:
-            key = f"transient.{force}" if force in transient.courses else force
+            key = transient.schedule.course_keys[force] if force in courses else force
             cure = f'0 at the first knot, or transient.start = "steady": {why}'
             yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
     if friction.memory and friction.strength is not None:
@@ -79,7 +84,7 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"wear.{key}", "with [transient]", cure)
     laws = set() if wear.named_law else set(wear.laws.values())
     for law in sorted(law for law in laws if law and law not in BY_COEFFICIENT):
-        if not transient.rolls:
+        if transient.shift_keys:
             cure = (
                 "archard or energy: other laws depend on the rolling distance, and shifts have none"
             )
@@ -90,21 +95,26 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("wear.law", f"{law} with [transient]", cure)
     radii = (abs(entries[f"body.{name}.radius_x"]) for name in "AB")
     turn = 2.0 * math.pi * min(radii)
-    distance = transient.distance[-1] - transient.distance[0]
-    if transient.rolls and distance > turn:
+    first, last = transient.knots[0], transient.knots[-1]
+    distance = transient.schedule.rolled(last) - transient.schedule.rolled(first)
+    if distance > turn:
         cure = f"at most {turn:.5g} mm, one turn: after it worn material returns to the contact"
-        yield Fault("transient.distance", f"{distance:g} mm with [wear]", cure)
+        key = f"{[*transient.by_key][-1]}.distance"
+        yield Fault(key, f"{distance:g} mm with [wear]", cure)
 
 
 def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
     """Report courses of a load without its key in [load], and of a creepage with its force."""
     if entries["transient"] is None:
         return
+    if entries["transient"].stage:
+        yield from _forces_with_creepages(entries["transient"])
+        return
     for key in ("normal", "approach"):
         if entries[f"transient.load.{key}"] is not None and entries[f"load.{key}"] is None:
             cure = f"load.{key} as well: the mesh and the units follow from it"
             yield Fault(f"transient.load.{key}", f"a course, and no load.{key}", cure)
-    for force, creepage in (("force_x", "longitudinal"), ("force_y", "lateral")):
+    for force, creepage in Stage.forced:
         forced = [k for k in (f"load.{force}", f"transient.load.{force}") if entries[k] is not None]
         crept = f"transient.creepage.{creepage}"
         if forced and entries[crept] is not None:
@@ -114,15 +124,26 @@ def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"creepage.{creepage}", value, "a force or a creepage, not both")
 
 
+def _forces_with_creepages(transient: Transient) -> Iterator[Fault]:
+    """Report stages that prescribe both the force and the creepage of a direction."""
+    for key, stage in transient.by_key.items():
+        for force, creepage in Stage.forced:
+            both = {f"load.{force}", f"creepage.{creepage}"}
+            if both <= stage.courses.keys():
+                value = f"with {key}.load.{force}"
+                yield Fault(f"{key}.creepage.{creepage}", value, "a force or a creepage, not both")
+
+
 def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
     """Report steps longer than the contact."""
     transient, hertz = entries["transient"], entries["body"].hertz(entries["load"])
-    if transient is None or not transient.rolls or transient.step is None or hertz is None:
+    if transient is None or hertz is None or entries["gap"] is not None:
         return
     length = 2.0 * hertz.a
-    if entries["gap"] is None and transient.step > length and math.isfinite(length):
-        cure = f"at most {length:.4g} mm: in a longer step all material leaves the contact"
-        yield Fault("transient.step", f"{transient.step:g}", cure)
+    for key, stage in transient.by_key.items():
+        if stage.rolls and stage.step is not None and length < stage.step:
+            cure = f"at most {length:.4g} mm: in a longer step all material leaves the contact"
+            yield Fault(f"{key}.step", f"{stage.step:g}", cure)
 
 
 TRANSIENT_CHECKS: tuple[Check, ...] = (
