@@ -106,7 +106,7 @@ class Moment(Step):
 
     @property
     def place(self) -> float:
-        """Value of the coordinate (revolution, distance, ...) of the step's record."""
+        """Distance rolled, mm, or parameter of the shifts: the coordinate of its record."""
         return self.distance
 
     def on(self, grid: Grid) -> "Moment":
@@ -132,7 +132,7 @@ class Moment(Step):
         return state
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact and the values that the step (or one block) adds to its record."""
+        """Return the contact, and the work, wear and other values of the step, for its record."""
         course, contact = Courses(self.contact.scene), self.contact
         step, rolls = self.result.since(self.earlier), course.rolled_to(self.stretch)
         distance = step.distance

@@ -110,11 +110,11 @@ class Passage(Step):
 
     @property
     def place(self) -> int:
-        """Value of the coordinate (revolution, distance, ...) of the step's record."""
+        """Revolutions rolled, the coordinate of the passage's record."""
         return self.revolution
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact and the values that the step (or one block) adds to its record."""
+        """Return the contact (of one block) with corrected wear, and the values for its record."""
         contact = self.contact if block is None else self.contacts[block]
         contact = replace(contact, revolution=self.revolution)
         # The adaptive stepping has corrected the profile with which the material enters.

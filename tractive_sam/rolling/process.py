@@ -105,7 +105,7 @@ class Step(ABC):
 
     @abstractmethod
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact and the values that the step (or one block) adds to its record."""
+        """Return contact and values of the step (or of one of its blocks) for its record."""
 
     @property
     def weights(self) -> tuple[float, ...]:

@@ -72,12 +72,12 @@ class WornStep(Step):
 
     @property
     def place(self) -> int:
-        """Value of the coordinate (revolution, distance, ...) of the step's record."""
+        """Revolutions of the wheel, the coordinate of the step's record."""
         return self.revolution
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each contact in the values of the step."""
+        """Share of each position of the wheelset in the revolutions."""
         return tuple(position.share for position in self.positions)
 
     @property
@@ -107,7 +107,7 @@ class WornStep(Step):
         }
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact and the values that the step (or one block) adds to its record."""
+        """Return contact and values of one position (`block`, default 0) for the record."""
         position = self.positions[block or 0]
         return StepRecord(position.contact, dict(position.values), may_store=False)
 
@@ -141,7 +141,7 @@ class ProfileWear(Process[WornStep]):
         return self._state_besides_fields(step)
 
     def record(self, step: WornStep, recorder: Recorder) -> Record:
-        """Return the record of a step for the history: values, fields and stresses.
+        """Return the record of a step, combined from all positions, without fields.
 
         It has no fields; with [[duty]] it is combined from the positions.
         """
@@ -186,7 +186,7 @@ class ProfileWear(Process[WornStep]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> WornStep:
-        """Return the step of a stored record, without what the model adds (see `adopt`)."""
+        """Return the step of a stored record, with its profiles and positions."""
         history, row = stored.history, stored.row
         depths = history["wheel_wear"][row], history["rail_wear"][row]
         stored.require(("wheel_wear", "rail_wear"))
@@ -207,7 +207,7 @@ class ProfileWear(Process[WornStep]):
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the (approximate) number of records for elements of the length dx, mm.
+        """Return an estimate of the number of records, from the expected wear depth.
 
         The number is an estimate for a contact that slides entirely and does not move.
         """

@@ -116,7 +116,7 @@ class DutyCycle(Revolutions):
         return required(self.model.scene.spectrum, "duty")
 
     def state(self, step: Passage) -> dict[str, np.ndarray]:
-        """Return all arrays, by name, from which the process can resume after a step.
+        """Return all arrays of all blocks, by name, from which the process can resume.
 
         There are arrays of each block, in order.
         """
@@ -125,7 +125,7 @@ class DutyCycle(Revolutions):
         return stacked | self._state_besides_fields(step)
 
     def record(self, step: Passage, recorder: Recorder) -> Record:
-        """Return the record of a step for the history: values, fields and stresses.
+        """Return the record of a duty cycle, combined from the records of its blocks.
 
         It is combined from the records of the blocks (`results.cycle`).
         """

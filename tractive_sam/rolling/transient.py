@@ -44,7 +44,7 @@ class TransientProcess(Process[Moment]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> Moment:
-        """Return the step of a stored record, without what the model adds (see `adopt`)."""
+        """Return the moment of a stored record, without what the model adds (see `adopt`)."""
         return Moment.from_stored(scene, stored)
 
     def adopt(self, step: Moment, stored: StoredStep) -> Moment:

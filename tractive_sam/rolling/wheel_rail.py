@@ -63,7 +63,7 @@ class PatchStep(Step):
 
     @property
     def place(self) -> float:
-        """Value of the coordinate (revolution, distance, ...) of the step's record."""
+        """Number of the patch by increasing load, from 1: the coordinate of its record."""
         return self.number
 
     def on(self, grid: Grid) -> Self:
@@ -71,7 +71,7 @@ class PatchStep(Step):
         return replace(self, contacts=tuple(contact.on(grid) for contact in self.contacts))
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact and the values that the step (or one block) adds to its record."""
+        """Return the contact of the patch, with its number and geometry, for its record."""
         assert self.patch is not None
         values = {"patch": self.number, "jump": 1, "solves": 1}
         values |= describe_patch(self.patch, self.contact, self.patches)
@@ -103,19 +103,19 @@ class WheelRailPatches(Process[PatchStep]):
     solved: tuple[PatchStep, ...] = ()
 
     def advance(self, last: PatchStep) -> Iterator[PatchStep]:
-        """Yield the steps that follow a step, to the end or to an unsolved contact."""
+        """Yield the solved patches with more load than the patch `last`."""
         steps = self.solved or solve_patch_steps(self.model)[1]
         yield from (step for step in steps if step.number > last.number and last.converged)
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> PatchStep:
-        """Return the step of a stored record, without what the model adds (see `adopt`)."""
+        """Return the patch of a stored record, with its contact."""
         number = int(stored.history["patch"][stored.row])
         return PatchStep((stored.contact(scene),), number=number)
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return the (approximate) number of records for elements of the length dx, mm."""
+        """Return the number of contact patches: each patch is a record."""
         return len(scene.wheel_rail.patches)
 
 

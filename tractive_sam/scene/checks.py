@@ -151,7 +151,7 @@ def _check_share_of_wear(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_inputs_of_wear_law(entries: ValidEntries) -> Iterator[Fault]:
-    """Report missing entries on which a published wear law depends, as the hardness."""
+    """Report missing entries on which a published wear law depends, for example hardness."""
     wear = entries["wear"]
     laws = {} if wear is None else wear.laws
     if "brr" in laws.values() and is_line(entries):

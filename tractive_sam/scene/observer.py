@@ -10,7 +10,7 @@ from tractive_sam.schema import Fault, LawTable, NamedLaw, ValidEntries, allow_l
 
 
 class ObserverTable(LawTable):
-    """Observer class that computes further quantities of each record.
+    """Name and parameters of an observer, a class that computes further quantities of records.
 
     The name is a subclass of `Observer` in an installed package, or an entry point of this package
     in the group "tractive_sam.laws". Further keys are parameters of the class.

@@ -32,7 +32,7 @@ def _check_save(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class ProcessTable(LawTable):
-    """Process class that determines the sequence of contacts.
+    """Name, parameters and end of a process, a class that determines the sequence of contacts.
 
     The name is a subclass of `Process` in an installed package, or an entry point of this package
     in the group "tractive_sam.laws". Further keys are parameters of the class.

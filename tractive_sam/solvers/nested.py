@@ -117,7 +117,7 @@ class Nested:
 def refined(
     coarse: Outcome, coarse_problem: AnyProblem, problem: AnyProblem
 ) -> Start | Outcome | None:
-    """Return a start for a problem from the solution on a coarser mesh, or None.
+    """Return a start from the solution on a coarser mesh, or None if that cannot help.
 
     Tractions that did not converge still show which elements stick. Pressure and tractions of
     dissimilar bodies that did not converge are no help.
