@@ -106,7 +106,7 @@ def test_patch_is_in_the_tangent_plane_of_a_cone_on_a_cylinder():
 
 def test_heights_over_the_plane_are_on_the_wheel(wheel, rail):
     placed = replace(wheel, y=5.5, yaw=0.0132, roll=-4.8e-4)
-    patch = find_patches(placed, rail, 1e4, E_STAR)[0]
+    patch = find_patches(placed, rail, 1e4, E_STAR)[0].lowered(0.0)
     x, y = np.linspace(-4.0, 4.0, 7), np.linspace(-1.0, 1.0, 5)
     height, s = patch.wheel_at(x[:, None], y[None, :])
     for k, j in ((0, 0), (3, 2), (6, 4)):

@@ -132,8 +132,14 @@ class Model:
 
     @property
     def shares_load(self) -> bool:
-        """Whether the scene gives the load of all patches of a wheel, and not its depth."""
-        return self.wheel_rail is not None and self.wheel_depth is None
+        """Whether the patches of a wheel carry its load together.
+
+        The normal force of a single patch is prescribed directly.
+        """
+        wheelset = self.scene.wheelset
+        if self.wheel_rail is None or wheelset is None or self.wheel_depth is not None:
+            return False
+        return wheelset.load is not None or len(self.wheel_rail.patches) > 1
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
@@ -194,7 +200,8 @@ class Model:
         separation is not shifted.
         """
         if self.patch is not None:
-            patch = self.patch.lowered(self.wheel_depth or 0.0)
+            depth = self.patch.depth if self.wheel_depth is None else self.wheel_depth
+            patch = self.patch.lowered(depth)
             return patch.gap(self.grid.x, self.grid.y) - patch.opening
         x, y = self.grid.x[:, None], self.grid.y[None, :]
         radius_x, radius_y = self.scene.body.radii

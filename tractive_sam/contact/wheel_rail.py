@@ -11,7 +11,7 @@ import numpy as np
 
 from tractive_sam.contact.model import Model
 from tractive_sam.rail import Patch
-from tractive_sam.results import Cost, State
+from tractive_sam.results import Cost, State, Status
 from tractive_sam.schema import required
 
 Solve = Callable[[Model, State | None], State]
@@ -65,8 +65,10 @@ def share_load(
             supported_load(contact, patch, by_normal)
             for contact, patch in zip(contacts, patches, strict=True)
         )
-        solved = all(contact.converged for contact in contacts)
-        if not solved or abs(carried - load) <= tolerance * load:
+        unsolved = {contact.status for contact in contacts if not contact.converged}
+        # At a smaller depth the contact may be within the mesh.
+        too_deep = unsolved == {Status.OFF_GRID} and carried > (1.0 + tolerance) * load
+        if (unsolved and not too_deep) or abs(carried - load) <= tolerance * load:
             break
         power = max(carried, 0.0) ** (2.0 / 3.0)
         slope = (power - previous[1]) / (depth - previous[0])

@@ -241,7 +241,7 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
         between.append(float(clearance.points[ends, 1][np.argmax(clearance.gap[ends])]))
     between.append(np.inf)
     pairs = sorted(zip(overlaps, pairwise(between), strict=True), key=lambda p: -p[0].force(e_star))
-    return [overlap.patch(wheel, rail, limits) for overlap, limits in pairs]
+    return [overlap.patch(wheel, rail, limits, depth) for overlap, limits in pairs]
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,8 +288,10 @@ class _Overlap:
         normal = 4.0 / 3.0 * e_star * self.depth.max() * cosine * np.sqrt(area / (2.0 * np.pi))
         return float(normal * cosine)
 
-    def patch(self, wheel: Wheel, rail: Profile, limits: tuple[float, float]) -> Patch:
-        """Return the contact patch at the centre of the overlap."""
+    def patch(
+        self, wheel: Wheel, rail: Profile, limits: tuple[float, float], depth: float
+    ) -> Patch:
+        """Return the contact patch at the centre of the overlap, for a depth of the wheel, mm."""
         points = self.clearance.points
         y = self._mean(points[:, 1])
         z = float(rail.at(rail.locate(y, near=_top(rail)))[1])
@@ -298,7 +300,8 @@ class _Overlap:
         angles = self._angles[self.part][self.depth >= 0.5 * self.depth.max()]
         half = float(self._half_length.max()), wide
         first, last = ((limit - y) / float(np.cos(self.angle)) for limit in limits)
-        return Patch(wheel, rail, origin, self.angle, half, float(np.ptp(angles)), (first, last))
+        spread = float(np.ptp(angles))
+        return Patch(wheel, rail, origin, self.angle, half, spread, (first, last), depth)
 
 
 def _overlaps(clearance: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:

@@ -36,7 +36,8 @@ class Patch:
     limits : tuple of float
         Lateral positions in the plane beyond which other patches touch, mm.
     depth : float
-        Vertical distance of the wheel below its first touch, mm. It has no influence on the slip.
+        Vertical distance of the wheel below its first touch, mm, for the gap; `find_patches` gives
+        its estimate. The slip does not depend on it.
     """
 
     wheel: Wheel
