@@ -16,6 +16,7 @@ TABLES = {
     "rail": {"profile": "UIC60-manchester"},
     "friction": {"mu": 0.3},
 }
+FATIGUE = {"shear_yield": 300.0, "limit": 200.0, "sensitivity": 0.33, "cycles": 1e7, "exponent": 10}
 GRID = {"half_length": [4.4, 3.0], "elements": [25, 31]}
 
 
@@ -158,6 +159,19 @@ def test_openings_are_those_of_a_dense_sampling():
 def test_normal_load_is_that_of_the_patches():
     one = ts.Scene(**TABLES, grid=GRID, wheelset={"y": 2.0, "normal_load": 1e4})
     assert pytest.approx(1e4, rel=2e-6) == ts.solve(one).P
+
+
+def test_each_patch_has_its_fatigue(tmp_path):
+    """The root has the smaller contact and the larger pressure."""
+    tables = {**TABLES, "grid": {"elements": [15, 15]}, "fatigue": FATIGUE}
+    one, path = (
+        ts.Scene(**tables, wheelset={"y": 4.92, "yaw": 11.8, "load": 1e4}),
+        tmp_path / "a.h5",
+    )
+    history = ts.roll(one, path)
+    root = int(np.argmin(history["contact_angle"]))
+    assert history["utilisation"][root].min() > history["utilisation"][1 - root].max()
+    assert ts.open_history(path)["fatigue_life"] == pytest.approx(history["fatigue_life"])
 
 
 def test_friction_dissipates_the_work_supplied():
@@ -323,6 +337,7 @@ def faults(**changes):
         ({"body": {"A": {**STEEL, "radius_x": 1.0}}}, "body.A.radius_x"),
         ({"gap": {"y": [-1, 0, 1], "separation": [0, 0, 0]}}, "gap"),
         ({"accuracy": {"tolerance": 0.01}}, "accuracy"),
+        ({"duty": [{"revolutions": 1, "wheelset": {"y": 1.0}}], "fatigue": FATIGUE}, "duty"),
     ],
 )
 def test_faults_name_their_keys(changes, key):

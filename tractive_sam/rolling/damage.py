@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -76,7 +76,7 @@ class Damage(Observer):
             )
             yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
 
-    def begin(self, passage: Passage, model: Model) -> "Damage":
+    def begin(self, passage: Passage, model: Model) -> Self:
         """Return the observer as it is after the first step of a process.
 
         The bodies are undamaged and make their first pass.
@@ -89,9 +89,10 @@ class Damage(Observer):
             none = np.zeros((cycle.y.size, zeta.size))
             fatigue = cycle.with_damage(zeta, none, worn)
             bodies[body] = BodyDamage(fatigue, used, used, rate, turns.per_count[body], none)
-        return Damage(passage.revolution, passage.revolution, bodies)
+        revolution = passage.revolution
+        return replace(self, revolution=revolution, earlier=revolution, bodies=bodies)
 
-    def after(self, passage: Passage, model: Model) -> "Damage":
+    def after(self, passage: Passage, model: Model) -> Self:
         """Return the observer updated by a later step, which may be on a wider mesh.
 
         It adds the passes up to that step.
@@ -105,7 +106,7 @@ class Damage(Observer):
             rolled = cycle, used, worn, rate, passage.weights
             order = orders.get(body)
             bodies[body] = after_jump(before[body], *rolled, jump, life, self.revolution, order)
-        return Damage(passage.revolution, self.revolution, bodies)
+        return replace(self, revolution=passage.revolution, earlier=self.revolution, bodies=bodies)
 
     def missed(self, model: Model) -> float:
         """Return the observer's error in the last step over the error that the scene tolerates.
@@ -183,7 +184,7 @@ class Damage(Observer):
             {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
         )
 
-    def restore(self, passage: Passage, stored: StoredStep) -> "Damage":
+    def restore(self, passage: Passage, stored: StoredStep) -> Self:
         """Return the observer as it was after a stored step, to resume from."""
         history, row, state = stored.history, stored.row, stored.state_of(self)
         unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
@@ -213,7 +214,7 @@ class Damage(Observer):
                 error,
                 float(initiation[body]),
             )
-        return Damage(passage.revolution, earlier, bodies)
+        return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
 
 
 def _describe_volume(table: FatigueVolume, law: VolumeLife) -> str:

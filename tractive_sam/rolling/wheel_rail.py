@@ -10,6 +10,8 @@ from typing import Any, Self
 from tractive_sam.contact import Model, solve_patches_on_fitted_mesh
 from tractive_sam.rail import Patch
 from tractive_sam.results import COORDINATE, Grid, Quantity, State
+from tractive_sam.rolling.damage import Damage
+from tractive_sam.rolling.passage import start_passage
 from tractive_sam.rolling.process import Process, Step, StepRecord, StoredStep
 from tractive_sam.scene import Scene
 
@@ -78,6 +80,26 @@ class PatchStep(Step):
         return StepRecord(self.contact, values)
 
 
+@dataclass(frozen=True, eq=False)
+class PatchDamage(Damage):
+    """Fatigue of wheel and rail in one patch.
+
+    Patches load different material, so that no damage adds up from one record to the next.
+    """
+
+    def begin(self, passage: Step, model: Model) -> Self:
+        """Return the observer after the pass of a patch."""
+        return super().begin(start_passage(model, passage.contacts), model)
+
+    def after(self, passage: Step, model: Model) -> Self:
+        """Return the observer after the pass of another patch."""
+        return self.begin(passage, model)
+
+    def restore(self, passage: Step, stored: StoredStep) -> Self:
+        """Return an observer without damage: later patches do not depend on it."""
+        return self
+
+
 class WheelRailPatches(Process[PatchStep]):
     """Process that solves all contact patches of a wheel on a rail, which share its load."""
 
@@ -87,6 +109,7 @@ class WheelRailPatches(Process[PatchStep]):
         ),
         *WHEEL_COLUMNS,
     )
+    observers = (PatchDamage,)
     first_applications = 240.0  # each trial of the load of a patch is a contact
 
     def begin(self) -> PatchStep:

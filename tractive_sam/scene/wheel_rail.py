@@ -216,9 +216,12 @@ def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
     for name in TABLES:
         if name not in names:
             yield Fault(name, "nothing", f"a [{name}] table: [{names[0]}] is given")
-    for name in ("gap", "transient", "process", "accuracy", "load_history", "elasticity"):
+    for name in ("gap", "transient", "process", "accuracy", "load_history"):
         if entries[name]:
             yield Fault(name, "with [wheel]", f"no [{name}]: it is not available for wheels")
+    if entries["duty"] and entries["wear"] is None:
+        cure = "a [wear] table, or a study over the positions: only their wear adds up"
+        yield Fault("duty", "with [wheel] and without [wear]", cure)
 
 
 def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
