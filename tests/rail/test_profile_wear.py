@@ -34,6 +34,16 @@ def test_worn_area_is_that_of_the_passes(scene):
     assert found == pytest.approx(100.0 * expected, rel=0.02)
 
 
+def test_response_counts_the_passes_over_the_rail(scene):
+    """Equal bodies wear equally in a pass: with p wheels, (1 + p)/2 times as fast."""
+    responses = []
+    for passes in (0, 1, 3):
+        one = scene.replace(duty=None, **{"rail.passes": passes, "wheelset.y": 3.0})
+        responses.append(process_of(Model(one)).begin().positions[0].worn[0].response)
+    assert responses[0] == pytest.approx(0.5 * responses[1])
+    assert responses[2] == pytest.approx(2.0 * responses[1])
+
+
 def test_wear_follows_the_frictional_work(scene):
     """Archard's law with isotropic friction: volume = k / mu times the work."""
     one = scene.replace(duty=None, **{"wheelset.y": 3.0, "wheelset.yaw": 15.0})

@@ -334,6 +334,7 @@ def faults(**changes):
         ({"rail": None}, "rail"),
         ({"wheelset": None}, "wheelset"),
         ({"load": {"normal": 5.0}}, "load"),
+        ({"load": {"force_x": 5.0}}, "load"),
         ({"body": {"A": {**STEEL, "radius_x": 1.0}}}, "body.A.radius_x"),
         ({"gap": {"y": [-1, 0, 1], "separation": [0, 0, 0]}}, "gap"),
         ({"accuracy": {"tolerance": 0.01}}, "accuracy"),

@@ -14,6 +14,7 @@ are linearly implicit in the response J_j of R_j, so that they are not limited b
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -33,16 +34,19 @@ class PatchWear:
     Attributes
     ----------
     rates : ndarray, shape (2, n_y)
-        Depth of wheel and rail at each row, mm.
+        Depth of wheel and rail at each row per revolution of the wheel, mm.
     response : ndarray, shape (n_y, n_y)
-        Derivative of the depth of both with respect to the profile.
+        Derivative of the depth of both with respect to the profile, 1/revolution.
     places : ndarray, shape (2, n_y)
         Arc lengths of the new wheel and of the new rail at the rows, mm.
+    area : float
+        Cross-section that a single pass wears off both, mm2; it is not stored.
     """
 
     rates: np.ndarray
     response: np.ndarray
     places: np.ndarray
+    area: float = math.nan
 
 
 @dataclass(frozen=True, eq=False)

@@ -273,8 +273,7 @@ class ProfileWear(Process[WornStep]):
         )
         values = describe_patch(patch, contact, len(touching))
         main = next(k for k, (state, _) in enumerate(touching) if state is contact)
-        passed = worn[main].rates / self._passes
-        values["worn_area"] = float(passed.sum() * contact.grid.dy)
+        values["worn_area"] = worn[main].area
         values |= {"solves": 1, "jump": 1}
         return PositionWear(share, contact, contacts[0], worn, values)
 
@@ -295,8 +294,11 @@ class ProfileWear(Process[WornStep]):
             np.interp(patch.wheel_profile(y)[1], wheel.s, new_wheel),
             np.interp(patch.rail_profile(y)[1], patch.rail.s, new_rail),
         )
-        rates = rates * self._passes * contact.grid.dx
-        return PatchWear(rates, wear_response(model, contact), np.stack(places))
+        single, rates = rates.sum(axis=0), rates * self._passes
+        passes = rates.sum(axis=0) / np.where(single > 0.0, single, 1.0)  # mean of both, by wear
+        response = passes[:, None] * wear_response(model, contact)
+        dx, dy = contact.grid.dx, contact.grid.dy
+        return PatchWear(rates * dx, response, np.stack(places), float(single.sum() * dx * dy))
 
 
 def _still_fits(before: Grid, chosen: Grid, least: float = 0.7, most: float = 1.08) -> bool:

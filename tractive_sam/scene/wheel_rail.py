@@ -173,13 +173,17 @@ def add_wheel_contact(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     wheelset = _plain(tables.get("wheelset"))
     load = to_python(wheelset.get("load") or wheelset.get("normal_load"))
     usable = isinstance(load, int | float) and load > 0.0
-    changed.setdefault("load", {"normal": float(load) if usable else 1.0})
+    given = _plain(tables.get("load"))
+    normal = {} if set(given) & set(_NORMAL) else {"normal": float(load) if usable else 1.0}
+    changed["load"] = {**given, **normal}  # a given table is a fault, with one message
     creepage = _plain(tables.get("creepage"))
-    if contact is not None and not set(_MOTIONS) & set(creepage):
+    prescribed = set(_MOTIONS) & set(creepage) or given
+    if contact is not None and not prescribed:
         changed["creepage"] = {**creepage, **dict(zip(_MOTIONS, contact.creepages, strict=True))}
     return changed
 
 
+_NORMAL = ("normal", "approach", "pressure")
 _MOTIONS = ("longitudinal", "lateral", "spin")
 
 
