@@ -68,10 +68,12 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
         spread = way.spread(tractions[1], held)
         later = stepper.operators.part(spread.shape[1:]).tangential(spread)[:, :columns]
         slips = (
-            stepper._rigid(requested, way, -0.5 * way.length)
+            stepper._rigid_slip(requested, way, -0.5 * way.length)
             + later
             - stepper._displacement(before, 0)[:, :columns],
-            stepper._rigid(requested, way, way.middle(held)) + now.displacement[:, :columns] - came,
+            stepper._rigid_slip(requested, way, way.middle(held))
+            + now.displacement[:, :columns]
+            - came,
         )
         halves = [stepper.work.tangential(*one) for one in zip(tractions, slips, strict=True)]
         # Rounding of energies.

@@ -16,12 +16,12 @@ def resample(measured: Gap, grid: Grid) -> np.ndarray:
     parabolas, the form of bodies near a contact; with bilinear interpolation facets would carry the
     pressure. Unlike a spline it does not ring at the steps of a profile.
     """
-    return sample_gap(measured, *_clipped(measured, grid.x, grid.y))
+    return sample_gap(measured, *_clip_to_gap(measured, grid.x, grid.y))
 
 
 def gap_across(measured: Gap, grid: Grid) -> np.ndarray:
     """Return the measured gap across the track, at x = 0 and the rows of a mesh, mm."""
-    return sample_gap(measured, *_clipped(measured, np.zeros(1), grid.y))[0]
+    return sample_gap(measured, *_clip_to_gap(measured, np.zeros(1), grid.y))[0]
 
 
 def lowest_separation(
@@ -43,7 +43,7 @@ def lowest_separation(
     radii : tuple of float
         R_x and R_y of both bodies together, mm.
     """
-    starts = _within(measured, grid), (grid.x, grid.y, taken)
+    starts = _part_on_mesh(measured, grid), (grid.x, grid.y, taken)
     return min(_lowest_around(measured, grid, radii, start) for start in starts)
 
 
@@ -62,14 +62,14 @@ def _lowest_around(
         i, j = map(int, np.unravel_index(np.argmin(total), total.shape))
         lowest = min(lowest, float(total[i, j]))
         x, y = (
-            np.linspace(*_around(places, k, side, *end), 9)
+            np.linspace(*_neighbours(places, k, side, *end), 9)
             for places, k, side, end in zip((x, y), (i, j), (grid.dx, grid.dy), ends, strict=True)
         )
-        separation = sample_gap(_near(measured, x, y), *_clipped(measured, x, y))
+        separation = sample_gap(_part_near(measured, x, y), *_clip_to_gap(measured, x, y))
     return lowest
 
 
-def _around(
+def _neighbours(
     places: np.ndarray, k: int, side: float, first: float, last: float
 ) -> tuple[float, float]:
     """Return the coordinates on both sides of the k-th one, limited to the mesh."""
@@ -83,7 +83,7 @@ def _parabola(x: np.ndarray, y: np.ndarray, radii: tuple[float, float]) -> np.nd
     return 0.5 * (x[:, None] ** 2 / radii[0] + y[None, :] ** 2 / radii[1])
 
 
-def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
+def _part_near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
     """Return the part of a measured gap that its interpolation between given x and y depends on."""
     spans = []
     for coordinates, at in zip(measured[:2], (x, y), strict=True):
@@ -93,7 +93,7 @@ def _near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:
     return measured[0][spans[0]], measured[1][spans[1]], measured[2][spans[0], spans[1]]
 
 
-def _clipped(measured: Gap, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _clip_to_gap(measured: Gap, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return coordinates limited to the measured gap, which is continued as a constant."""
     return np.clip(x, *measured[0][[0, -1]]), np.clip(y, *measured[1][[0, -1]])
 
@@ -113,7 +113,7 @@ def standing_roughness(measured: Gap, grid: Grid) -> float:
     """Return the rms roughness along x after subtraction of the form, mm; 0 if only rounding."""
     # Degree of the polynomial in x that is taken for the form of a body, which stays as it turns.
     degree = 4
-    x, _, separation = _within(measured, grid)
+    x, _, separation = _part_on_mesh(measured, grid)
     if x.size <= degree + 1:
         return 0.0
     powers = np.vander(x / np.abs(x).max(), degree + 1)
@@ -123,7 +123,7 @@ def standing_roughness(measured: Gap, grid: Grid) -> float:
     return rest if rest > max(1e-3 * float(np.ptp(separation)), rounding) else 0.0
 
 
-def _within(measured: Gap, grid: Grid) -> Gap:
+def _part_on_mesh(measured: Gap, grid: Grid) -> Gap:
     """Return the part of a measured gap within the mesh; interpolated if it has no sample there."""
     x, y, separation = measured
     middles = grid.centre[0], grid.centre[1] - grid.shift

@@ -128,7 +128,7 @@ class Stepper:
         """Return the motion of particles to the nodes, without the slip of unknown creepages."""
         touching = advection.with_nodes_ahead(before.contact.pressure) > 0.0
         curved = advection.parabola_mask(touching) & self.model.stencil.staggered
-        rigid = self._rigid(inputs, advection, advection.middle(curved))
+        rigid = self._rigid_slip(inputs, advection, advection.middle(curved))
         displacement = self._displacement(before, advection.reach)
         return ParticleMotion(
             advection, curved, advection.previous_values(displacement, curved), rigid
@@ -252,7 +252,7 @@ class Stepper:
         with_pressure = len(fields) == 3
         return (operators.coupled_displacement if with_pressure else operators.tangential)(nodes)
 
-    def _rigid(
+    def _rigid_slip(
         self, inputs: StepInput, advection: Advection, middle: np.ndarray | float
     ) -> np.ndarray:
         """Return the slip of the undeformed bodies in a step, dimensionless, (2, n_x, n_y).
@@ -275,9 +275,9 @@ class Stepper:
             middle = middle - 0.5
         x, y = grid.x[:, None] + grid.dx * middle, grid.y[None, :]
         slip = np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
-        return model.frame.slip_to_scaled(slip) * (self._elements(advection) / model.units.slip)
+        return model.frame.slip_to_scaled(slip) * (self._distance(advection) / model.units.slip)
 
-    def _elements(self, advection: Advection) -> float:
+    def _distance(self, advection: Advection) -> float:
         """Return the rolled distance in elements, which divides slip; 1 mm for a shift."""
         return advection.length or 1.0 / self.model.grid.dx
 
@@ -312,7 +312,7 @@ class Stepper:
             np.maximum(pressure, 0.0) / units.pressure,
             model.frame.to_scaled(traction) / units.pressure,
             extrapolate(lambda step: step.contact.approach) / units.gap,
-            np.nan_to_num(creepages) * (self._elements(advection) / units.slip),
+            np.nan_to_num(creepages) * (self._distance(advection) / units.slip),
             response,
         )
 
@@ -326,7 +326,7 @@ class Stepper:
     ) -> StepResult:
         """Return the contact at the end of a step in mm, N and MPa, still without work and wear."""
         model, creepages = self.model, list(inputs.creepages)
-        per_distance = model.units.slip / self._elements(advection)
+        per_distance = model.units.slip / self._distance(advection)
         sought = [k for k in (0, 1) if inputs.forces[k] is not None]
         if sought:
             computed = needed(outcome.creepage, "outcome.creepage")
@@ -356,7 +356,7 @@ class Stepper:
         """
         between, work = motion.advection.part, self.work
         displacement = self._displacement(result, max(motion.advection.reach, 1))
-        further = between and self.model.elasticity.coupled  # see _later
+        further = between and self.model.elasticity.coupled  # see _later_displacement
         cost = result.contact.cost + Cost(2.0 if further else 1.0)  # for the displacement
         contact = replace(result.contact, cost=cost)
         result = replace(result, contact=contact, displacement=displacement)
@@ -386,14 +386,14 @@ class Stepper:
         earlier = Particles(
             past.pressure,
             fields,
-            self._later(result, motion) - self._displacement(before, 0)[:, :columns],
-            self._rigid(inputs, advection, -0.5 * advection.length) + motion.computed,
+            self._later_displacement(result, motion) - self._displacement(before, 0)[:, :columns],
+            self._rigid_slip(inputs, advection, -0.5 * advection.length) + motion.computed,
             earlier=True,
             wearing=(moves[:columns] > 0.0).astype(float),
         )
         return replace(after, weight=0.5), replace(earlier, weight=0.5)
 
-    def _later(self, result: StepResult, motion: ParticleMotion) -> np.ndarray:
+    def _later_displacement(self, result: StepResult, motion: ParticleMotion) -> np.ndarray:
         """Return displacements after a step of the particles that were at the nodes before it.
 
         For dissimilar bodies the adjoint of the interpolation, as the pressure does work on them.

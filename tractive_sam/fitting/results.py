@@ -131,23 +131,23 @@ class FitResult:
         """Dotted keys of the scene that were fitted."""
         return self.design.fit.free
 
-    def _named(self, name: str) -> dict[str, float]:
+    def _by_key(self, name: str) -> dict[str, float]:
         """Return the values of a variable of the file, by key of the parameter."""
         return dict(zip(self.keys, self.dataset[name].values.tolist(), strict=True))
 
     @property
     def values(self) -> dict[str, float]:
         """Estimates of the parameters by key."""
-        return self._named("value")
+        return self._by_key("value")
 
     @property
     def sd(self) -> dict[str, float]:
         """Standard deviations of the estimates by key; inf for undetermined parameters."""
-        return self._named("sd")
+        return self._by_key("sd")
 
     def interval(self, key: str) -> tuple[float, float]:
         """Return (low, high) of the interval of a parameter; nan where the data set no end."""
-        return self._named("low")[key], self._named("high")[key]
+        return self._by_key("low")[key], self._by_key("high")[key]
 
     @property
     def correlation(self) -> np.ndarray:
@@ -238,7 +238,7 @@ class FitResult:
         deviation.
         """
         names = ("value", "sd", "low", "high", "mesh_shift")
-        columns = {name: self._named(name) for name in names}
+        columns = {name: self._by_key(name) for name in names}
         level = f"{self.design.fit.level:.0%}"
         rows = []
         for key in self.keys:
@@ -306,7 +306,7 @@ class FitResult:
         if not self.finished:
             return {"status": self.status, "message": str(self.dataset.attrs["message"])}
         names = ("value", "low", "high", "sd", "mesh_shift")
-        columns = {name: self._named(name) for name in names}
+        columns = {name: self._by_key(name) for name in names}
         parameters = {
             key: {name: _number(columns[name][key]) for name in names} for key in self.keys
         }

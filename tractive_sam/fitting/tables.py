@@ -28,7 +28,7 @@ DEPTH = "depth"
 """Column of a data file that holds the measured profile."""
 
 
-def _listed(value: object) -> object:
+def _as_tuple(value: object) -> object:
     """Return a single text or number as a tuple of one; other values unchanged."""
     is_single = isinstance(value, str | int | float) and not isinstance(value, bool)
     return (value,) if is_single else value
@@ -41,13 +41,13 @@ def _check_distinct(values: tuple[str, ...]) -> tuple[str, ...]:
     return values
 
 
-def _flat(entries: object, before: str = "") -> object:
+def _flatten(entries: object, before: str = "") -> object:
     """Return nested tables as one table by dotted key; other values unchanged."""
     if not isinstance(entries, Mapping):
         return entries
     flat: dict[str, Any] = {}
     for key, value in entries.items():
-        inner = _flat(value, f"{before}{key}.") if isinstance(value, Mapping) else None
+        inner = _flatten(value, f"{before}{key}.") if isinstance(value, Mapping) else None
         flat |= inner if isinstance(inner, dict) else {f"{before}{key}": value}
     return flat
 
@@ -62,10 +62,10 @@ def _as_lists(columns: object) -> object:
     }
 
 
-Names = Annotated[tuple[str, ...], BeforeValidator(_listed), AfterValidator(_check_distinct)]
-Numbers = Annotated[tuple[Real, ...], BeforeValidator(_listed), Field(min_length=1)]
+Names = Annotated[tuple[str, ...], BeforeValidator(_as_tuple), AfterValidator(_check_distinct)]
+Numbers = Annotated[tuple[Real, ...], BeforeValidator(_as_tuple), Field(min_length=1)]
 Columns = Annotated[dict[str, Any], BeforeValidator(_as_lists)]
-Changes = Annotated[dict[str, Any], BeforeValidator(_flat)]
+Changes = Annotated[dict[str, Any], BeforeValidator(_flatten)]
 
 _NOISE = "a relative standard deviation, { absolute = ... }, { relative = ... } or { column = ... }"
 
@@ -196,7 +196,7 @@ class Data(Observation):
     )
     noise: Positive | Noise = entry("standard deviation of measured values", _NOISE)
     nuisance: Annotated[
-        tuple[Literal["offset", "tilt", "level"], ...], BeforeValidator(_listed)
+        tuple[Literal["offset", "tilt", "level"], ...], BeforeValidator(_as_tuple)
     ] = entry(
         "unknown position of a profile: lateral offset, tilt and level of the datum line",
         'a list of "offset", "tilt", "level"',

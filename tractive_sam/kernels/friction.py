@@ -18,7 +18,7 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 
 @compiled(inner=True)
-def _nearest(a, b, g, w0, w1):
+def _onto_disc(a, b, g, w0, w1):
     """Return the point z of a disc of radius g nearest to (a, b), and l in (1 + l w) z = (a, b).
 
     Squares of distances are weighted by 1/w. If w are the squares of the scale factors, z is the
@@ -50,7 +50,7 @@ def _nearest(a, b, g, w0, w1):
 def project(traction, bound, out, w0=1.0, w1=1.0):
     """Set `out` to tractions projected onto discs of radius `bound`; zero where bound <= 0.
 
-    Squares of distances along the axes count by 1/w0 and 1/w1 (`_nearest`).
+    Squares of distances along the axes count by 1/w0 and 1/w1 (`_onto_disc`).
     """
     _, nx, ny = traction.shape
     for i in range(nx):
@@ -65,11 +65,11 @@ def project(traction, bound, out, w0=1.0, w1=1.0):
             for j in range(ny):
                 a, b, g = traction[0, i, j], traction[1, i, j], bound[i, j]
                 if g > 0.0:
-                    out[0, i, j], out[1, i, j], _ = _nearest(a, b, g, w0, w1)
+                    out[0, i, j], out[1, i, j], _ = _onto_disc(a, b, g, w0, w1)
 
 
 @compiled(inner=True)
-def _centred(slip, contact, i, ahead, m0, m1):
+def _centre_slip(slip, contact, i, ahead, m0, m1):
     """Set (m0, m1) to the slip at the element centres of row i, from the slip of leading faces.
 
     The faces lie `ahead` / 2 elements before the centres. The slip is interpolated by a parabola
@@ -99,7 +99,7 @@ def centre(slip, contact, out, ahead=1.0):
     nx, ny = contact.shape
     m0, m1 = np.empty(ny), np.empty(ny)
     for i in range(nx):
-        _centred(slip, contact, i, ahead, m0, m1)
+        _centre_slip(slip, contact, i, ahead, m0, m1)
         for j in range(ny):
             inside = contact[i, j] > 0.0
             out[0, i, j] = m0[j] if inside else slip[0, i, j]
@@ -169,7 +169,7 @@ def _share(a0, a1, m0, m1):
 
 
 @compiled(inner=True)
-def _turned(a0, a1, m0, m1):
+def _turn_slip(a0, a1, m0, m1):
     """Return the slip (s0, s1) that traction opposes, and the factor by which it was scaled."""
     share, _, _ = _share(a0, a1, m0, m1)
     d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
@@ -195,10 +195,10 @@ def turn(slip, contact, out, ahead=1.0):
     nx, ny = contact.shape
     m0, m1 = np.empty(ny), np.empty(ny)
     for i in range(nx):
-        _centred(slip, contact, i, ahead, m0, m1)
+        _centre_slip(slip, contact, i, ahead, m0, m1)
         for j in range(ny):
             a0, a1 = slip[0, i, j], slip[1, i, j]
-            s0, s1, _ = _turned(a0, a1, m0[j], m1[j])
+            s0, s1, _ = _turn_slip(a0, a1, m0[j], m1[j])
             inside = contact[i, j] > 0.0
             out[0, i, j], out[1, i, j] = (s0 if inside else a0), (s1 if inside else a1)
 
@@ -248,14 +248,14 @@ def linearise(
     staggered : float
         How far the slip opposed is turned back, to that at the centre (`turn`); 0: not at all.
     w0, w1 : float
-        Weights of the slip along the axes. They define the norm of the projection (`_nearest`); the
-        solution does not depend on them.
+        Weights of the slip along the axes. They define the norm of the projection (`_onto_disc`);
+        the solution does not depend on them.
     state : ndarray of int8, shape (nx, ny)
         Set to OPEN, STICK or SLIP.
     direction : ndarray, shape (2, nx, ny)
         Set to the unit vector of disc(p - w s) in elements that slip.
     kappa : ndarray, shape (nx, ny)
-        Set to k = 1/(1 + l) in elements that slip (`_nearest`), to 1 in elements that stick. With
+        Set to k = 1/(1 + l) in elements that slip (`_onto_disc`), to 1 in elements that stick. With
         equal weights it is the derivative of the projection across the direction of slip, bound/|p
         - s|. If slip was turned from a vector of another size, k and the defect are scaled so that
         the row is written in that vector.
@@ -281,9 +281,9 @@ def linearise(
             centre[0, j], centre[1, j] = slip[0, i, j], slip[1, i, j]
             turned[0, j], turned[1, j] = slip[0, i, j], slip[1, i, j]
         if staggered:
-            _centred(slip, contact, i, 1.0 * staggered, centre[0], centre[1])
+            _centre_slip(slip, contact, i, 1.0 * staggered, centre[0], centre[1])
             for j in range(ny):
-                turned[0, j], turned[1, j], ratios[j] = _turned(
+                turned[0, j], turned[1, j], ratios[j] = _turn_slip(
                     slip[0, i, j], slip[1, i, j], centre[0, j], centre[1, j]
                 )
         for j in range(ny):
@@ -300,10 +300,10 @@ def linearise(
                 merit += d0 * d0 * inverse0 + d1 * d1 * inverse1
                 defect[0, i, j], defect[1, i, j] = d0, d1
                 continue
-            z0, z1, root = _nearest(p0 - s0, p1 - s1, g, 1.0, 1.0)
+            z0, z1, root = _onto_disc(p0 - s0, p1 - s1, g, 1.0, 1.0)
             total += (z0 - p0) ** 2 + (z1 - p1) ** 2
             if w0 != 1.0 or w1 != 1.0:
-                z0, z1, root = _nearest(p0 - w0 * s0, p1 - w1 * s1, g, w0, w1)
+                z0, z1, root = _onto_disc(p0 - w0 * s0, p1 - w1 * s1, g, w0, w1)
             d0, d1 = z0 - p0, z1 - p1
             merit += d0 * d0 * inverse0 + d1 * d1 * inverse1
             if root == 0.0:
@@ -349,7 +349,7 @@ def tangent_row(state, direction, kappa, across, contact, step, slip, out, ahead
     m0, m1 = np.zeros(ny), np.zeros(ny)
     for i in range(nx):
         if ahead > 0.0:
-            _centred(slip, contact, i, ahead, m0, m1)
+            _centre_slip(slip, contact, i, ahead, m0, m1)
         for j in range(ny):
             sticks, slips = state[i, j] == STICK, state[i, j] == SLIP
             t0, t1, k = -direction[1, i, j], direction[0, i, j], kappa[i, j]

@@ -51,15 +51,15 @@ def layer_product(out, packs, loads, sign, nu, first, last):
 @compiled(fastmath=ANY_ORDER, inner=True)
 def _unpack_layer(packs, i, k, j):
     """Return the real sums of the 14 integrals from packs at (k_x, k_y) and (-k_x, k_y)."""
-    xxz, xxx, xxy, xyz = _four(packs[0, i, j], packs[0, k, j])
-    yyz, xyy, yyy, psi_xy = _four(packs[1, i, j], packs[1, k, j])
-    zzz, xzz, yzz, _ = _four(packs[2, i, j], packs[2, k, j])
-    psi_xx, chi_xyy, chi_xxy, _ = _four(packs[3, i, j], packs[3, k, j])
+    xxz, xxx, xxy, xyz = _split_parities(packs[0, i, j], packs[0, k, j])
+    yyz, xyy, yyy, psi_xy = _split_parities(packs[1, i, j], packs[1, k, j])
+    zzz, xzz, yzz, _ = _split_parities(packs[2, i, j], packs[2, k, j])
+    psi_xx, chi_xyy, chi_xxy, _ = _split_parities(packs[3, i, j], packs[3, k, j])
     return xxx, xxy, xyy, yyy, xxz, xyz, yyz, xzz, yzz, zzz, psi_xx, psi_xy, chi_xxy, chi_xyy
 
 
 @compiled(fastmath=ANY_ORDER, inner=True)
-def _four(a, b):
+def _split_parities(a, b):
     """Return four real sums (ee, oe, eo, oo) from their two complex combinations a and b."""
     return (
         0.5 * (a.real + b.real),

@@ -47,17 +47,17 @@ def find_tops(values, above, below):
                 here = values[m, i, j]
                 if here <= 0.0 or not _largest_around(values[m], i, j):
                     continue
-                higher, lower = _nearest(above[m], i, j, nx, ny), _nearest(below[m], i, j, nx, ny)
+                higher, lower = _next_to(above[m], i, j, nx, ny), _next_to(below[m], i, j, nx, ny)
                 if higher > here or lower > here:
                     continue
                 top = tops[count]
                 top[0], top[1], top[2], top[3], top[4] = m, here, i, j, 0.0
                 if 0 < i < nx - 1:
-                    top[2] += _aside(values[m, i - 1, j], here, values[m, i + 1, j])
+                    top[2] += _vertex(values[m, i - 1, j], here, values[m, i + 1, j])
                 if 0 < j < ny - 1:
-                    top[3] += _aside(values[m, i, j - 1], here, values[m, i, j + 1])
+                    top[3] += _vertex(values[m, i, j - 1], here, values[m, i, j + 1])
                 if higher >= 0.0 and lower >= 0.0:
-                    top[4] = _aside(higher, here, lower)
+                    top[4] = _vertex(higher, here, lower)
                 count += 1
     return tops[:count]
 
@@ -77,7 +77,7 @@ def _largest_around(values, i, j):
 
 
 @compiled(inner=True)
-def _nearest(values, i, j, nx, ny):
+def _next_to(values, i, j, nx, ny):
     """Return the value of another layer nearest to point (i, j) of nx x ny; -1 if it is empty."""
     if values.size == 0:
         return -1.0
@@ -86,7 +86,7 @@ def _nearest(values, i, j, nx, ny):
 
 
 @compiled(inner=True)
-def _aside(before, here, behind):
+def _vertex(before, here, behind):
     """Return the offset of a parabola's maximum from the middle of three values, in steps."""
     bend = 2.0 * here - before - behind
     return 0.5 * (behind - before) / bend if bend > 0.0 else 0.0
