@@ -41,7 +41,7 @@ class StudyError(SceneError):
     Traceback (most recent call last):
         ...
     tractive_sam.studies.design.StudyError: 1 fault in the study:
-      axis[0].key: given 'friction.angel'; allowed: a dotted key of a scene: angle, perhaps? ...
+      axis[0].key: given 'friction.angel'; allowed: a dotted key of a scene: angle, perhaps?
     """
 
     subject: ClassVar[str] = "study"
