@@ -39,7 +39,7 @@ class Courses:
         return len(self.knots) - 1
 
     def stage(self, stretch: int) -> Stage:
-        """Return the stage of a stretch; between two stages the later one."""
+        """Return the stage of a stretch; a stretch between two stages belongs to the later one."""
         return self._place[stretch + 1][0]
 
     def stage_index(self, stretch: int) -> int:
@@ -51,7 +51,7 @@ class Courses:
         return self.stage(stretch).rolls
 
     def rolled_to(self, stretch: int) -> bool:
-        """Return whether the bodies roll at the end of a stretch; -1 is the first knot."""
+        """Return whether the bodies roll into the end of a stretch (-1: into the first knot)."""
         return self.rolls(stretch) or (stretch < 0 and self.table.start == "steady")
 
     def shift_comes_next(self, stretch: int, distance: float) -> bool:
@@ -77,7 +77,7 @@ class Courses:
 
     @property
     def shifts_from_steady(self) -> bool:
-        """Whether bodies that rolled steadily shift at the first knot, or their loads jump."""
+        """Whether bodies in steady rolling are shifted, or loads jump, at the first knot."""
         steady = self._constant(self.table.stages[0])
         changed = (
             value not in (None, steady[key])
@@ -91,12 +91,12 @@ class Courses:
         return self._at_knot(0)
 
     def _at_knot(self, knot: int) -> dict[str, Any]:
-        """Return the prescribed quantities at a knot of the list, by dotted key."""
+        """Return the prescribed quantities, by scene key, at a knot of the list of all stages."""
         stage, k = self._place[knot]
         return stage.values_at(k, self._constant(stage))
 
     def _constant(self, stage: Stage) -> dict[str, float | None]:
-        """Return the quantities of a stage without courses, by dotted key."""
+        """Return loads, creepages and friction of the scene, for keys without a course."""
         scene, load, creepage = self.scene, self.scene.load, self.scene.creepage
         constant = {
             "load.normal": scene.normal_load,
@@ -141,7 +141,7 @@ class Courses:
         return mu / required(self.scene.friction, "friction").mu[0]
 
     def steady_scene(self) -> Scene:
-        """Return the scene of steady rolling before the first knot, with its quantities."""
+        """Return the scene of the steady rolling that precedes the first knot."""
         scene, friction = self.scene, required(self.scene.friction, "friction")
         changes: dict[str, Any] = {"transient": None, "wear": None}
         if not self.rolls(-1):  # the courses are of shifts
@@ -162,7 +162,7 @@ class Courses:
 
 
 def creepages_of(inputs: Mapping[str, float | None]) -> tuple[float, float, float]:
-    """Return the longitudinal, lateral and spin creepage, or shifts, of prescribed quantities."""
+    """Return the three creepages, or shifts, among prescribed quantities (longitudinal first)."""
     longitudinal, lateral, spin = (required(inputs[key], key) for key in CREEPAGES)
     return longitudinal, lateral, spin
 

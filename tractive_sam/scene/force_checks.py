@@ -59,7 +59,7 @@ def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def constant_quantities(entries: ValidEntries) -> dict[str, float | None]:
-    """Return loads, forces and friction of a scene without courses, by dotted key."""
+    """Return the loads, forces and friction that [load] and [friction] give, by dotted key."""
     keys = ("load.approach", "load.force_x", "load.force_y")
     values: dict[str, float | None] = {key: entries[key] for key in keys}
     return values | {"load.normal": _normal_load(entries), "friction.mu": entries["friction.mu"][0]}

@@ -76,7 +76,7 @@ class Schedule:
         return tuple(sorted({*self.save, self.end}))
 
     def rolled(self, places: Any) -> Any:
-        """Return the rolling distance, mm, at values of the coordinate, a number or an array.
+        """Return the distance rolled, mm, up to values of the coordinate: without the shifts.
 
         It is the coordinate without the parts in which the bodies shift.
         """
@@ -89,7 +89,7 @@ class Schedule:
 
     @property
     def largest_loads(self) -> dict[str, float]:
-        """Largest load and approach of the courses, if above zero, by dotted key."""
+        """Largest normal load and approach of the courses, by key, if they are above zero."""
         loads = {
             key: max(self.courses.get(key, (0.0,))) for key in ("load.normal", "load.approach")
         }
@@ -127,7 +127,7 @@ class Shifts(Distance):
     message_start = "after {:g} of the parameter: "
 
     def rolled(self, places: Any) -> Any:
-        """Return zero: nothing rolls."""
+        """Return zero for each value of the coordinate: the bodies do not roll."""
         return 0.0 * places
 
 

@@ -43,7 +43,7 @@ def check_courses(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class CourseTable(Table):
-    """Knots, the courses of keys over them, and the steps."""
+    """Knots, courses of keys over the knots, and step lengths: a stage, or a table without any."""
 
     distance: Knots = entry(
         "knots: rolling distances, mm",
@@ -97,7 +97,7 @@ class CourseTable(Table):
 
     @property
     def courses(self) -> dict[str, tuple[float, ...]]:
-        """The courses, one value for each knot, by the dotted keys that they set."""
+        """Values at the knots of each course, by the dotted key that the course sets."""
         tables = {"load": self.load, "creepage": self.creepage, "friction": self.friction}
         return {
             f"{name}.{key}": values if len(values) > 1 else values * len(self.distance)
@@ -112,7 +112,7 @@ class CourseTable(Table):
 
     @property
     def has_own_load(self) -> bool:
-        """Whether the load or approach is constant, and that of [load]."""
+        """Whether normal load and approach have no course, so that those of [load] hold."""
         return self.load.normal is None and self.load.approach is None
 
     def values_at(self, knot: int, constant: Mapping[str, Any]) -> dict[str, Any]:
@@ -136,7 +136,7 @@ class CourseTable(Table):
 
 
 class Stage(CourseTable):
-    """A stage of a [transient]: the bodies roll or shift, with their own courses and steps.
+    """Stage of a [transient], in which the bodies either roll or shift.
 
     Each stage begins with the contact at the end of the stage before. Its first knot is the last
     knot of that stage. A key without a course has the value of its table. A stage may prescribe a
@@ -162,7 +162,7 @@ class Stage(CourseTable):
     checks: ClassVar[tuple[Check, ...]] = (check_courses,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows that describe the table (`Table.describe`)."""
+        """Return the rows (label, text) that describe the table in reports of a scene."""
         unit = "mm" if self.rolls else "of the parameter"
         longest = "one element" if self.rolls else "a tenth of the distance between two knots"
         length = longest if self.step is None else f"{self.step:g} {unit}"

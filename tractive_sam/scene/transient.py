@@ -46,7 +46,7 @@ def _check_stages(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _knots(entries: ValidEntries) -> tuple[float, ...]:
-    """Return the knots of all stages."""
+    """Return the knots of all stages in one tuple."""
     stages = entries["stage"]
     return tuple(s for stage in stages for s in stage.distance) or entries["distance"]
 
@@ -137,7 +137,7 @@ class Transient(CourseTable):
 
     @cached_property
     def stages(self) -> tuple[Stage, ...]:
-        """The stages; without ``stage``, the table itself is the only one."""
+        """Stages of the transient; without [[transient.stage]], one with the table's entries."""
         if self.stage:
             return self.stage
         motion: Literal["rolling", "shift"] = "shift" if self.start == "shift" else "rolling"
@@ -146,7 +146,7 @@ class Transient(CourseTable):
 
     @property
     def by_key(self) -> dict[str, Stage]:
-        """The stages by the dotted keys of their tables in a scene."""
+        """Stages by the dotted keys of their tables in a scene."""
         keys = [f"transient.stage[{k}]" for k in range(len(self.stage))] or ["transient"]
         return dict(zip(keys, self.stages, strict=True))
 
@@ -171,7 +171,7 @@ class Transient(CourseTable):
 
     @property
     def knots(self) -> tuple[float, ...]:
-        """Knots of all stages."""
+        """Knots of all stages in one tuple, mm."""
         return tuple(place for stage in self.stages for place in stage.distance)
 
     @property
@@ -181,7 +181,7 @@ class Transient(CourseTable):
 
     @property
     def shift_keys(self) -> tuple[str, ...]:
-        """Dotted keys by which the bodies shift in a stage."""
+        """Dotted keys of the entries due to which bodies shift; empty if they roll throughout."""
         if not self.stage:
             return ("transient.start",) if self.start == "shift" else ()
         return tuple(f"{key}.motion" for key, stage in self.by_key.items() if not stage.rolls)
