@@ -112,7 +112,11 @@ class MapFrame:
         """Set limits, aspect, ticks and labels of axes as the frame defines them."""
         for axis, length in ((axes.xaxis, self.width), (axes.yaxis, self.height)):
             count = min(5, int(length / (current_options().font_scale * TICK_SPACE)))
-            axis.set_major_locator(MaxNLocator(max(count, 2), steps=[1, 2, 5, 10], min_n_ticks=3))
+            axis.set_major_locator(
+                MaxNLocator(max(count, 2), steps=[1, 2, 4, 5, 10], min_n_ticks=3)
+            )
+            if count < 3:
+                axis.set_major_formatter("{x:g}")  # three labels fit if zero has no decimals
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
         axes.set_aspect("auto" if self.stretch_note else "equal")
         axes.set(xlabel=xlabel, ylabel=ylabel)
