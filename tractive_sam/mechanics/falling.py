@@ -121,7 +121,7 @@ class Rational(SlidingShare):
 
 @dataclass(frozen=True)
 class ConstantShare(SlidingShare):
-    """A share of one at any speed: with a memory, friction adapts to the temperature alone."""
+    """The ratio mu(speed)/mu(0) = 1: with a memory, friction adapts to the temperature alone."""
 
     def at(self, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return one and zero, both of the shape of the speed (`SlidingShare.at`)."""
@@ -188,7 +188,7 @@ class LateralFactor:
 
 
 def _spacing(x: np.ndarray) -> float:
-    """Return the distance of the rows of a mesh with centres x; 0 for a single row."""
+    """Return the distance of the rows of a mesh with centres x, mm; 0 for a single row."""
     return float(x[1, 0] - x[0, 0]) if len(x) > 1 else 0.0
 
 
