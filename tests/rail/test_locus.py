@@ -112,3 +112,12 @@ def test_columns_are_complete(locus):
     columns = locus.columns()
     assert len(columns) == 12
     assert {array.shape for array in columns.values()} == {(41,)}
+
+
+def test_fast_movements_are_no_jumps(wheel, rail):
+    """The contact moves through the root by up to 30 times the displacement, and jumps once."""
+    positions = np.arange(6.15, 6.41, 0.05)
+    locus = find_locus(wheel, rail, positions)
+    moved = np.abs(np.diff(locus.wheel[0, :, 0]))
+    assert (moved > 0.4).sum() >= 3
+    assert positions[locus.jumps] == pytest.approx([6.3])

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from .contact import find_contact_points, free_roll
+from .contact import Clearance, find_contact_points, free_roll
 from .profile import Array, Profile
 from .wheelset import Wheel
 
@@ -176,20 +176,22 @@ def find_locus(
     NoContactError
         See `find_contact_points`.
     """
-    pairs, rolls, angle = [], [], wheel.roll
-    ordered = sorted(map(float, positions))
-    for y in ordered:
-        placed = replace(wheel, y=y, roll=angle)
-        angle = free_roll(placed, rail) if roll is None else roll
+    places = np.array(sorted(map(float, positions)))
+    pairs: list[list[Clearance]] = []
+    rolls, angle = [], wheel.roll
+    for y in places:
+        angle, pair = _touch(replace(wheel, y=float(y), roll=angle), rail, roll)
         rolls.append(angle)
-        placed = replace(placed, roll=angle)
-        pairs.append([find_contact_points(side, rail) for side in (placed, placed.mirrored())])
+        pairs.append(pair)
     sides = [[pair[k] for pair in pairs] for k in (0, 1)]
     wheel_s = np.array([[contact.s[0] for contact in side] for side in sides])
     rail_s = np.array([[contact.rail_s[0] for contact in side] for side in sides])
-    at_wheel, places = wheel.profile.at(wheel_s), np.array(ordered)
+    at_wheel = wheel.profile.at(wheel_s)
     moved = np.abs(np.diff(wheel_s, axis=1, prepend=wheel_s[:, :1])).max(axis=0)
-    step = np.diff(places, prepend=places[:1])
+    jumps = moved > 4.0 * np.diff(places, prepend=places[:1]) + 1.0
+    for k in np.flatnonzero(jumps):
+        ends = [(float(places[j]), wheel_s[:, j]) for j in (k - 1, k)]
+        jumps[k] = _jumps_between(replace(wheel, roll=rolls[k]), rail, roll, ends)
     return ContactLocus(
         places,
         np.array(rolls),
@@ -198,7 +200,51 @@ def find_locus(
         rail.at(rail_s),
         np.array([[contact.angles[0, 0] for contact in side] for side in sides]),
         wheel.radius + at_wheel[..., 1],
-        moved > 4.0 * step + 1.0,
+        jumps,
         wheel.radius,
         2.0 * wheel.datum,
     )
+
+
+def _touch(placed: Wheel, rail: Profile, roll: float | None) -> tuple[float, list[Clearance]]:
+    """Return the roll of a wheelset at its position, rad, and the contact of both wheels."""
+    placed = replace(placed, roll=free_roll(placed, rail) if roll is None else roll)
+    return placed.roll, [find_contact_points(side, rail) for side in (placed, placed.mirrored())]
+
+
+def _jumps_between(
+    wheel: Wheel,
+    rail: Profile,
+    roll: float | None,
+    ends: list[tuple[float, Array]],
+    halvings: int = 5,
+) -> bool:
+    """Return whether a contact point jumps between two positions, or only moves fast.
+
+    Half of the interval is retained, the one with the larger movement. At a jump, the movement
+    stays; otherwise it falls with the interval.
+
+    Parameters
+    ----------
+    wheel : Wheel
+        The right wheel.
+    rail : Profile
+        The right rail, in the track frame.
+    roll : float, optional
+        Roll, rad; by default both wheels rest on the rails.
+    ends : list of (float, ndarray)
+        Both positions, mm, with the arc lengths of the contacts of both wheels.
+    halvings : int
+        Number of halvings.
+    """
+
+    def movement(pair: list[tuple[float, Array]]) -> float:
+        return float(np.abs(pair[1][1] - pair[0][1]).max())
+
+    first = movement(ends)
+    for _ in range(halvings):
+        y = 0.5 * (ends[0][0] + ends[1][0])
+        _, pair = _touch(replace(wheel, y=y), rail, roll)
+        middle = y, np.array([contact.s[0] for contact in pair])
+        ends = max([ends[0], middle], [middle, ends[1]], key=movement)
+    return movement(ends) > 0.5 * first
