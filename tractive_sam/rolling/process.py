@@ -253,7 +253,7 @@ class Recorder:
         scene : Scene
             The scene of the contact.
         own : list of Quantity
-            Columns in addition to those of the package.
+            Columns in addition to the package's.
         """
         for known, before, chosen in self._last:
             if known is scene and list(map(id, before)) == list(map(id, own)):

@@ -110,7 +110,7 @@ class TransientProcess(Process[Moment]):
     def _steady(self) -> State:
         """Return the contact in steady rolling before the first knot."""
         model, scene = self.model, self.courses.steady_scene()
-        # Before a shift, the values of the tables apply instead of those of the first knot.
+        # Before a shift, the values of the tables apply, not the values of the first knot.
         rolls = self.courses.rolls(-1)
         factor = self.courses.friction_factor(self.courses.first()) if rolls else 1.0
         laws = model.laws.replace(friction=model.friction_law.weakened(factor))

@@ -25,7 +25,7 @@ from .courses import CreepageCourse, FrictionCourse, Knots, LoadCourse
 
 
 def check_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses whose number of values differs from the knots, and a distance of 0."""
+    """Report courses with another number of values than knots, and a distance of 0."""
     knots = entries["distance"]
     if knots[0] == knots[-1]:
         yield Fault("distance", str(list(knots)), "a last knot above the first one")
@@ -112,7 +112,7 @@ class CourseTable(Table):
 
     @property
     def has_own_load(self) -> bool:
-        """Whether normal load and approach have no course, so that those of [load] hold."""
+        """Whether normal load and approach have no course, so that [load] gives them."""
         return self.load.normal is None and self.load.approach is None
 
     def values_at(self, knot: int, constant: Mapping[str, Any]) -> dict[str, Any]:
@@ -136,7 +136,7 @@ class CourseTable(Table):
 
 
 class Stage(CourseTable):
-    """Stage of a [transient], in which the bodies either roll or shift.
+    """Stage of a [transient], in which the bodies roll or shift.
 
     Each stage begins with the contact at the end of the stage before. Its first knot is the last
     knot of that stage. A key without a course has the value of its table. A stage may prescribe a
