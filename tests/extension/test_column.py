@@ -2,13 +2,13 @@
 
 import io
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tractive_sam.cli import app
 
 
 def centre(contact):
@@ -67,11 +67,9 @@ def test_it_is_per_length_in_a_line_contact(tmp_path):
     assert ts.open_history(tmp_path / "a.h5").columns["load"].unit == "N/mm"
 
 
-@pytest.mark.slow
 def test_it_is_shown(written, path):
     def reported(*options):
-        command = [sys.executable, "-m", "tractive_sam", "show", str(path), *options]
-        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+        return CliRunner().invoke(app, ["show", str(path), *options]).stdout
 
     assert json.loads(reported("--json"))["p_mean"] == written["p_mean"].tolist()
     (line,) = [line for line in reported().splitlines() if "p_mean" in line]

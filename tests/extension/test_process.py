@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tractive_sam.cli import app
 
 SOURCE = Path(__file__).with_name("indexing_drive.py")
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None)
@@ -32,35 +34,6 @@ def package(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(folder)
     yield folder
     sys.modules.pop("indexing_drive", None)
-
-
-COMMANDS = """
-import json, sys
-from tractive_sam.cli import main
-commands = json.loads(sys.argv[1])
-for words in commands:
-    print("next command", flush=True)
-    sys.argv[1:] = words
-    try:
-        main()
-    except SystemExit as ended:
-        assert not ended.code, words
-"""
-
-
-def run_commands(package, folder, *commands):
-    """Run commands in one process; return what each prints. The package is not in the folder."""
-    path = os.pathsep.join([str(package), str(Path(ts.__file__).parents[1])])
-    done = subprocess.run(
-        [sys.executable, "-c", COMMANDS, json.dumps([command.split() for command in commands])],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split("next command\n")[1:]
 
 
 def test_strokes_wear_the_track_and_turn_the_force():
@@ -108,25 +81,27 @@ def test_a_resumed_run_is_the_uninterrupted_one(tmp_path):
 
 
 @pytest.mark.slow
-def test_every_command_accepts_the_process(package, tmp_path):
-    (tmp_path / "drive.toml").write_text(SCENE.to_toml())
-    explained, _, _, values, shown, figures, _ = run_commands(
-        package,
-        tmp_path,
-        "explain drive.toml",
-        "run drive.toml -o a.h5 --set process.end=2",
-        "run drive.toml -o a.h5 --resume",
-        "show a.h5 --json",
-        "show a.h5",
-        "plot a.h5 -o figures --dpi 40",
-        "report a.h5 -o a.html",
-    )
-    assert "Rolls forth in odd strokes" in explained
-    assert json.loads(values)["stroke"] == [0, 1, 2, 3, 4]
-    assert "track_depth" in shown
-    names = {Path(line).stem for line in figures.split()}
+@pytest.mark.usefixtures("empty_pictures")
+def test_every_command_accepts_the_process(tmp_path, monkeypatch):
+    """The package is not imported before, and not in the folder of the scene."""
+    monkeypatch.chdir(tmp_path)
+    sys.modules.pop("indexing_drive", None)
+
+    def call(command):
+        done = CliRunner().invoke(app, command.split())
+        assert done.exit_code == 0, done.output
+        return done.stdout
+
+    Path("drive.toml").write_text(SCENE.to_toml())
+    assert "Rolls forth in odd strokes" in call("explain drive.toml")
+    call("run drive.toml -o a.h5 --set process.end=2")
+    call("run drive.toml -o a.h5 --resume")
+    assert json.loads(call("show a.h5 --json"))["stroke"] == [0, 1, 2, 3, 4]
+    assert "track_depth" in call("show a.h5")
+    names = {Path(line).stem for line in call("plot a.h5 -o figures --dpi 40").split()}
     assert names >= {"pressure-0", "pressure-4", "forces", "worn-mass"}
-    assert "track_depth" in (tmp_path / "a.html").read_text()
+    call("report a.h5 -o a.html")
+    assert "track_depth" in Path("a.html").read_text()
 
 
 @pytest.mark.slow

@@ -36,25 +36,62 @@ def total(x):
     return FACTOR * formula(x)
 """
 
-ASK = "from {room}.outer import total; print(total(3.0), sum(total.stats.cache_hits.values()))"
+ASK = "from room.outer import total; print(total(3.0), sum(total.stats.cache_hits.values()))"
+
+COPIES = """
+import os, sys
+import numba, numpy
+for line in sys.stdin:
+    child = os.fork()
+    if not child:
+        exec(eval(line), {})
+        sys.stdout.flush()
+        os._exit(0)
+    os.waitpid(child, 0)
+    print(flush=True)
+"""
+"""Runs each line of code in a fresh copy of a process that has imported numba; an empty line ends
+its output."""
 
 
 @pytest.fixture
-def ask(tmp_path, monkeypatch):
+def run(tmp_path):
+    """Return a function that runs code in a fresh process, and returns the words that it prints."""
+    (tmp_path / "room").mkdir()
+    shutil.copy(files("tractive_sam.kernels") / "compiled.py", tmp_path / "room")
+    (tmp_path / "room" / "__init__.py").touch()
+    (tmp_path / "room" / "outer.py").write_text(OUTER.format(room="room"))
+
+    def read_words():
+        words = []
+        while line := copies.stdout.readline().split():
+            words += line
+        return words
+
+    def run(code):
+        copies.stdin.write(f"{code!r}\n")
+        copies.stdin.flush()
+        return read_words()
+
+    with subprocess.Popen(
+        [sys.executable, "-B", "-c", COPIES],
+        cwd=tmp_path,
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / "kept")},
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as copies:
+        yield run
+
+
+@pytest.fixture
+def ask(tmp_path, run):
     """Write formulas into a separate room; a fresh process gives `total(3.0)`, cache hits."""
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
-    room = "room"
-    (tmp_path / room).mkdir()
-    shutil.copy(files("tractive_sam.kernels") / "compiled.py", tmp_path / room)
-    (tmp_path / room / "__init__.py").touch()
-    (tmp_path / room / "outer.py").write_text(OUTER.format(room=room))
 
     def result(formula, factor):
-        inner = INNER.format(room=room, formula=formula, factor=factor)
-        (tmp_path / room / "inner.py").write_text(inner)
-        command = [sys.executable, "-B", "-c", ASK.format(room=room)]
-        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-        return tuple(map(float, found.stdout.split()))
+        inner = INNER.format(room="room", formula=formula, factor=factor)
+        (tmp_path / "room" / "inner.py").write_text(inner)
+        return tuple(map(float, run(ASK)))
 
     return result
 
@@ -95,8 +132,8 @@ def test_kernels_are_compiled_where_the_disk_is_full(monkeypatch):
 
 
 TOLD = """
-from {room}.compiled import notify_compilation
-from {room}.outer import total
+from room.compiled import notify_compilation
+from room.outer import total
 
 with notify_compilation(lambda: print(1)):
     print(0, total(3.0), total(2.0), total(2))
@@ -104,15 +141,10 @@ with notify_compilation(lambda: print(1)):
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
-def test_compiling_is_reported_once_and_not_for_cached_kernels(ask, tmp_path):
-    def reported():
-        command = [sys.executable, "-B", "-c", TOLD.format(room="room")]
-        found = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-        return found.stdout
-
+def test_compiling_is_reported_once_and_not_for_cached_kernels(ask, run):
     ask("x + 1.0", 2)
-    assert reported().split() == ["1", "0", "8.0", "6.0", "6.0"]  # of an integer, not of 3.0
-    assert reported().split() == ["0", "8.0", "6.0", "6.0"]
+    assert run(TOLD) == ["1", "0", "8.0", "6.0", "6.0"]  # of an integer, not of 3.0
+    assert run(TOLD) == ["0", "8.0", "6.0", "6.0"]
 
 
 COLD = """
@@ -163,6 +195,16 @@ def test_kernels_that_import_others_are_compiled_by_the_decorator():
 
 
 PANEL = """
+found = []
+for x, y in product((0.0, 0.3, 0.5, -20.0), (0.5, -0.2, 30.0)):  # edges, and near and far
+    found += integrals(x, y, 1.0, 0.7)
+    for z in (0.0, 0.4):
+        found += [value for load in stress_patch(x, y, z, 1.0, 0.7, 0.3) for value in load]
+rate = np.cos(np.arange(12.0)).reshape(4, 3)
+found += sweep_wear(np.arange(3.0), rate, 0.1).ravel().tolist()
+"""
+
+KERNELS = """
 import json
 from itertools import product
 
@@ -171,29 +213,14 @@ import numpy as np
 from tractive_sam.kernels.rectangle import integrals
 from tractive_sam.kernels.stress import stress_patch
 from tractive_sam.kernels.wear import sweep_wear
-
-found = []
-for x, y in product((0.0, 0.3, 0.5, -20.0), (0.5, -0.2, 30.0)):  # edges, and near and far
-    found += integrals(x, y, 1.0, 0.7)
-    for z in (0.0, 0.4):
-        found += [value for load in stress_patch(x, y, z, 1.0, 0.7, 0.3) for value in load]
-rate = np.cos(np.arange(12.0)).reshape(4, 3)
-found += sweep_wear(np.arange(3.0), rate, 0.1).ravel().tolist()
-print(json.dumps(found))
 """
 
 
 def test_compiled_kernels_compute_what_python_does():
-    found = [
-        json.loads(
-            subprocess.run(
-                [sys.executable, "-c", PANEL],
-                env=os.environ | {"NUMBA_DISABLE_JIT": off},
-                capture_output=True,
-                check=True,
-            ).stdout
-        )
-        for off in "01"
-    ]
+    command = [sys.executable, "-c", f"{KERNELS}{PANEL}print(json.dumps(found))"]
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    python = subprocess.run(command, env=environment, capture_output=True, check=True).stdout
+    names = {}
+    exec(KERNELS + PANEL, names)
     # Compiled, quadrature adds its nodes in another order; integrals are of the order of 1.
-    np.testing.assert_allclose(*found, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(names["found"], json.loads(python), rtol=1e-12, atol=1e-14)

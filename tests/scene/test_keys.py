@@ -89,13 +89,18 @@ def test_what_a_signature_accepts_is_accepted():
 CHECKED = """
 import tractive_sam as ts
 mu: tuple[float, float] = ts.Friction(mu=0.3).mu
+ts.Friction(mu=(0.4, 0.2), angle=45.0)
 ts.Friction(law="exponential", static=(0.3, 0.2), kinetic=0.1, half_speed=1e3)
 ts.Wear(intensity=1e-5, revolutions=3)
 ts.Wear(coefficient=1e-5, revolutions=3)
 ts.Wear(coefficient={"A": 1e-5}, revolutions=3)
 ts.Mesh(half_length=1.0)
-ts.Friction(nu=0.3)
-ts.Friction(mu="0.3")
+sphere = ts.Body(young=208e3, poisson=0.3, radius_x=10.0, radius_y=10.0)
+scene = ts.Scene(body={"A": sphere, "B": sphere}, load=ts.Load(normal=10.0), friction={"mu": 0.3})
+force: float = ts.solve(scene).Qx
+ts.Scene(bodyy={})  # wrong
+ts.Friction(nu=0.3)  # wrong
+ts.Friction(mu="0.3")  # wrong
 """
 
 
@@ -117,5 +122,6 @@ def test_type_checkers_know_the_keys(tmp_path, monkeypatch):
     Path("mypy.ini").write_text(MYPY, "utf-8")
     found, _, status = api.run(["--strict", "user.py"])
     assert status == 1
-    faults = [line.split(":")[1] for line in found.splitlines() if "error:" in line]
-    assert faults == ["9", "10"], found  # lines of `nu` and of the text
+    faults = [int(line.split(":")[1]) for line in found.splitlines() if "error:" in line]
+    wrong = [k for k, line in enumerate(CHECKED.splitlines(), 1) if "# wrong" in line]
+    assert faults == wrong, found
