@@ -67,7 +67,7 @@ def test_unreadable_results(call, folder, command):
     assert "is not an HDF5 file" in result.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_plot(call, stored, folder):
     result = call("plot", stored)
     assert result.exit_code == 0
@@ -83,7 +83,7 @@ def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
     assert requested == [(Path("here"), "svg")]
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("empty_pictures")
 def test_plot_with_an_animation(call, stored, folder):
     assert call("plot", stored, "--animate").exit_code == 0
     assert (folder / "stored-figures" / "evolution.gif").stat().st_size

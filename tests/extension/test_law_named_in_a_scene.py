@@ -1,7 +1,5 @@
 """A scene names laws of other packages, with their parameters; a file of results imports none."""
 
-import os
-import subprocess
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -83,19 +81,6 @@ def package(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(folder)
     yield folder
     sys.modules.pop("film_laws", None)
-
-
-def run(folder, *words):
-    """Run the command in a folder."""
-    path = str(Path(ts.__file__).parents[1])
-    return subprocess.run(
-        [sys.executable, "-m", "tractive_sam", *words],
-        cwd=folder,
-        env=os.environ | {"PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
 
 
 def faults(scene):
@@ -264,17 +249,18 @@ class TestImports:
         assert again.exit_code == 2
         assert "friction.law" in again.stderr
 
-    @pytest.mark.slow
     @pytest.mark.parametrize("metadata", [False, True])
-    def test_files_next_to_a_scene_are_not_imported(self, tmp_path, metadata):
+    def test_files_next_to_a_scene_are_not_imported(self, tmp_path, monkeypatch, metadata):
         """`python -m` searches the current folder, which may have been received with a scene."""
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.syspath_prepend(tmp_path)
         (tmp_path / "film_laws.py").write_text("open('imported', 'w')\n" + FILM_LAWS)
         (tmp_path / "scene.toml").write_text(SPHERES.with_set(FILM).to_toml())
         if metadata:
             about = tmp_path / "film_laws-1.0.dist-info"
             about.mkdir()
             (about / "METADATA").write_text("Name: film-laws\nVersion: 1.0\n")
-        ran = run(tmp_path, "explain", "scene.toml")
-        assert ran.returncode == 2
+        ran = CliRunner().invoke(app, ["explain", "scene.toml"])
+        assert ran.exit_code == 2
         assert "friction.law" in ran.stderr
         assert not (tmp_path / "imported").exists()

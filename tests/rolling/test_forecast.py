@@ -8,7 +8,7 @@ from tractive_sam.rolling import Forecast
 
 COLUMNS = ("revolution", "jump", "solves", "seconds")
 
-MESH = ("grid.half_length=[0.35, 1.4]", "grid.elements=[31, 91]")
+MESH = ("grid.half_length=[0.35, 1.4]", "grid.elements=[21, 61]")
 
 
 def foreseen(history):
