@@ -206,6 +206,8 @@ def test_file(tmp_path, spheres):
         ("auto", "auto"),
         ("every-revolution", "every-revolution"),
         ("[0.4", "[0.4"),
+        ("[[500,.4], [600, -1.]]", [[500, 0.4], [600, -1.0]]),
+        ("./wear.5", "./wear.5"),
         ("1\nb = 2", "1\nb = 2"),
         ("", ""),
     ],

@@ -86,6 +86,24 @@ def test_energy_is_the_work_of_the_load():
     assert work == pytest.approx(loads[1], rel=1e-3)  # the mesh changes at the edge
 
 
+def test_energy_is_half_the_work_of_tractions_on_dense_displacements():
+    contact = steady(**{"grid.elements": (11, 11)})
+    bodies, grid = ts.Laws.of(contact.scene).elasticity, contact.grid
+    offsets = [np.subtract.outer(k.ravel(), k.ravel()) for k in np.indices(grid.elements)]
+    i, j = map(np.abs, offsets)
+    odd = {"xy": (0, 1), "xz": (0,), "yz": (1,)}
+
+    def matrix(component):
+        values = bodies.coefficients(component, grid.elements, grid.dx, grid.dy)[i, j]
+        return values * np.prod([np.sign(offsets[k]) for k in odd.get(component, ())], axis=0)
+
+    xx, xy, yy, zz, xz, yz = map(matrix, ("xx", "xy", "yy", "zz", "xz", "yz"))
+    dense = np.block([[xx, xy, xz], [xy.T, yy, yz], [xz.T, yz.T, zz]])
+    fields = np.concatenate([*map(np.ravel, contact.traction), contact.pressure.ravel()])
+    energy = 0.5 * grid.element_area * fields @ dense @ fields
+    assert elastic_energy(contact) == pytest.approx(energy, rel=1e-9)  # rounding, by transforms
+
+
 def test_line_contacts_have_none():
     flat = SCENE.replace(**{"body.A.radius_y": math.inf, "body.B.radius_y": math.inf, "grid": None})
     with pytest.raises(ValueError, match="radius_y"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -57,12 +58,18 @@ def parse_file(path: Path, max_bytes: int = 2**26) -> dict[str, Any]:
 
 
 def parse_value(text: str) -> Any:
-    """Read one TOML value; any other text is returned as a string, so that words need no quotes."""
-    try:
-        tables = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
-        return text
-    return tables["value"] if tables.keys() == {"value"} else text
+    """Read one TOML value; any other text is returned as a string, so that words need no quotes.
+
+    Unlike in TOML, a number may begin or end with its decimal point, for example ``[[500, .4]]``.
+    """
+    with_digits = re.sub(r"(?<![\w.])\.(?=\d)", "0.", text)
+    with_digits = re.sub(r"(?<=\d)\.(?![\w.])", ".0", with_digits)
+    for candidate in dict.fromkeys((text, with_digits)):
+        with suppress(ValueError, RecursionError):
+            tables = tomllib.loads(f"value = {candidate}")
+            if tables.keys() == {"value"}:
+                return tables["value"]
+    return text
 
 
 def emit(tables: Mapping[str, Any]) -> str:
