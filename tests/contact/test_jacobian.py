@@ -171,6 +171,10 @@ CASES |= {
     "strength under a force": {**FORCED, "friction": STRONG},
     "layer": {**FAST, "friction": {"mu": 0.3, "layer": 1e-5}},
     "temperature": {**FAST, "heat": {"bulk": 20.0}, "friction": HEAT_FIELDS},
+    "memory of the temperature": {
+        **{**FAST, "heat": {"bulk": 20.0}},
+        "friction": {**HEAT_FIELDS, "memory": 1e-3},
+    },
     "temperature under a force": {**FORCED, "heat": {"bulk": 20.0}, "friction": HEAT_FIELDS},
     "all": {**FAST, "friction": ALL},
     "all, dissimilar, upwind": {**FAST, "friction": ALL, "body.B.shear": 2e5, **UPWIND},
