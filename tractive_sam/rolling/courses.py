@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from itertools import pairwise
 from math import ceil
-from typing import Any
+from typing import Any, ClassVar
 
 from tractive_sam.scene import Scene, Stage
 from tractive_sam.schema import required
@@ -13,8 +13,6 @@ PARTS = 10
 
 CLOSE = 1e-6
 """Part of a step by which a step may be longer, instead of leaving a shorter one."""
-
-CREEPAGES = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
 
 
 class Courses:
@@ -27,6 +25,9 @@ class Courses:
     scene : Scene
         Scene with a [transient].
     """
+
+    creepages: ClassVar = ("creepage.longitudinal", "creepage.lateral", "creepage.spin")
+    """Keys of the creepages, or of the shifts."""
 
     def __init__(self, scene: Scene):
         self.scene, self.table = scene, required(scene.transient, "transient")
@@ -82,7 +83,7 @@ class Courses:
         changed = (
             value not in (None, steady[key])
             for key, value in self.first().items()
-            if key not in CREEPAGES
+            if key not in self.creepages
         )
         return not self.rolls(-1) and (any(self.first_shift) or any(changed))
 
@@ -109,7 +110,7 @@ class Courses:
             "friction.mu": required(scene.friction, "friction").mu[0],
         }
         shifts_in_list = self.table.stage and not stage.rolls
-        return constant | dict.fromkeys(CREEPAGES, 0.0) if shifts_in_list else constant
+        return constant | dict.fromkeys(self.creepages, 0.0) if shifts_in_list else constant
 
     def shifted(self, stretch: int) -> bool:
         """Return whether a stretch of length zero is a jump of values that needs a shift step."""
@@ -117,7 +118,9 @@ class Courses:
             return False
         before, after = self._at_knot(stretch), self._at_knot(stretch + 1)
         return any(self.jump(stretch)) or any(
-            value not in (None, before[key]) for key, value in after.items() if key not in CREEPAGES
+            value not in (None, before[key])
+            for key, value in after.items()
+            if key not in self.creepages
         )
 
     def jump(self, stretch: int) -> tuple[float, float, float]:
@@ -128,7 +131,7 @@ class Courses:
         first, last = self._at_knot(stretch), self._at_knot(stretch + 1)
         if before is not after:  # a shift counts from the start of its course
             continued = frozenset() if before.rolls else before.courses.keys()
-            first |= {key: 0.0 for key in CREEPAGES if key not in continued}
+            first |= {key: 0.0 for key in self.creepages if key not in continued}
         x, y, turn = (
             late - early
             for early, late in zip(creepages_of(first), creepages_of(last), strict=True)
@@ -163,7 +166,7 @@ class Courses:
 
 def creepages_of(inputs: Mapping[str, float | None]) -> tuple[float, float, float]:
     """Return the three creepages, or shifts, among prescribed quantities (longitudinal first)."""
-    longitudinal, lateral, spin = (required(inputs[key], key) for key in CREEPAGES)
+    longitudinal, lateral, spin = (required(inputs[key], key) for key in Courses.creepages)
     return longitudinal, lateral, spin
 
 
