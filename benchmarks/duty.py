@@ -29,8 +29,8 @@ from numba.core.dispatcher import Dispatcher
 from timing import show, write
 
 import tractive_sam as ts
+from tractive_sam.compute.fft import PaddedTransform
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.operators.fft import PaddedTransform
 
 REVOLUTIONS = 3000
 DISCS = (

@@ -10,8 +10,8 @@ Page: docs/benchmarks.md
 import numpy as np
 from timing import seconds, show, write
 
+from tractive_sam.compute.fft import transform
 from tractive_sam.contact import Model
-from tractive_sam.operators.fft import transform
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import NormalProblem
 from tractive_sam.solvers.conjugate_gradients import natural_residual

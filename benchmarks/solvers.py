@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from timing import RESULTS, seconds, show, write
 
+from tractive_sam.compute.fft import transform
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.operators.fft import transform
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Nested, Problem, Uzawa
 from tractive_sam.solvers.ladder import FIXED_PRESSURE, NORMAL

@@ -24,10 +24,10 @@ import numpy as np
 import pyfftw
 from timing import seconds, show, write
 
+from tractive_sam.compute.fft import padded_length
+from tractive_sam.compute.stress_fft import edge_transform, layer_transform
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
-from tractive_sam.operators.fft import padded_length
-from tractive_sam.operators.stress_fft import edge_transform, layer_transform
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.state import State
 from tractive_sam.scene import Scene

@@ -3,7 +3,7 @@
 Python raises a KeyboardInterrupt at any line. It is lost in code that cannot raise (a callback of
 the garbage collector), and it ends as a traceback if it interrupts an import. So the command line
 only notes a signal. Every long computation checks the note with `raise_if_interrupted`: each
-transform (`operators.fft`) and each loop over records, cases and figures. A program that imports
+transform (`compute.fft`) and each loop over records, cases and figures. A program that imports
 this package has its own signal handlers: no signal is noted there.
 """
 

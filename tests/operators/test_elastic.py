@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from tractive_sam.compute.fft import padded_length
 from tractive_sam.kernels.rectangle import integrals
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators
-from tractive_sam.operators.fft import padded_length
 
 MESH = Lattice((7, 5), 0.3, 0.2)
 BODIES = HalfSpaces(Material(2.0, 0.1), Material(5.0, 0.4))

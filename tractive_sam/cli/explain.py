@@ -82,7 +82,7 @@ def _describe_study(
     file: Path, settings: list[str] | None, workers: int | None
 ) -> tuple[str, Iterable[Any]]:
     """Return title and description of a study: its cases, memory and time."""
-    from tractive_sam.operators import cores
+    from tractive_sam.compute import cores
     from tractive_sam.studies import Study, explain_study
 
     _refuse_settings(file, settings, "a study; write the setting into the file: set = [...]")

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact.heat import solve_with_heat
 from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of, traction_of
 from tractive_sam.contact.wheel_rail import share_load
-from tractive_sam.operators import ConvolutionMeter
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements
 from tractive_sam.solvers import Outcome, Problem, Start

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of
 from tractive_sam.contact.step_result import StepInput, StepResult
 from tractive_sam.contact.step_wear import StepWear
 from tractive_sam.contact.step_work import Particles, StepWork
 from tractive_sam.mechanics import FrictionLaw, FrictionOnMesh, PreviousShare
-from tractive_sam.operators import Advection, ConvolutionMeter, RollingStep
+from tractive_sam.operators import Advection, RollingStep
 from tractive_sam.results import Cost, State, Status
 from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start, needed
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.compute import ConvolutionMeter, single_blas_thread
 from tractive_sam.contact import LinearSolver, Model, jacobian_of
 from tractive_sam.fitting.derivatives import derivatives_of
-from tractive_sam.operators import ConvolutionMeter, single_blas_thread
 from tractive_sam.results import BODIES, COLUMNS, History, State, index_by_name
 from tractive_sam.run import read_measured_gap, roll, solve_from_nearby
 from tractive_sam.scene import Scene

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.compute import backend_of
 from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.description import ShortArrays
 from tractive_sam.kernels import friction, friction_inverse
@@ -205,9 +206,8 @@ class FrictionLaw(Law, ABC):
             Whether distances belong to unscaled tractions. Scaling stretches the weaker axis:
             scaled steps are too long if mu1 and mu2 differ much.
         """
-        out = np.empty_like(traction)
-        friction.project(traction, radius, out, *(self.frame.weights if physical else (1.0, 1.0)))
-        return out
+        weights = self.frame.weights if physical else (1.0, 1.0)
+        return backend_of(traction).project(traction, radius, weights)
 
     @staticmethod
     def opposed_slip(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
@@ -223,11 +223,7 @@ class FrictionLaw(Law, ABC):
             Part of the rotation towards the slip at the centre; 0: no rotation
             (`kernels.friction.turn`).
         """
-        if not staggered:
-            return slip
-        out = np.empty_like(slip)
-        friction.turn(slip, contact, out, float(staggered))
-        return out
+        return backend_of(slip).turn(slip, contact, float(staggered)) if staggered else slip
 
     @staticmethod
     def slip_at_centres(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:

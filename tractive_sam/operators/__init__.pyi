@@ -1,7 +1,6 @@
 """What `operators` lets out, for `__init__.py` and for type checkers."""
 
 from .advection import Advection as Advection
-from .convolution import Convolution as Convolution
 from .elastic import Operators as Operators
 from .heat import STEPS_FROM as STEPS_FROM
 from .heat import SurfaceHeat as SurfaceHeat
@@ -14,8 +13,6 @@ from .kinematics import Kinematics as Kinematics
 from .kinematics import RollingStep as RollingStep
 from .kinematics import SteadyRolling as SteadyRolling
 from .load_extent import extent as extent
-from .memory import available_memory as available_memory
-from .meter import ConvolutionMeter as ConvolutionMeter
 from .rows import row_compliance as row_compliance
 from .stencil import STAGGERED as STAGGERED
 from .stencil import UPWIND as UPWIND
@@ -25,5 +22,3 @@ from .stress_layers import StressLayers as StressLayers
 from .stress_plane import StressPlane as StressPlane
 from .strip_layers import StripLayers as StripLayers
 from .surface import surface_stress as surface_stress
-from .threads import cores as cores
-from .threads import single_blas_thread as single_blas_thread

@@ -12,16 +12,15 @@ Isotropic friction drops out of D_tt altogether. The scaled frame turns orthotro
 isotropic friction of unit coefficient.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from tractive_sam.kernels import spectral
+from tractive_sam.compute import Convolution
+from tractive_sam.compute.fft import spectrum
 from tractive_sam.mechanics import Elasticity, Frame
 from tractive_sam.operators import influence
-from tractive_sam.operators.convolution import Convolution
-from tractive_sam.operators.fft import spectrum
 from tractive_sam.operators.influence import Lattice
 
 Entries = tuple[float, float, float]
@@ -104,16 +103,15 @@ class Operators:
         entries = self._tangential(*(self._slip(k) for k in ("xx", "xy", "yy")))
         return self._per_slip * np.stack(entries)
 
-    def _convolution(self, spectra, product, fields: int) -> Convolution:
+    def _convolution(self, spectra: Sequence[np.ndarray] | np.ndarray) -> Convolution:
         """Return the zero-padded convolution on the lattice with spectra of kernels."""
         spectra = np.ascontiguousarray(spectra)
-        return Convolution(spectra, product, fields, self.lattice.shape, self.lattice.padded)
+        return Convolution(spectra, self.lattice.shape, self.lattice.padded)
 
-    def _inverse(self, spectra, product, fields: int) -> Convolution:
+    def _inverse(self, *spectra: np.ndarray) -> Convolution:
         """Return the cyclic convolution with inverted spectra, a preconditioner."""
         period = self.lattice.cyclic
-        spectra = np.stack(spectra) / np.prod(period) ** 2
-        return Convolution(spectra, product, fields, self.lattice.shape, period)
+        return Convolution(np.stack(spectra) / np.prod(period) ** 2, self.lattice.shape, period)
 
     def _tangential(self, xx, xy, yy):
         """Rotate and scale entries to the frame: (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""
@@ -127,17 +125,17 @@ class Operators:
     @cached_property
     def normal(self) -> Convolution:
         """Operator A_nn from pressure to normal displacement, dimensionless."""
-        return self._convolution([self._normal_spectrum()], spectral.scalar, 1)
+        return self._convolution([self._normal_spectrum()])
 
     @cached_property
     def normal_inverse(self) -> Convolution:
         """Approximate (circulant) inverse of `normal`, used as a preconditioner."""
-        return self._inverse([1.0 / self._normal_spectrum(self.lattice.cyclic)], spectral.scalar, 1)
+        return self._inverse(1.0 / self._normal_spectrum(self.lattice.cyclic))
 
     @cached_property
     def slip(self) -> Convolution:
         """Operator D_tt from tangential tractions to slip at the leading faces of the elements."""
-        return self._convolution(self._slip_spectra, spectral.symmetric_2x2, 2)
+        return self._convolution(self._slip_spectra)
 
     @cached_property
     def self_influence(self) -> Entries:
@@ -185,15 +183,14 @@ class Operators:
     @cached_property
     def tangential(self) -> Convolution:
         """Operator A_tt / dx from tractions to tangential displacement over dx (units of slip)."""
-        return self._convolution(self._displacement_per_dx(), spectral.symmetric_2x2, 2)
+        return self._convolution(self._displacement_per_dx())
 
     @cached_property
     def tangential_inverse(self) -> Convolution:
         """Approximate (circulant) inverse of `tangential`, used as a preconditioner."""
         a11, a12, a22 = self._displacement_per_dx(self.lattice.cyclic)
         determinant = a11 * a22 - a12 * a12
-        inverse = (a22 / determinant, -a12 / determinant, a11 / determinant)
-        return self._inverse(inverse, spectral.symmetric_2x2, 2)
+        return self._inverse(a22 / determinant, -a12 / determinant, a11 / determinant)
 
     def _displacement_per_dx(self, period: tuple[int, int] | None = None) -> np.ndarray:
         """Return the spectra of A_tt / dx, tangential displacement over dx in units of slip."""
@@ -231,7 +228,7 @@ class Operators:
         lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
         drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)
-        return self._convolution(np.stack([row + 0j for row in rows]), spectral.full_3x3, 3)
+        return self._convolution([row + 0j for row in rows])
 
 
 def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:

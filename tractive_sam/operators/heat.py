@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from tractive_sam.kernels import heat, spectral
-from tractive_sam.operators.convolution import Convolution
-from tractive_sam.operators.fft import padded_length, spectrum
+from tractive_sam.compute import Convolution
+from tractive_sam.compute.fft import padded_length, spectrum
+from tractive_sam.kernels import heat
 from tractive_sam.results import Grid
 
 STEPS_FROM = 3e3
@@ -129,7 +129,7 @@ class SurfaceHeat:
         if ny > 1:
             table[i, 1 - ny :] = coefficients[:, :0:-1]
         self._spectrum = spectrum(table)
-        self._apply = Convolution(self._spectrum[None], spectral.scalar, 1, grid.elements, period)
+        self._apply = Convolution(self._spectrum[None], grid.elements, period)
 
     def __call__(self, flux: np.ndarray) -> np.ndarray:
         """Temperature, K, of a flux in mW/mm², both of shape (n_x, n_y)."""
@@ -139,4 +139,4 @@ class SurfaceHeat:
         """Return the circulant inverse of this plus another body's operator, a preconditioner."""
         both = self._spectrum + body._spectrum
         inverse = 1.0 / (both * np.prod(self._period) ** 2)
-        return Convolution(inverse[None], spectral.scalar, 1, self._apply.shape[1:], self._period)
+        return Convolution(inverse[None], self._apply.shape[1:], self._period)

@@ -12,8 +12,8 @@ from typing import Literal
 
 import numpy as np
 
+from tractive_sam.compute.fft import fast_length, padded_length
 from tractive_sam.mechanics import Elasticity
-from tractive_sam.operators.fft import fast_length, padded_length
 
 Box = tuple[slice, slice]
 """Rectangle of elements."""

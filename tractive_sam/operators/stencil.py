@@ -39,13 +39,10 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.kernels.friction import add_leading_response
+from tractive_sam.compute import Places, backend_of
 
 FARTHEST = 1e3
 """Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
-
-Places = tuple[np.ndarray, np.ndarray]
-"""Indices (i, j) of elements, two arrays of shape (m,)."""
 
 
 @dataclass(frozen=True)
@@ -91,6 +88,8 @@ class Stencil:
         bound, gap : ndarray, shape (n_x, n_y)
             Pressure, zero out of contact, and gap.
         """
+        to_numpy = backend_of(bound).to_numpy
+        bound, gap = to_numpy(bound), to_numpy(gap)
         leading = np.zeros(bound.shape, bool)
         if self.staggered:
             leading[:-1] = (bound[:-1] > 0.0) & (bound[1:] <= 0.0) & (gap[1:] > 0.0)
@@ -201,6 +200,8 @@ class FrictionSlip:
         self._gap_changes = gap_changes
         self.staggered = staggered
         self.bound = bound
+        to_numpy = backend_of(bound).to_numpy
+        bound, gap = to_numpy(bound), to_numpy(gap)
         self._here, self._ahead = leading, parted
         self._aspect, self._opening_at = aspect, opening
         self._angle = edge_angles(bound, leading[0], leading[1], aspect)
@@ -234,9 +235,7 @@ class FrictionSlip:
         """
         if not self._gap.size:
             return slip
-        slip = slip.copy()
-        add_leading_response(slip, traction, *self._here, *self._sticking_factors)
-        return slip
+        return backend_of(slip).add_leading_response(slip, traction, self._here, *self._sticking_factors)
 
     @cached_property
     def _slip_by_traction(self) -> np.ndarray:

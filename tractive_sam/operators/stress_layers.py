@@ -8,12 +8,12 @@ from threading import Lock
 
 import numpy as np
 
+from tractive_sam.compute.fft import padded_length, transform
+from tractive_sam.compute.stress_fft import LayerTransform, layer_transform
 from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_spectral import layer_product
-from tractive_sam.operators.fft import padded_length, transform
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.load_extent import largest_offset
-from tractive_sam.operators.stress_fft import LayerTransform, layer_transform
 
 MAX_BYTES = 64 * 2**20
 """Most memory of the transforms that are stored for further layers, bytes."""

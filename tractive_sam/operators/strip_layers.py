@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tractive_sam.compute.fft import padded_length, transform
 from tractive_sam.kernels.strip_stress import edge_factors
-from tractive_sam.operators.fft import padded_length, transform
 from tractive_sam.operators.influence import Lattice
 
 

@@ -5,10 +5,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from tractive_sam.compute.fft import spectrum, transform
 from tractive_sam.kernels import surface_stress as surface_kernels
 from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import influence
-from tractive_sam.operators.fft import spectrum, transform
 from tractive_sam.operators.influence import Lattice
 
 

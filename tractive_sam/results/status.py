@@ -29,7 +29,7 @@ class Cost:
         shorter period; each has as many transforms, of a quarter to half the size.
     convolutions : float
         All padded transforms of the solve, of operators and preconditioners, over the number in one
-        application of the tangential operator on the mesh (`operators.meter`).
+        application of the tangential operator on the mesh (`compute.meter`).
     """
 
     applications: float = 0.0

@@ -6,9 +6,9 @@ from time import process_time
 
 import numpy as np
 
+from tractive_sam.compute import available_memory
 from tractive_sam.contact import Model, rough_maps
 from tractive_sam.description import Description, Row, Section, format_duration
-from tractive_sam.operators import available_memory
 from tractive_sam.rolling import process_of, process_type
 from tractive_sam.run import memory
 from tractive_sam.run.accuracy.levels import set_tolerances

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
+from tractive_sam.compute import single_blas_thread
 from tractive_sam.contact import (
     Model,
     check_jacobian,
@@ -18,7 +19,6 @@ from tractive_sam.contact import (
     solve_on_fitted_mesh,
 )
 from tractive_sam.extras import check_extra
-from tractive_sam.operators import single_blas_thread
 from tractive_sam.optional import xarray
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import process_of, start_passage

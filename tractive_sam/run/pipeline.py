@@ -12,6 +12,7 @@ from time import perf_counter
 
 from numpy.typing import ArrayLike
 
+from tractive_sam.compute import single_blas_thread
 from tractive_sam.contact import (
     Laws,
     check_jacobian,
@@ -19,7 +20,6 @@ from tractive_sam.contact import (
     jacobian_of,
     solve_on_fitted_mesh,
 )
-from tractive_sam.operators import single_blas_thread
 from tractive_sam.results import History, NotConverged, Quantity, Record, State
 from tractive_sam.rolling import Observer, Step, StoredStep
 from tractive_sam.run import argument_checks, memory, refined_runs

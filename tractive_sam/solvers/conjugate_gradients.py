@@ -6,10 +6,12 @@ iterations on any mesh.
 """
 
 from dataclasses import dataclass
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from tractive_sam.compute import backend_of
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed
 from tractive_sam.solvers.problem import NormalProblem
@@ -43,7 +45,8 @@ class ConjugateGradients:
         """
         pressure = _first_guess(problem)
         if start is not None:
-            pressure = np.maximum(needed(start.pressure, "start.pressure"), 0.0)
+            pressure = needed(start.pressure, "start.pressure")
+            pressure = backend_of(pressure).xp.maximum(pressure, 0.0)
         at, status = _Iteration(problem, pressure), Status.OUT_OF_ITERATIONS
         for taken in range(self.iterations + 1):
             residual = natural_residual(at.pressure, at.gap)
@@ -76,8 +79,9 @@ class _Iteration:
     def __init__(self, problem: NormalProblem, pressure: np.ndarray):
         self.problem, self.under_load = problem, problem.load is not None
         self.applications = self.preconditionings = 0
-        self._active = np.zeros(pressure.shape, bool)
-        self._response = np.zeros_like(pressure)
+        self.backend = backend_of(pressure)
+        self._active = pressure < 0.0  # none yet
+        self._response = pressure
         self._last: _Search | None = None
         self._set_pressure(pressure)
 
@@ -97,20 +101,21 @@ class _Iteration:
 
     def advance(self) -> bool:
         """Minimise the energy along a new direction; return False if that has no minimum."""
+        xp, dot = self.backend.xp, self.backend.dot
         active = (self.pressure > 0.0) | (self.gap < 0.0)
-        unchanged = np.array_equal(active, self._active)
+        unchanged = bool(xp.all(active == self._active))
         self._active = active
         if self.under_load and not unchanged:
-            self._response = self._precondition(active.astype(float))
+            self._response = self._precondition(xp.ones_like(self.gap))
         # The gap of the elements in contact, and of those that overlap, is the gradient.
         step = self._precondition(self.gap)
         if self.under_load:
             step = self._without_load(step)
-        direction, product = step, np.vdot(self.gap, step)
+        direction, product = step, dot(self.gap, step)
         if (last := self._last) is not None:
             # Polak-Ribiere: forgets directions of a contact area that has changed.
-            beta = max(0.0, (product - np.vdot(last.gap, step)) / last.product)
-            direction = step + beta * np.where(active, last.direction, 0.0)
+            beta = max(0.0, (product - dot(last.gap, step)) / last.product)
+            direction = step + beta * xp.where(active, last.direction, 0.0)
             if self.under_load and not unchanged:
                 # Elements of the former area must not change the load on this one.
                 direction = self._without_load(direction)
@@ -119,15 +124,15 @@ class _Iteration:
 
     def _minimise_along(self, direction: np.ndarray) -> bool:
         """Minimise the energy along a direction; return False if that has no curvature."""
-        change = self._apply(direction)
+        xp, dot, change = self.backend.xp, self.backend.dot, self._apply(direction)
         # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
-        if not (curvature := np.vdot(direction, change)) > 0.0:
+        if not (curvature := dot(direction, change)) > 0.0:
             return False
-        length = np.vdot(self.gap, direction) / curvature
+        length = dot(self.gap, direction) / curvature
         self.pressure = self.pressure - length * direction
-        if self.pressure.min() < 0.0:
+        if xp.min(self.pressure) < 0.0:
             # Elements that would pull leave; then what was summed up no longer is the lift.
-            self._set_pressure(np.maximum(self.pressure, 0.0))
+            self._set_pressure(xp.maximum(self.pressure, 0.0))
         else:
             self._set_lift(self._lift - length * change)
         return True
@@ -135,17 +140,19 @@ class _Iteration:
     def _apply(self, field: np.ndarray) -> np.ndarray:
         """Return the normal displacement by a pressure, and count the application."""
         self.applications += 1
-        return self.problem.operators.normal(field[None])[0]
+        return self.problem.operators.normal(field[None, ...])[0, ...]
 
     def _precondition(self, gap: np.ndarray) -> np.ndarray:
         """Return the approximate pressure of the active elements that causes a gap."""
         self.preconditionings += 1
-        gap = np.where(self._active, gap, 0.0)
-        return np.where(self._active, self.problem.operators.normal_inverse(gap[None])[0], 0.0)
+        where, inverse = self.backend.xp.where, self.problem.operators.normal_inverse
+        gap = where(self._active, gap, 0.0)
+        return where(self._active, inverse(gap[None, ...])[0, ...], 0.0)
 
     def _without_load(self, step: np.ndarray) -> np.ndarray:
         """Return a step of the pressure without the part that changes the load."""
-        return step - self._response * (step.sum() / self._response.sum())
+        total = self.backend.xp.sum
+        return step - self._response * (total(step) / total(self._response))
 
 
 class _Search(NamedTuple):
@@ -158,28 +165,30 @@ class _Search(NamedTuple):
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:
     """Return |p - max(0, p - gap)| / |p|, zero exactly if Signorini's conditions hold."""
-    size = np.linalg.norm(pressure)
-    distance = np.linalg.norm(np.minimum(pressure, gap))
-    return float(distance / size if size > 0.0 else distance > 0.0)
+    backend = backend_of(pressure)
+    missed = backend.xp.minimum(pressure, gap)
+    size, distance = sqrt(backend.dot(pressure, pressure)), sqrt(backend.dot(missed, missed))
+    return distance / size if size > 0.0 else float(distance > 0.0)
 
 
 def _mean(values: np.ndarray, where: np.ndarray) -> float:
     """Return the mean of values over a mask."""
-    return float(values[where].mean())
+    return float(backend_of(values).xp.mean(values[where]))
 
 
 def _scale_to_load(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
     """Return the pressure scaled to the prescribed load, if there is one."""
     if problem.load is None:
         return pressure
-    if not pressure.any():  # a contact so small that interpolation or a step has lost it
-        pressure = np.where(problem.gap == problem.gap.min(), 1.0, 0.0)
-    return pressure * (problem.load / pressure.sum())
+    xp, gap = backend_of(pressure).xp, problem.gap
+    if not xp.any(pressure > 0.0):  # so small a contact that interpolation or a step has lost it
+        pressure = xp.where(gap == xp.min(gap), xp.ones_like(gap), 0.0)
+    return pressure * (problem.load / xp.sum(pressure))
 
 
 def _first_guess(problem: NormalProblem) -> np.ndarray:
     """Return an initial pressure: the depth to which the undeformed bodies overlap."""
-    level = problem.approach
+    level, backend = problem.approach, backend_of(problem.gap)
     if problem.load is not None:
-        level = np.quantile(problem.gap, 0.5)
-    return np.maximum(level - problem.gap, 0.0)
+        level = float(np.median(backend.to_numpy(problem.gap)))
+    return backend.xp.maximum(level - problem.gap, 0.0)

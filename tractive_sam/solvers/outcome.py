@@ -5,6 +5,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from tractive_sam.compute import backend_of
 from tractive_sam.results import Cost, Status
 
 Part = TypeVar("Part")
@@ -49,7 +50,7 @@ def closed(pressure: np.ndarray, gap: np.ndarray) -> np.ndarray:
     pressure, gap : ndarray, shape (n_x, n_y)
         pi_n and eta.
     """
-    return np.where(pressure > gap, pressure, 0.0)
+    return backend_of(pressure).xp.where(pressure > gap, pressure, 0.0)
 
 
 @dataclass(frozen=True)

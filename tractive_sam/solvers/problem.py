@@ -13,11 +13,11 @@ from typing import Self
 
 import numpy as np
 
+from tractive_sam.compute import Convolution, backend_of
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.mechanics import Bound, FrictionOnMesh, Linearisation
 from tractive_sam.operators import (
     Box,
-    Convolution,
     FrictionSlip,
     Kinematics,
     Operators,
@@ -248,8 +248,9 @@ class Problem:
         """Return the tangential problem under a given pressure and its gap."""
         rigid = self.rigid
         if self.coupled:
-            fields = np.concatenate((pressure[None], np.zeros_like(rigid)))
-            rigid = rigid + self._coupled(fields)[1:]
+            backend = backend_of(rigid)
+            fields = backend.concat((pressure[None, ...], backend.xp.zeros_like(rigid)))
+            rigid = rigid + self._coupled(fields)[1:, ...]
         return replace(
             self, normal=FixedPressure(self.operators, pressure, gap), rigid=rigid, wear=None
         )
@@ -305,7 +306,8 @@ class Problem:
             return self._tangential(fields)
         if self.coupled:
             return self._coupled(fields)
-        return np.concatenate((self.operators.normal(fields[:1]), self._tangential(fields[1:])))
+        concat, normal = backend_of(fields).concat, self.operators.normal
+        return concat((normal(fields[:1, ...]), self._tangential(fields[1:, ...])))
 
     def bound(self, pressure: np.ndarray) -> Bound:
         """Return the traction bound of the friction law under a pressure, at zero slip."""

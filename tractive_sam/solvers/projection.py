@@ -14,6 +14,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from tractive_sam.compute import backend_of
 from tractive_sam.operators import Operators
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
@@ -26,18 +27,18 @@ Array = np.ndarray
 
 def slip_step(operators: Operators, contact: Array) -> float:
     """Return the largest stable step length of the slip iteration on a contact area."""
-    ones = np.where(contact, 1.0, 0.0)
-    zero = np.zeros_like(ones)
-    rows = (
-        np.abs(operators.tangential(np.stack(unit))).sum(axis=0).max()
-        for unit in ((ones, zero), (zero, ones))
-    )
-    return 1.0 / max(rows)
+    xp = backend_of(contact).xp
+    ones = xp.where(contact, xp.ones(contact.shape), 0.0)
+    zero = xp.zeros_like(ones)
+    responses = (operators.tangential(xp.stack(unit)) for unit in ((ones, zero), (zero, ones)))
+    return 1.0 / max(float(xp.max(xp.sum(xp.abs(each), axis=0))) for each in responses)
 
 
 def gap_step(operators: Operators, contact: Array) -> float:
-    """Return the step length of the gap iteration, a lower bound of 1 / eigenvalues of A_nn."""
-    return 1.0 / operators.normal(np.where(contact, 1.0, 0.0)[None]).max()
+    """Return the step of the gap iteration: an inverse bound of the eigenvalues of A_nn."""
+    xp = backend_of(contact).xp
+    ones = xp.where(contact, xp.ones(contact.shape), 0.0)
+    return 1.0 / float(xp.max(operators.normal(ones[None, ...])))
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +83,8 @@ class ProjectedMap:
         """Return the map of a problem, with step lengths that are stable on a contact area."""
         slip = step_factor * slip_step(problem.operators, contact)
         gap = [] if problem.is_pressure_fixed else [gap_step(problem.operators, contact)]
-        return cls(problem, np.array([*gap, slip, slip])[:, None, None])
+        steps = backend_of(contact).xp.asarray([*gap, slip, slip])
+        return cls(problem, steps[:, None, None])
 
     def shortened(self, factor: float) -> "ProjectedMap":
         """Return the map with step lengths multiplied by a factor below one."""
@@ -91,7 +93,7 @@ class ProjectedMap:
     def _pressure(self, state: Array) -> Array:
         """Return the pressure of a state, or the fixed pressure of the problem."""
         fixed = self.problem.normal
-        return fixed.pressure if isinstance(fixed, FixedPressure) else state[0]
+        return fixed.pressure if isinstance(fixed, FixedPressure) else state[0, ...]
 
     def admissible(self, state: Array) -> Array:
         """Return a state projected to pressure >= 0 and tractions within their bound."""
@@ -99,48 +101,51 @@ class ProjectedMap:
         if problem.is_pressure_fixed:
             radius = problem.bound(problem.fixed_pressure.pressure).radius
             return problem.project(state, radius, physical=False)
-        out = np.maximum(state, 0.0)
-        out[1:] = problem.project(state[1:], problem.bound(out[0]).radius, physical=False)
-        return out
+        backend = backend_of(state)
+        pressure = backend.xp.maximum(state[:1, ...], 0.0)
+        radius = problem.bound(pressure[0, ...]).radius
+        return backend.concat((pressure, problem.project(state[1:, ...], radius, physical=False)))
 
     def __call__(self, state: Array) -> Evaluation:
         """Evaluate the map once, at the cost of one application."""
         problem, normal, pressure = self.problem, self.problem.normal, self._pressure(state)
-        response = problem.response(state)
-        slip = problem.rigid + response[-2:]
+        backend, response, traction = backend_of(state), problem.response(state), state[-2:, ...]
+        slip = problem.rigid + response[-2:, ...]
         gap = normal.gap
         if isinstance(normal, NormalProblem):
-            gap = gap + response[0] - normal.approach
+            gap = gap + response[0, ...] - normal.approach
         if problem.wear is not None:
-            gap = gap + problem.wear(pressure, state[-2:], slip)
+            gap = gap + problem.wear(pressure, traction, slip)
         seen = problem.friction_slip(
             pressure if problem.is_pressure_fixed else closed(pressure, gap), gap
         )
-        opposed = problem.opposed(state[-2:], slip, seen)
+        opposed = problem.opposed(traction, slip, seen)
         bound = problem.bound(pressure)
-        radius = problem.bound_sliding(bound, pressure, state[-2:], slip, seen).radius
-        target = problem.project(state[-2:] - opposed, radius, physical=False)
-        residual, misses = missed(target, state[-2:]), opposed
+        radius = problem.bound_sliding(bound, pressure, traction, slip, seen).radius
+        target = problem.project(traction - opposed, radius, physical=False)
+        residual, misses = missed(target, traction), opposed
         if not problem.is_pressure_fixed:
-            pressed = np.maximum(pressure - gap, 0.0)
+            pressed = backend.xp.maximum(pressure - gap, 0.0)
             residual = max(missed(pressed, pressure), residual)
-            misses = np.concatenate((gap[None], opposed))
+            misses = backend.concat((gap[None, ...], opposed))
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
 
     def without_open(self, state: Array, evaluation: Evaluation) -> tuple[Array, Evaluation]:
         """Return a state without pressure on open gaps, and its evaluation."""
-        if self.problem.is_pressure_fixed or np.array_equal(
-            pressure := closed(state[0], evaluation.gap), state[0]
-        ):
+        if self.problem.is_pressure_fixed:
             return state, evaluation
-        state = self.admissible(np.concatenate((pressure[None], state[1:])))
+        backend, pressure = backend_of(state), closed(state[0, ...], evaluation.gap)
+        if backend.xp.all(pressure == state[0, ...]):
+            return state, evaluation
+        state = self.admissible(backend.concat((pressure[None, ...], state[1:, ...])))
         return state, self(state)
 
 
 def missed(target: Array, state: Array) -> float:
     """Return the relative distance between a state and its projection."""
     short = target - state
-    return relative(sqrt(np.vdot(short, short)), sqrt(np.vdot(target, target)))
+    dot = backend_of(short).dot
+    return relative(sqrt(dot(short, short)), sqrt(dot(target, target)))
 
 
 States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
@@ -218,9 +223,9 @@ class Projection(ABC):
             )
         cost = Cost()
         start = start or Start()
-        traction = start.traction
-        if traction is None or not np.isfinite(traction).all():
-            traction = np.zeros_like(problem.rigid)
+        traction, backend = start.traction, backend_of(problem.rigid)
+        if traction is None or not backend.xp.all(backend.xp.isfinite(traction)):
+            traction = backend.xp.zeros_like(problem.rigid)
         if problem.is_pressure_fixed:
             mapping = ProjectedMap.from_problem(
                 problem, problem.fixed_pressure.pressure > 0.0, self.step_factor
@@ -233,7 +238,7 @@ class Projection(ABC):
                 approach, cost = normal.approach, normal.cost
                 pressure = needed(normal.pressure, "outcome.pressure")
             mapping = ProjectedMap.from_problem(problem, pressure > 0.0, self.step_factor)
-            state = np.concatenate((pressure[None], traction))
+            state = backend.concat((pressure[None, ...], traction))
             if problem.load is None:
                 outcome, _ = self.iterate(mapping, tolerance, state)
             else:
@@ -260,8 +265,9 @@ class Projection(ABC):
             if not iterated.converged:
                 return outcome
             fields = iterated.fields
-            state = np.concatenate((fields.pressure[None], fields.traction))
-            error = fields.pressure.sum() / load - 1.0
+            backend = backend_of(fields.pressure)
+            state = backend.concat((fields.pressure[None, ...], fields.traction))
+            error = float(backend.xp.sum(fields.pressure)) / load - 1.0
             if abs(error) <= tolerance and iterated.residual <= tolerance:
                 return outcome
             # Secants, within reason of Hertz's load ~ approach^3/2: a load from a contact that is
@@ -290,9 +296,9 @@ class Projection(ABC):
             evaluation.residual,
             taken,
             Cost(taken + 1.0 + again),
-            pressure=normal.pressure if isinstance(normal, FixedPressure) else state[0],
+            pressure=normal.pressure if isinstance(normal, FixedPressure) else state[0, ...],
             gap=evaluation.gap,
-            traction=state[-2:],
+            traction=state[-2:, ...],
             slip=evaluation.slip,
             approach=normal.approach if isinstance(normal, NormalProblem) else None,
             creepage=np.zeros(0),

@@ -5,9 +5,9 @@ from functools import cache
 
 import numpy as np
 
+from tractive_sam.compute import available_memory
 from tractive_sam.contact import Model
 from tractive_sam.description import Description, Section, format_duration, format_setting
-from tractive_sam.operators import available_memory
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
 from tractive_sam.schema import Fault

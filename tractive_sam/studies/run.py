@@ -8,7 +8,7 @@ from pathlib import Path
 from time import sleep
 
 from tractive_sam import interrupt
-from tractive_sam.operators import cores
+from tractive_sam.compute import cores
 from tractive_sam.run import SequentialRuns
 from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster

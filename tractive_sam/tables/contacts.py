@@ -7,9 +7,9 @@ from functools import cached_property, lru_cache
 import numpy as np
 from scipy.special import elliprd
 
+from tractive_sam.compute import single_blas_thread
 from tractive_sam.contact import Model, jacobian_of, solve_on_fitted_mesh
 from tractive_sam.mechanics import HertzContact, HertzLine
-from tractive_sam.operators import single_blas_thread
 from tractive_sam.results import State
 from tractive_sam.run import read_measured_gap, solve_from_nearby, warn_of_gap, with_creepages
 from tractive_sam.scene import Friction, Scene

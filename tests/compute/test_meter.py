@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact import Model
-from tractive_sam.operators import ConvolutionMeter
 
 SPHERES = ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 25]"])
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.operators import scipy_fft
+from tractive_sam.compute import scipy_fft
 
 pyfftw = pytest.importorskip("pyfftw")
 

@@ -1,7 +1,7 @@
 """Plans are remembered between processes, and a cache out of reach does no harm."""
 
-from tractive_sam.operators import wisdom
-from tractive_sam.operators.fft import PaddedTransform
+from tractive_sam.compute import wisdom
+from tractive_sam.compute.fft import PaddedTransform
 
 
 def test_wisdom_is_stored_and_recalled(tmp_path, monkeypatch):

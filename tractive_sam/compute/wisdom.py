@@ -6,7 +6,7 @@ from pathlib import Path
 
 import platformdirs
 
-from tractive_sam.operators.fftw import pyfftw
+from tractive_sam.compute.fftw import pyfftw
 from tractive_sam.output_file import make_folder, write_file
 
 PRECISIONS = ("double", "single")

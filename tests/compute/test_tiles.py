@@ -3,10 +3,8 @@
 import numpy as np
 import pytest
 
-from tractive_sam.kernels import spectral
-from tractive_sam.operators import tiles
-from tractive_sam.operators.convolution import Convolution
-from tractive_sam.operators.fft import spectrum
+from tractive_sam.compute import Convolution, tiles
+from tractive_sam.compute.fft import spectrum
 
 SHAPE, PADDED = (11, 23), (24, 48)
 
@@ -23,7 +21,7 @@ def _no_plans_remain():
 
 def convolution(spectra):
     tiles.convolver.cache_clear()
-    return Convolution(spectra, spectral.symmetric_2x2, 2, SHAPE, PADDED)
+    return Convolution(spectra, SHAPE, PADDED)
 
 
 def in_tiles(monkeypatch, threads=1):

@@ -10,10 +10,10 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.operators import wisdom
-from tractive_sam.operators.fftw import pyfftw
-from tractive_sam.operators.meter import count_transform
-from tractive_sam.operators.threads import threads_for_transform
+from tractive_sam.compute import wisdom
+from tractive_sam.compute.fftw import pyfftw
+from tractive_sam.compute.meter import count_transform
+from tractive_sam.compute.threads import threads_for_transform
 
 Plan = TypeVar("Plan")
 

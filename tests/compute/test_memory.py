@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tractive_sam.operators import memory
+from tractive_sam.compute import memory
 
 
 @pytest.fixture

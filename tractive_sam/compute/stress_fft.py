@@ -5,8 +5,8 @@ Their arrays belong to the plan and are overwritten by its next use.
 
 import numpy as np
 
-from tractive_sam.operators.fft import PlanCache, plan
-from tractive_sam.operators.fftw import pyfftw
+from tractive_sam.compute.fft import PlanCache, plan
+from tractive_sam.compute.fftw import pyfftw
 
 
 class LayerTransform:

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from tractive_sam.operators.fft import PlanCache, plan
-from tractive_sam.operators.fftw import pyfftw
-from tractive_sam.operators.meter import count_transform
-from tractive_sam.operators.threads import threads_for_transform
+from tractive_sam.compute.fft import PlanCache, plan
+from tractive_sam.compute.fftw import pyfftw
+from tractive_sam.compute.meter import count_transform
+from tractive_sam.compute.threads import threads_for_transform
 
 Product = Callable[[np.ndarray, np.ndarray], None]
 """In-place product of kernels (entries, m) and spectra (fields, m), as in `kernels.spectral`."""
@@ -72,6 +72,15 @@ def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> 
         return [columns.reshape(entries, -1)]
     tiles = (spectra[..., a:b] for a, b in pairwise(edges))
     return [np.ascontiguousarray(tile).reshape(len(spectra), -1) for tile in tiles]
+
+
+def join_kernels(tiles: Sequence[np.ndarray], padded: tuple[int, int]) -> np.ndarray:
+    """Return the spectra (entries, p_x, p_y/2 + 1) that `split_kernels` divided into tiles."""
+    entries, px = len(tiles[0]), padded[0]
+    if len(tiles) == 1:
+        columns = tiles[0].reshape(entries, padded[1] // 2 + 1, column_stride(px))
+        return columns[..., :px].swapaxes(1, 2)
+    return np.concatenate([tile.reshape(entries, px, -1) for tile in tiles], axis=2)
 
 
 class Convolver(Protocol):

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
+from tractive_sam.compute import fft, threads, tiles
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.material import Material
-from tractive_sam.operators import Lattice, Operators, StressLayers, fft, threads, tiles
+from tractive_sam.operators import Lattice, Operators, StressLayers
 
 
 def test_threads_do_not_disturb_each_other():

@@ -32,6 +32,6 @@ if "pyfftw" not in sys.modules:
 try:
     import pyfftw
 except ImportError:  # there is no build of it for every machine
-    from tractive_sam.operators import scipy_fft as pyfftw
+    from tractive_sam.compute import scipy_fft as pyfftw
 
 __all__ = ["pyfftw"]

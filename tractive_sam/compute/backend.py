@@ -1,0 +1,52 @@
+"""The seam between the solvers and a library of arrays: its functions, transforms and kernels.
+
+An iteration takes the functions of the array API standard from `Backend.xp`, and what the standard
+lacks, or does slowly, from the other attributes. Arrays of NumPy belong to `compute.host` (numba
+and FFTW), all others to `compute.array_api`. A library with faster kernels is one more module with
+these attributes. Meshes, laws and tables of coefficients are made with NumPy.
+"""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+Array = Any
+"""An array of any library; the type of NumPy's would exclude all others."""
+
+Places = tuple[np.ndarray, np.ndarray]
+"""Indices (i, j) of elements, two arrays of shape (m,)."""
+
+
+class Backend(Protocol):
+    """What the solvers need of a library of arrays."""
+
+    @property
+    def xp(self) -> Any:
+        """Functions of the array API standard."""
+
+    def to_numpy(self, array: Array) -> np.ndarray:
+        """Return an array as an array of NumPy."""
+
+    def dot(self, first: Array, second: Array) -> float:
+        """Return the sum of the products of all elements of two arrays."""
+
+    def concat(self, arrays: Sequence[Array]) -> Array:
+        """Return arrays joined along their first axis."""
+
+    def spectra(self, tiles: Sequence[np.ndarray], padded: tuple[int, int], kind: Any) -> Any:
+        """Return the spectra of `tiles.split_kernels` as `convolve` uses them for a data type."""
+
+    def convolve(self, fields: Array, spectra: Any, padded: tuple[int, int]) -> Array:
+        """Return the convolution of fields (n, n_x, n_y) with `spectra`, a new array."""
+
+    def project(self, traction: Array, radius: Array, weights: tuple[float, float]) -> Array:
+        """Return tractions projected onto discs, see `kernels.friction.project`."""
+
+    def turn(self, slip: Array, contact: Array, ahead: float) -> Array:
+        """Return the slip that tractions oppose, see `kernels.friction.turn`."""
+
+    def add_leading_response(
+        self, slip: Array, traction: Array, places: Places, factor: np.ndarray, answer: np.ndarray
+    ) -> Array:
+        """Return the slip with another one in leading elements, see `kernels.friction.add_leading_response`."""

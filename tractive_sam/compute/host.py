@@ -1,0 +1,77 @@
+"""Arrays of NumPy with FFTW and numba: the backend of this machine's processor."""
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from tractive_sam.compute.backend import Places
+from tractive_sam.compute.tiles import Product, convolver
+from tractive_sam.kernels import friction, spectral
+
+
+class Host:
+    """The backend of NumPy, see `Backend`; it loses no time to the seam."""
+
+    xp: Any = np
+    products: ClassVar[dict[int, Product]] = {
+        1: spectral.scalar,
+        3: spectral.symmetric_2x2,
+        9: spectral.full_3x3,
+    }
+    """Products of spectra by the number of different entries in the matrix of spectra."""
+
+    def to_numpy(self, array: np.ndarray) -> np.ndarray:
+        """Return the array (`Backend.to_numpy`)."""
+        return array
+
+    def dot(self, first: np.ndarray, second: np.ndarray) -> float:
+        """Return the sum of the products of all elements (`Backend.dot`)."""
+        return np.vdot(first, second)
+
+    def concat(self, arrays: Sequence[np.ndarray]) -> np.ndarray:
+        """Return arrays joined along their first axis (`Backend.concat`)."""
+        return np.concatenate(arrays)
+
+    def spectra(
+        self, tiles: Sequence[np.ndarray], padded: tuple[int, int], kind: Any
+    ) -> Sequence[np.ndarray]:
+        """Return the spectra, for single precision a copy in it (`Backend.spectra`)."""
+        if kind != np.float32:
+            return tiles
+        single = np.complex64 if np.iscomplexobj(tiles[0]) else np.float32
+        return [tile.astype(single) for tile in tiles]
+
+    def convolve(
+        self, fields: np.ndarray, spectra: Sequence[np.ndarray], padded: tuple[int, int]
+    ) -> np.ndarray:
+        """Return the convolution in the precision of the fields (`Backend.convolve`)."""
+        plan = convolver(len(fields), fields.shape[1:], padded, fields.dtype == np.float32)
+        return plan(fields, spectra, self.products[len(spectra[0])])
+
+    def project(
+        self, traction: np.ndarray, radius: np.ndarray, weights: tuple[float, float]
+    ) -> np.ndarray:
+        """Return tractions projected onto discs (`Backend.project`)."""
+        out = np.empty_like(traction)
+        friction.project(traction, radius, out, *weights)
+        return out
+
+    def turn(self, slip: np.ndarray, contact: np.ndarray, ahead: float) -> np.ndarray:
+        """Return the slip that tractions oppose (`Backend.turn`)."""
+        out = np.empty_like(slip)
+        friction.turn(slip, contact, out, ahead)
+        return out
+
+    def add_leading_response(
+        self,
+        slip: np.ndarray,
+        traction: np.ndarray,
+        places: Places,
+        factor: np.ndarray,
+        answer: np.ndarray,
+    ) -> np.ndarray:
+        """Return the slip with another one in leading elements (`Backend.add_leading_response`)."""
+        slip = slip.copy()
+        friction.add_leading_response(slip, traction, *places, factor, answer)
+        return slip
