@@ -36,8 +36,7 @@ Output: TypeAlias = Annotated[
 Design: TypeAlias = Annotated[
     bool,
     typer.Option(
-        "--design",
-        help="Also rank the tests [[fit.test]] by the reduction of the uncertainty.",
+        "--design", help="Also rank the tests [[fit.test]] by the reduction of the uncertainty."
     ),
 ]
 

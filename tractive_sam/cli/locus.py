@@ -75,12 +75,10 @@ def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
 
 def wear(
     scene: Annotated[
-        str,
-        typer.Argument(metavar="SCENE", help="A scene (see run), or a results file (.h5)."),
+        str, typer.Argument(metavar="SCENE", help="A scene (see run), or a results file (.h5).")
     ],
     output: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the worn profiles."),
+        Path, typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the worn profiles.")
     ],
     settings: Settings = None,
     resume: Resume = False,

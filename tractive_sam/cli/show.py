@@ -19,8 +19,7 @@ Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file
 
 def show(
     file: Annotated[
-        Path,
-        typer.Argument(metavar="FILE", help="A results file, a creep-force table, or a fit."),
+        Path, typer.Argument(metavar="FILE", help="A results file, a creep-force table, or a fit.")
     ],
     as_json: Annotated[
         bool, typer.Option("--json", help="Print every record as JSON instead of tables.")

@@ -51,25 +51,12 @@ class ArrayApi:
         out = xp.fft.irfftn(product, s=padded, axes=(1, 2), norm="forward")
         return out[:, :nx, :ny]
 
-    def project(self, traction: Array, radius: Array, weights: tuple[float, float]) -> Array:
+    def project(self, traction: Array, radius: Array) -> Array:
         """Return tractions projected onto discs, see `kernels.friction.project`."""
-        xp, (first, second) = self.xp, weights
-        size, radius = _size(xp, traction), xp.maximum(radius, 0.0)
+        xp, size = self.xp, _size(self.xp, traction)
+        radius = xp.maximum(radius, 0.0)
         outside = size > radius
-        safe = xp.where(radius > 0.0, radius, 1.0)
-        if first == second:
-            return xp.where(outside, radius / xp.where(outside, size, 1.0), 1.0) * traction
-        weight = xp.reshape(xp.asarray(weights, dtype=traction.dtype), (2, 1, 1))
-        root = xp.where(outside & (radius > 0.0), (size / safe - 1.0) / max(weights), 0.0)
-        for _ in range(50):  # more than Newton's method has needed anywhere
-            nearest = traction / (1.0 + root * weight)
-            reached = _size(xp, nearest)
-            slope = xp.sum(nearest * nearest * weight / (1.0 + root * weight), axis=0)
-            step = (reached / safe - 1.0) * reached * reached / xp.where(root > 0.0, slope, 1.0)
-            root = root + xp.where(root > 0.0, step, 0.0)
-        nearest = traction / (1.0 + root * weight)
-        reached = xp.where(outside, _size(xp, nearest), 1.0)
-        return xp.where(outside, radius / xp.where(reached > 0.0, reached, 1.0), 1.0) * nearest
+        return xp.where(outside, radius / xp.where(outside, size, 1.0), 1.0) * traction
 
     def turn(self, slip: Array, contact: Array, ahead: float) -> Array:
         """Return the slip that tractions oppose, see `kernels.friction.turn`."""
@@ -102,7 +89,7 @@ class ArrayApi:
     def add_leading_response(
         self, slip: Array, traction: Array, places: Places, factor: np.ndarray, answer: np.ndarray
     ) -> Array:
-        """Return the slip with another one in leading elements, see `kernels.friction.add_leading_response`."""
+        """Return the slip with the response of leading elements, see `kernels.friction`."""
         factors, answers = np.ones(slip.shape[1:]), np.zeros((*slip.shape[1:], 2, 2))
         factors[places], answers[places] = factor, answer
         answers = self.xp.asarray(np.moveaxis(answers, (2, 3), (0, 1)))

@@ -40,7 +40,7 @@ class Backend(Protocol):
     def convolve(self, fields: Array, spectra: Any, padded: tuple[int, int]) -> Array:
         """Return the convolution of fields (n, n_x, n_y) with `spectra`, a new array."""
 
-    def project(self, traction: Array, radius: Array, weights: tuple[float, float]) -> Array:
+    def project(self, traction: Array, radius: Array) -> Array:
         """Return tractions projected onto discs, see `kernels.friction.project`."""
 
     def turn(self, slip: Array, contact: Array, ahead: float) -> Array:
@@ -49,4 +49,4 @@ class Backend(Protocol):
     def add_leading_response(
         self, slip: Array, traction: Array, places: Places, factor: np.ndarray, answer: np.ndarray
     ) -> Array:
-        """Return the slip with another one in leading elements, see `kernels.friction.add_leading_response`."""
+        """Return the slip with the response of leading elements, see `kernels.friction`."""

@@ -49,12 +49,10 @@ class Host:
         plan = convolver(len(fields), fields.shape[1:], padded, fields.dtype == np.float32)
         return plan(fields, spectra, self.products[len(spectra[0])])
 
-    def project(
-        self, traction: np.ndarray, radius: np.ndarray, weights: tuple[float, float]
-    ) -> np.ndarray:
+    def project(self, traction: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """Return tractions projected onto discs (`Backend.project`)."""
         out = np.empty_like(traction)
-        friction.project(traction, radius, out, *weights)
+        friction.project(traction, radius, out)
         return out
 
     def turn(self, slip: np.ndarray, contact: np.ndarray, ahead: float) -> np.ndarray:
@@ -71,7 +69,7 @@ class Host:
         factor: np.ndarray,
         answer: np.ndarray,
     ) -> np.ndarray:
-        """Return the slip with another one in leading elements (`Backend.add_leading_response`)."""
+        """Return the slip with the response of leading elements (`Backend`)."""
         slip = slip.copy()
         friction.add_leading_response(slip, traction, *places, factor, answer)
         return slip

@@ -145,9 +145,7 @@ class Fit(Table):
         "linear",
     )
     scatter: bool = entry(
-        "whether the scatter of the residuals scales the noise",
-        "true or false",
-        False,
+        "whether the scatter of the residuals scales the noise", "true or false", False
     )
     level: float = entry(
         "probability of the intervals", "a number from 0.5 to 0.999", 0.95, ge=0.5, le=0.999

@@ -206,8 +206,11 @@ class FrictionLaw(Law, ABC):
             Whether distances belong to unscaled tractions. Scaling stretches the weaker axis:
             scaled steps are too long if mu1 and mu2 differ much.
         """
-        weights = self.frame.weights if physical else (1.0, 1.0)
-        return backend_of(traction).project(traction, radius, weights)
+        if not physical:
+            return backend_of(traction).project(traction, radius)
+        out = np.empty_like(traction)
+        friction.project(traction, radius, out, *self.frame.weights)
+        return out
 
     @staticmethod
     def opposed_slip(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:

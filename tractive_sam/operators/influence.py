@@ -84,10 +84,7 @@ def unfold_quadrant(
 
 
 def displacement_table(
-    lattice: Lattice,
-    elasticity: Elasticity,
-    component: str,
-    period: tuple[int, int] | None = None,
+    lattice: Lattice, elasticity: Elasticity, component: str, period: tuple[int, int] | None = None
 ) -> np.ndarray:
     """Return the table of relative displacements u_A - u_B per unit traction on an element, mm/MPa.
 

@@ -235,7 +235,9 @@ class FrictionSlip:
         """
         if not self._gap.size:
             return slip
-        return backend_of(slip).add_leading_response(slip, traction, self._here, *self._sticking_factors)
+        return backend_of(slip).add_leading_response(
+            slip, traction, self._here, *self._sticking_factors
+        )
 
     @cached_property
     def _slip_by_traction(self) -> np.ndarray:

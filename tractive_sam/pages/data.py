@@ -228,10 +228,7 @@ def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict
 
 
 def _stress(
-    blocks: Sequence[History],
-    saved: np.ndarray,
-    states: Sequence[ContactView],
-    limits: PageLimits,
+    blocks: Sequence[History], saved: np.ndarray, states: Sequence[ContactView], limits: PageLimits
 ) -> list[dict[str, Any]]:
     """Return maps of stress on each stored plane, for all records, as JSON data.
 

@@ -256,11 +256,7 @@ def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
         ("figs-09-14-pressure", plot.pressure_profiles, "Figs. 9-14. Pressure across the track"),
         ("figs-09-14-stress", plot.stress_course, "Figs. 9-14. Largest equivalent stress"),
         ("figs-09-14-stress-new", _section_at(0), "Figs. 9-14. Equivalent stress, N = 0"),
-        (
-            "figs-09-14-stress-worn",
-            _section_at(last),
-            f"Figs. 9-14. Equivalent stress, N = {last}",
-        ),
+        ("figs-09-14-stress-worn", _section_at(last), f"Figs. 9-14. Equivalent stress, N = {last}"),
         ("fig-16", plot.wear_over_revolutions, "Fig. 16. Wear depth of both discs"),
         ("fig-17", plot.pressure_over_revolutions, "Fig. 17. Pressure"),
         ("fig-18", plot.slip_over_revolutions, "Fig. 18. Slip"),

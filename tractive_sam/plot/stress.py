@@ -141,11 +141,7 @@ def _stored_sections(view: ContactView, plane: str, bodies: Sequence[str]) -> Fi
 
 
 def _read_stresses(
-    source: Source,
-    bodies: Sequence[str],
-    plane: "Plane | str",
-    at: float | None,
-    **named: float,
+    source: Source, bodies: Sequence[str], plane: "Plane | str", at: float | None, **named: float
 ) -> tuple[list[PlaneStress], ContactView | None]:
     """Return the stress on a plane in each body, and the view of the contact, if any."""
     if isinstance(source, History):

@@ -8,11 +8,7 @@ import numpy as np
 
 
 def full_slip_with_spin(
-    a_over_b: float,
-    slip: tuple[float, float],
-    spin: float,
-    points: int = 128,
-    most: int = 20_000,
+    a_over_b: float, slip: tuple[float, float], spin: float, points: int = 128, most: int = 20_000
 ) -> tuple[float, float, float]:
     """Return (Q_x, Q_y, M_z / c) / (mu P) of full slip, c = sqrt(a b), isotropic friction.
 

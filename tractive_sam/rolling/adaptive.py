@@ -304,9 +304,7 @@ def _predict(
     # R = offset + J E is linear about the extrapolated state, for new rows about the last one; the
     # remaining gap acts like a negative pressure.
     offset = np.where(
-        new,
-        here.rate - response @ here.profile - open_,
-        formula.rate - response @ formula.profile,
+        new, here.rate - response @ here.profile - open_, formula.rate - response @ formula.profile
     )
     response = response.copy()
     while True:

@@ -135,11 +135,7 @@ class BodyDamage:
 
 
 def _per_pass(
-    life: Woehler,
-    shares: tuple[float, ...],
-    depth: np.ndarray,
-    used: np.ndarray,
-    at: np.ndarray,
+    life: Woehler, shares: tuple[float, ...], depth: np.ndarray, used: np.ndarray, at: np.ndarray
 ) -> np.ndarray:
     """Return the damage (n_y, m) per pass at the depths `at`, the weighted sum over blocks."""
     each = zip(shares, used, strict=True)

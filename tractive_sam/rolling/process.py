@@ -497,12 +497,7 @@ class Process(ABC, Generic[AnyStep]):
                 stress += seen.record_stress(block)
         chosen = recorder.choose_columns(contact.scene, user_columns)
         return Record.from_contact(
-            contact,
-            values,
-            chosen=chosen,
-            with_fields=store,
-            stress=stress,
-            user_fields=of_fields,
+            contact, values, chosen=chosen, with_fields=store, stress=stress, user_fields=of_fields
         )
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:

@@ -271,12 +271,7 @@ class TransientProcess(Process[Moment]):
         return moment, error
 
     def _moment(
-        self,
-        last: Moment,
-        result: StepResult,
-        at: float,
-        stretch: int,
-        length: float,
+        self, last: Moment, result: StepResult, at: float, stretch: int, length: float
     ) -> Moment:
         """Return the moment that the result of a step leads to."""
         contact = result.contact

@@ -22,11 +22,7 @@ WHEEL_COLUMNS = (
         "degrees",
         "angle between the tangent plane of the patch and the horizontal",
     ),
-    Quantity(
-        "angle_range",
-        "degrees",
-        "range of the contact angle over the patch",
-    ),
+    Quantity("angle_range", "degrees", "range of the contact angle over the patch"),
     Quantity("rolling_radius", "mm", "rolling radius of the wheel at the patch"),
     Quantity("patches", "1", "number of patches of the wheel that carry load", format="d"),
 )

@@ -91,10 +91,7 @@ class FatigueVolume(Table):
         le=1e100,
     )
     survival: float = entry(
-        "survival probability of the complete volume",
-        default=0.9,
-        gt=0.0,
-        lt=1.0,
+        "survival probability of the complete volume", default=0.9, gt=0.0, lt=1.0
     )
     slope: Positive | None = entry(
         "Weibull slope; the default is 10/9, or 9/8 for a line contact", default=None
@@ -139,9 +136,7 @@ class Fatigue(LawTable):
     shear_yield: Positive | None = entry("yield stress in shear k, MPa", default=None)
     yield_strength: Positive | None = entry("yield stress in tension, sqrt 3 k, MPa", default=None)
     criterion: CriterionName | NamedLaw = entry(
-        "fatigue criterion",
-        allow_laws(get_args(CriterionName)),
-        "dang-van",
+        "fatigue criterion", allow_laws(get_args(CriterionName)), "dang-van"
     )
     sensitivity: NotNegative | None = entry(
         "sensitivity of the criterion to normal stress: a for Dang Van and Crossland, k for "

@@ -159,12 +159,10 @@ class Friction(LawTable):
     """
 
     static: OptionalOrthotropicPositive = entry(
-        "friction coefficients at rest, for a law that falls with the sliding speed",
-        default=None,
+        "friction coefficients at rest, for a law that falls with the sliding speed", default=None
     )
     mu: OrthotropicPositive = entry(
-        "friction coefficients along the axes e1, e2",
-        default_factory=_mu_at_rest,
+        "friction coefficients along the axes e1, e2", default_factory=_mu_at_rest
     )
     angle: Real = entry("angle from x to e1, degrees", default=0.0, ge=-360, le=360)
     law: FrictionName | NamedLaw = entry(

@@ -83,17 +83,14 @@ class Wear(LawTable):
         "archard",
     )
     set: str | Sets | None = entry(
-        "name of the coefficient set of a measured law",
-        "a name, or { A = ..., B = ... }",
-        None,
+        "name of the coefficient set of a measured law", "a name, or { A = ..., B = ... }", None
     )
     by: Literal["element", "contact"] = entry(
         "area A for laws that depend on T-gamma/A: each element, or the complete contact",
         default="element",
     )
     intensity: OptionalOrthotropicNotNegative = entry(
-        "wear intensities along the axes e1, e2 for the sum of both bodies, 1/MPa",
-        default=None,
+        "wear intensities along the axes e1, e2 for the sum of both bodies, 1/MPa", default=None
     )
     coefficient: SpecificWearRate = entry(
         "specific wear rates k along the axes e1, e2, mm3/(N m), or for the energy law, mm3/J "
@@ -135,10 +132,7 @@ class Wear(LawTable):
         "each",
     )
     tolerance: Real = entry(
-        "error of the adaptive stepping, divided by the wear depth",
-        default=1e-3,
-        gt=0,
-        le=0.1,
+        "error of the adaptive stepping, divided by the wear depth", default=1e-3, gt=0, le=0.1
     )
     step_depth: Positive | None = entry(
         "largest depth that an adaptive step removes from the profiles of wheel and rail, mm; "
@@ -147,11 +141,7 @@ class Wear(LawTable):
     )
     law_names: ClassVar[tuple[str, ...]] = get_args(LawName)
     law_fields: ClassVar[tuple[str, ...]] = ("set", "by", "intensity", "coefficient")
-    checks: ClassVar[tuple[Check, ...]] = (
-        check_coefficients,
-        check_sets,
-        _check_save,
-    )
+    checks: ClassVar[tuple[Check, ...]] = (check_coefficients, check_sets, _check_save)
 
     effect: ClassVar[str] = "wear"
 

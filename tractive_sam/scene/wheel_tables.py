@@ -45,8 +45,7 @@ class _ProfileTable(Table):
     """Base class of [wheel] and [rail]: keys for the source of a profile."""
 
     unit: _Unit | None = entry(
-        "unit of the profile file; by default, the unit in the file, or mm",
-        default=None,
+        "unit of the profile file; by default, the unit in the file, or mm", default=None
     )
     smoothing: Positive | None = entry(
         "rms distance of a smoothing spline from the points of the file, mm; by default, the "

@@ -102,11 +102,7 @@ class _Search:
     outcome: Outcome
 
     def __init__(
-        self,
-        method: Bracketing,
-        problem: Problem,
-        tolerance: float,
-        start: Start | Outcome | None,
+        self, method: Bracketing, problem: Problem, tolerance: float, start: Start | Outcome | None
     ):
         forces = problem.forces
         self.method, self.problem, self.rough = method, problem, max(tolerance, method.rough)

@@ -88,10 +88,7 @@ class Nested:
     coarse_tolerance: float = 1e-3
 
     def solve(
-        self,
-        problem: AnyProblem,
-        tolerance: float,
-        start: Start | Outcome | None = None,
+        self, problem: AnyProblem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
         """Solve a normal or tangential problem on coarser meshes first, then on its own."""
         if start is not None:

@@ -262,11 +262,7 @@ def _read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
 
 
 def _read_stresses(
-    file: ResultsFile,
-    length: int,
-    coordinate: str,
-    block: int | None = None,
-    shift: float = 0.0,
+    file: ResultsFile, length: int, coordinate: str, block: int | None = None, shift: float = 0.0
 ) -> dict[tuple[str, str], StoredStress]:
     """Return the stress by (body, plane), read when accessed."""
     stresses, path = {}, "stress" if block is None else f"stress/block-{block}"

@@ -43,9 +43,7 @@ VTK_ORDER = [0, 1, 2, 3, 5, 4]
 """Indices of VTK's components xx, yy, zz, xy, yz, xz in our order xx, yy, zz, xy, xz, yz."""
 
 VOLUME = {
-    "stress": Quantity(
-        "stress", "MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz"
-    ),
+    "stress": Quantity("stress", "MPa", "stress in the axes of the contact, xx, yy, zz, xy, yz, xz")
 } | {name: Quantity(name, law.unit, law.long_name) for name, law in CRITERIA.items()}
 """Arrays of a volume."""
 

@@ -269,11 +269,7 @@ class StudyResults:
         write_netcdf(path, self.dataset())
 
     def save_csv(
-        self,
-        path: str | PathLike[str],
-        *,
-        quantities: Sequence[str] = (),
-        units: bool = False,
+        self, path: str | PathLike[str], *, quantities: Sequence[str] = (), units: bool = False
     ) -> None:
         """Write the table of all cases as CSV, numbers in full precision.
 

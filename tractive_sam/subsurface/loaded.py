@@ -67,11 +67,7 @@ class LoadedBodies:
 
     @classmethod
     def from_contact(
-        cls,
-        contact: Loading,
-        names: Sequence[str],
-        laws: Laws | None = None,
-        beyond: int = 0,
+        cls, contact: Loading, names: Sequence[str], laws: Laws | None = None, beyond: int = 0
     ) -> "LoadedBodies":
         """Return the loaded bodies of a contact, with the elastic law of its solution.
 

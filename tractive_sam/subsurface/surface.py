@@ -70,10 +70,7 @@ def largest_at_surface(
 
 
 def _between_elements(
-    lattice: Lattice,
-    bodies: Sequence[HalfSpaces],
-    signs: Sequence[float],
-    tractions: np.ndarray,
+    lattice: Lattice, bodies: Sequence[HalfSpaces], signs: Sequence[float], tractions: np.ndarray
 ) -> np.ndarray:
     """Return the surface stress (bodies, 6, ...) between elements; equal bodies share work."""
     if all(body == bodies[0] for body in bodies):

@@ -162,17 +162,9 @@ class TableDesign(Document):
         "Poisson's ratio", "a number from 0 to 0.5, or several ascending ones", (0.3,)
     )
     tolerance: float = entry(
-        "error bar and error of interpolation of forces over mu P",
-        default=0.01,
-        ge=1e-3,
-        le=0.2,
+        "error bar and error of interpolation of forces over mu P", default=0.01, ge=1e-3, le=0.2
     )
-    elements: int = entry(
-        "elements across a contact to begin with",
-        default=21,
-        ge=15,
-        le=101,
-    )
+    elements: int = entry("elements across a contact to begin with", default=21, ge=15, le=101)
     finest: int = entry("elements across a contact at most", default=101, ge=15, le=401)
     most: int = entry("nodes at most", default=50_000, ge=300, le=10**6)
     seed: int = entry("seed of the points that are held out", default=0, ge=0)

@@ -201,10 +201,7 @@ class Description3(Description2):
 
         A second file lists the sources.
         """
-        return {
-            "modelDescription.xml": self.model,
-            "sources/buildDescription.xml": self.build,
-        }
+        return {"modelDescription.xml": self.model, "sources/buildDescription.xml": self.build}
 
     @property
     def model(self) -> str:

@@ -1,0 +1,23 @@
+"""Names that `lookup` exports, for `__init__.py` and for type checkers."""
+
+from .c_sources import arguments_of as arguments_of
+from .c_sources import c_sources as c_sources
+from .c_sources import check_axis_name as check_axis_name
+from .c_sources import check_name as check_name
+from .c_sources import plain_title as plain_title
+from .coordinates import CONTACT as CONTACT
+from .coordinates import MIRROR as MIRROR
+from .coordinates import NAMES as NAMES
+from .coordinates import RATIO as RATIO
+from .coordinates import REVERSED as REVERSED
+from .coordinates import Coordinates as Coordinates
+from .coordinates import creepages_at as creepages_at
+from .coordinates import creepages_by_coordinates as creepages_by_coordinates
+from .creep_table import CreepTable as CreepTable
+from .creep_table import Forces as Forces
+from .creep_table import share_of_bar as share_of_bar
+from .describe import describe_axis as describe_axis
+from .describe import describe_range as describe_range
+from .hermite import Hermite as Hermite
+from .hermite import cell_of as cell_of
+from .text import columns_of as columns_of
