@@ -1,7 +1,7 @@
 """Evaluation of creep-force tables, with NumPy alone.
 
 `hermite` interpolates, `coordinates` converts creepages to the bounded coordinates of a table,
-`creep_table` combines both, and `c_sources` and `text` write a table as C code and as columns.
+`creep_table` combines both, and `c_code` and `text` write a table as C code and as columns.
 """
 
 from tractive_sam.lazy_names import attach_names

@@ -1,10 +1,10 @@
 """Names that `lookup` exports, for `__init__.py` and for type checkers."""
 
-from .c_sources import arguments_of as arguments_of
-from .c_sources import c_sources as c_sources
-from .c_sources import check_axis_name as check_axis_name
-from .c_sources import check_name as check_name
-from .c_sources import plain_title as plain_title
+from .c_code import arguments_of as arguments_of
+from .c_code import c_sources as c_sources
+from .c_code import check_axis_name as check_axis_name
+from .c_code import check_name as check_name
+from .c_code import plain_title as plain_title
 from .coordinates import CONTACT as CONTACT
 from .coordinates import MIRROR as MIRROR
 from .coordinates import NAMES as NAMES

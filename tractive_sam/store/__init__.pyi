@@ -8,6 +8,8 @@ from .errors import FileInUseError as FileInUseError
 from .errors import GapError as GapError
 from .errors import ResultsError as ResultsError
 from .errors import StorageError as StorageError
+from .format_version import FORMAT_VERSION as FORMAT_VERSION
+from .format_version import versions as versions
 from .gap import read_gap as read_gap
 from .lock import hold_lock as hold_lock
 from .netcdf import netcdf_format as netcdf_format
@@ -15,8 +17,6 @@ from .netcdf import read_netcdf as read_netcdf
 from .netcdf import write_netcdf as write_netcdf
 from .reader import open_history as open_history
 from .reader import read_state as read_state
-from .versions import FORMAT_VERSION as FORMAT_VERSION
-from .versions import versions as versions
 from .volume import Image as Image
 from .volume import check_volume as check_volume
 from .volume import write_surface as write_surface

@@ -67,8 +67,8 @@ from tractive_sam.store.datasets import (
     describe_dataset,
     plane_path,
 )
+from tractive_sam.store.format_version import FORMAT, FORMAT_VERSION, versions
 from tractive_sam.store.texts import create_text, decode_text, set_text
-from tractive_sam.store.versions import FORMAT, FORMAT_VERSION, versions
 
 RUNNING = ("running", "the computation has not ended yet, or was killed")
 """Status and message of a run that has not ended."""

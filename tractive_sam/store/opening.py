@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from tractive_sam.output_file import describe_os_error
 from tractive_sam.store.errors import DamagedError, ResultsError
+from tractive_sam.store.format_version import FORMAT, FORMAT_VERSION
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import (
     check_claimed_size,
@@ -18,7 +19,6 @@ from tractive_sam.store.hdf5_guard import (
     numeric_dataset,
 )
 from tractive_sam.store.texts import decode_text
-from tractive_sam.store.versions import FORMAT, FORMAT_VERSION
 
 
 @contextmanager
