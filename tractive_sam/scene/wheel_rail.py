@@ -174,7 +174,8 @@ def add_wheel_contact(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     load = to_python(wheelset.get("load") or wheelset.get("normal_load"))
     usable = isinstance(load, int | float) and load > 0.0
     given = _plain(tables.get("load"))
-    normal = {} if set(given) & set(_NORMAL) else {"normal": float(load) if usable else 1.0}
+    has_normal = not given.keys().isdisjoint({"normal", "approach", "pressure"})
+    normal = {} if has_normal else {"normal": float(load) if usable else 1.0}
     changed["load"] = {**given, **normal}  # a given table is a fault, with one message
     creepage = _plain(tables.get("creepage"))
     prescribed = set(_MOTIONS) & set(creepage) or given
@@ -183,7 +184,6 @@ def add_wheel_contact(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     return changed
 
 
-_NORMAL = ("normal", "approach", "pressure")
 _MOTIONS = ("longitudinal", "lateral", "spin")
 
 
