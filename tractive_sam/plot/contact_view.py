@@ -141,11 +141,8 @@ class ContactView:
         there; a layer of one element is no zone.
         """
         sliding = self.contact.sliding
-        pairs = sliding[1:] & sliding[:-1]
-        zone = np.zeros_like(sliding)
-        zone[1:] |= pairs
-        zone[:-1] |= pairs
-        return zone
+        neighbours = np.pad(sliding, ((1, 1), (0, 0)))
+        return sliding & (neighbours[2:] | neighbours[:-2])
 
     @property
     def bound_ratios(self) -> tuple[float, float]:

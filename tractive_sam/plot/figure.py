@@ -142,8 +142,7 @@ class Figure(matplotlib.figure.Figure):
         """
         for text in _find_texts(self):  # fonts have no signs for control characters
             safe_text = printable_text(text.get_text(), None).replace("\t", " ")
-            if text.get_text() != safe_text:
-                text.set_text(safe_text)
+            text.set_text(safe_text)
         if not isinstance(fname, str | PathLike):
             super().savefig(fname, **options)
             return

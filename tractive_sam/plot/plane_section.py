@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.ticker import MaxNLocator
 
-from tractive_sam.mechanics import CRITERIA, StressCriterion
+from tractive_sam.mechanics import CRITERIA, VON_MISES, StressCriterion
 from tractive_sam.plot.plane_maxima import StressMaximum, stress_maxima
 from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import LOOK
@@ -89,6 +89,8 @@ class PlaneSection:
         """Values of the quantity over the pressure of the scale, in the shape of the axes."""
         if self.criterion is None:
             values = self.stress.components[str(self.quantity)]
+        elif self.criterion == VON_MISES:  # without the compiled one: it takes long to load
+            values = self.stress.von_mises
         else:
             values = self.stress.by(self.criterion)
         _, second = self.stress.axes.values()

@@ -6,13 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from tractive_sam.description import ShortArrays
-from tractive_sam.mechanics import (
-    VON_MISES,
-    StressCriterion,
-    max_shear,
-    principal_stresses,
-    von_mises,
-)
+from tractive_sam.mechanics import StressCriterion, max_shear, principal_stresses, von_mises
 from tractive_sam.scene import Plane
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -72,8 +66,7 @@ class PlaneStress(ShortArrays):
 
     def by(self, criterion: StressCriterion) -> np.ndarray:
         """Return the value of a stress criterion at each point of the plane, in its unit."""
-        # Results are drawn without the compiled criterion: the compiler takes long to load.
-        return self.von_mises if criterion == VON_MISES else criterion(self._tensor)
+        return criterion(self._tensor)
 
     @cached_property
     def von_mises(self) -> np.ndarray:
