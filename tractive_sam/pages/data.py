@@ -157,6 +157,8 @@ class _Window:
             for name, values in _surface(state):
                 rows.setdefault(name, []).append(self.select(values))
         fields = {name: pack_array(values) for name, values in rows.items()}
+        schedule = states[0].contact.scene.schedule
+        mixed = len({schedule.shifts_at(state.at) for state in states}) > 1
         return {
             "x": pack_array(x),
             "y": pack_array(y),
@@ -165,8 +167,9 @@ class _Window:
             "isotropic": states[0].isotropic,
             "frictionless": states[0].contact.frame is None,
             "worn": bool(any(state.contact.wear.any() for state in states)),
-            "moved": bool(any(state.contact.slip.any() for state in states)),
-            "shifts": states[0].contact.scene.schedule.shifts,
+            # The slip of rolling and of shifts differ in unit, and share no map.
+            "moved": bool(any(state.contact.slip.any() for state in states)) and not mixed,
+            "shifts": schedule.shifts,
         }
 
 

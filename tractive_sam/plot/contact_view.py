@@ -110,7 +110,12 @@ class ContactView:
     @property
     def edge_note(self) -> str:
         """Note on the side of the leading edge, for the label of x; empty for shifts."""
-        return "" if self.contact.scene.schedule.shifts else ", leading edge right"
+        return "" if self.shifts else ", leading edge right"
+
+    @property
+    def shifts(self) -> bool:
+        """Whether the bodies shift without rolling in the step of the contact."""
+        return self.contact.scene.schedule.shifts_at(self.at)
 
     @property
     def position(self) -> str:

@@ -34,7 +34,14 @@ def pressure_over_revolutions(history: History) -> Figure:
     return chart.figure
 
 
-@history_figure("slip-over-{coordinate}", needs=[WIDE], shown=has_contacts)
+def _has_slip_of_one_unit(history: History) -> bool:
+    """Return whether the slips of all stored contacts are of rolling, or all of shifts."""
+    schedule = history.scene.schedule
+    kinds = {schedule.shifts_at(place) for place in history.saved}
+    return has_contacts(history) and len(kinds) == 1
+
+
+@history_figure("slip-over-{coordinate}", needs=[WIDE], shown=_has_slip_of_one_unit)
 def slip_over_revolutions(history: History) -> Figure:
     """Slip |s|/V at the stored revolutions, of shifts |s| in the step, with the edge of stick.
 
@@ -47,7 +54,7 @@ def slip_over_revolutions(history: History) -> Figure:
     def slip(view: ContactView) -> np.ndarray:
         return np.hypot(*view.contact.slip)
 
-    shifts = history.scene.schedule.shifts
+    shifts = all(map(history.scene.schedule.shifts_at, history.saved))
     quantity, symbol = (
         ("slip of the step", "$|s|$ (mm)") if shifts else ("slip over speed", "$|s|/V$")
     )

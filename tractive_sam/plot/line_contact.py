@@ -75,7 +75,7 @@ def line_slip(view: ContactView) -> Figure:
     """
     figure, axes = rolling_axes("slip of A over B", view)
     axes.axhline(0.0, color=LOOK.grey, linewidth=0.6)
-    inside, shifts = view.contact.touching[:, 0], view.contact.scene.schedule.shifts
+    inside, shifts = view.contact.touching[:, 0], view.shifts
     divisor, colours = "" if shifts else "/V", (LOOK.blue, LOOK.vermillion)
     for name, slip, color in zip("xy", view.contact.slip[..., 0], colours, strict=True):
         if np.any(slip):

@@ -83,6 +83,10 @@ class Schedule:
         shifted = (np.clip(places, first, last) - first for first, last in self.shifting)
         return places - sum(shifted)
 
+    def shifts_at(self, place: float) -> bool:
+        """Return whether the bodies shift in the step that ends at a value of the coordinate."""
+        return self.shifts or any(first < place <= last for first, last in self.shifting)
+
     def under_largest_load(self, scene: Any) -> Any:
         """Return the scene under its largest load, from which the mesh follows: itself."""
         return scene
