@@ -1,6 +1,7 @@
 """The style of the figures: sizes, colours, titles and labels."""
 
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
@@ -143,7 +144,7 @@ def line_colours(number: int) -> list[tuple[float, float, float]]:
 
 def format_title(title: str, *notes: str) -> str:
     """Return a title with a line of notes below it; empty notes are left out."""
-    below = "; ".join(filter(None, notes)).replace("$", "")
+    below = re.sub(r"\\mathrm\{(\w+)\}", r"\1", "; ".join(filter(None, notes)).replace("$", ""))
     for separator in (" = ", " mm", " MPa"):  # no line break inside of a value
         below = below.replace(separator, separator.replace(" ", "\u00a0"))
     return "\n".join(filter(None, (title, below)))
