@@ -134,7 +134,7 @@ class Description2:
         self.title, self.name, self.token = plain_title(table), name, token
         self.inputs, self.outputs = list_inputs(table), list_outputs()
         self.sources = ("unit.c", f"{name}.c")
-        self.tool = f"tractive_sam {versions()['tractive-sam']}"  # type: ignore[operator]
+        self.tool = f"tractive_sam {versions()['tractive-sam']}"
 
     @property
     def files(self) -> dict[str, str]:
