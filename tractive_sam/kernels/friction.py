@@ -261,7 +261,7 @@ def linearise(
         the row is written in that vector.
     across : ndarray, shape (2, 2, nx, ny)
         Set to the response of the opposed slip to the slip at the leading face (first index 0) and
-        at the centre (1), across the direction of slip, in elements that slip.
+        at the centre (1), across the direction of slip, in elements that slip; elsewhere to zero.
     defect : ndarray, shape (2, nx, ny)
         Set to disc(p - w s) - p, the part across the direction of slip scaled like its row.
 
@@ -293,6 +293,8 @@ def linearise(
             s0, s1, ratio = turned[0, j], turned[1, j], ratios[j]
             direction[0, i, j] = direction[1, i, j] = 0.0
             kappa[i, j] = 1.0
+            # `tangent_row` multiplies by these everywhere: what memory holds may be slow numbers.
+            across[0, 0, i, j] = across[0, 1, i, j] = across[1, 0, i, j] = across[1, 1, i, j] = 0.0
             if g <= 0.0:
                 state[i, j] = OPEN
                 d0, d1 = -p0, -p1
