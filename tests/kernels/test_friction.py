@@ -187,9 +187,7 @@ def test_sweep_sums_from_the_leading_edge_where_it_sticks():
     state[0] = friction.OPEN
     row, increments, out = 7.0 * np.ones((2, 4, 1)), np.ones((2, 4, 1)), np.empty((2, 4, 1))
     zero, own = np.zeros((4, 1)), (1.0, 0.0, 1.0)
-    friction_inverse.sweep_upwind(
-        state, np.zeros((2, 4, 1)), zero + 1, zero, own, row, increments, zero, out
-    )
+    friction_inverse.sweep_upwind(state, np.zeros((2, 4, 1)), zero, zero, own, row, increments, out)
     np.testing.assert_array_equal(out[0, :, 0], [7, 3, 2, 1])  # an open one: what its row says
 
 

@@ -233,6 +233,18 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
         across[1, 1, i, j] += x * (a1 - agreement * m1)
 
 
+@compiled(inner=True)
+def _set_sticking(direction, kappa, across, i, j):
+    """Set the factors of an element that does not slip.
+
+    `tangent_row` multiplies by all of them: numbers that happen to be in memory may be denormal,
+    which takes four times as long.
+    """
+    kappa[i, j] = 1.0
+    direction[0, i, j] = direction[1, i, j] = 0.0
+    across[0, 0, i, j] = across[0, 1, i, j] = across[1, 0, i, j] = across[1, 1, i, j] = 0.0
+
+
 @compiled
 def linearise(
     traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
@@ -261,7 +273,7 @@ def linearise(
         the row is written in that vector.
     across : ndarray, shape (2, 2, nx, ny)
         Set to the response of the opposed slip to the slip at the leading face (first index 0) and
-        at the centre (1), across the direction of slip, in elements that slip; elsewhere to zero.
+        at the centre (1), across the direction of slip, in elements that slip, else to zero.
     defect : ndarray, shape (2, nx, ny)
         Set to disc(p - w s) - p, the part across the direction of slip scaled like its row.
 
@@ -291,10 +303,7 @@ def linearise(
             p0, p1 = traction[0, i, j], traction[1, i, j]
             m0, m1 = centre[0, j], centre[1, j]
             s0, s1, ratio = turned[0, j], turned[1, j], ratios[j]
-            direction[0, i, j] = direction[1, i, j] = 0.0
-            kappa[i, j] = 1.0
-            # `tangent_row` multiplies by these everywhere: what memory holds may be slow numbers.
-            across[0, 0, i, j] = across[0, 1, i, j] = across[1, 0, i, j] = across[1, 1, i, j] = 0.0
+            _set_sticking(direction, kappa, across, i, j)
             if g <= 0.0:
                 state[i, j] = OPEN
                 d0, d1 = -p0, -p1

@@ -10,54 +10,71 @@ from tractive_sam.kernels.friction import OPEN, SLIP, STICK
 
 
 @compiled
-def split(state, direction, kappa, stiffness, D, row, smooth, rough):
-    """Divide a residual into a smooth part (circulant inverse) and a rough part (local terms).
+def prepare_sweep(state, direction, kappa, stiffness, D, share, elastic, local):
+    """Set the factors of the upwind-sweep preconditioner (`divide_rows`, `sweep_upwind`).
 
     A local term gamma competes with the elastic one, of the size of the element's slip of itself,
     d = t.D t: of leading elements half the bound w (``stiffness``) on their response to the opening
     ahead, and of those that slip 1/kappa - 1, which counts 1 + w times since a row is divided by
     that (`operators.stencil.FrictionSlip`). The circulant inverse takes the share 2 d/(2 d + gamma)
-    (``smooth``); of an element that slips, the rest (``rough``, a scalar along t) is left to the
-    sweep.
+    of a row; of an element that slips, the rest is left to the sweep.
+
+    Parameters
+    ----------
+    share, elastic, local : ndarray, shape (n_x, n_y)
+        Set to the factors of a row in the part of the circulant inverse, of the elastic sum in the
+        traction along t of an element that slips, and of its row in that traction.
+    """
+    nx, ny = state.shape
+    trace = D[0] + D[2]
+    for i in range(nx):
+        for j in range(ny):
+            w, k = stiffness[i, j], kappa[i, j]
+            share[i, j] = elastic[i, j] = local[i, j] = 0.0
+            if state[i, j] == STICK:
+                share[i, j] = trace * (1.0 + w) / (trace + 0.5 * w)
+            elif state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
+                d = D[0] * t0 * t0 + 2.0 * D[1] * t0 * t1 + D[2] * t1 * t1
+                # Times kappa, by which the row is divided.
+                gamma = 0.5 * w * k + (1.0 + w) * (1.0 - k)
+                total = 2.0 * k * d + gamma
+                share[i, j] = 2.0 * (1.0 + w) / total
+                elastic[i, j] = 2.0 * k / total
+                local[i, j] = gamma * (1.0 + w) / (total * total)
+
+
+@compiled
+def divide_rows(state, direction, share, D, row, smooth):
+    """Set the part of a residual that the circulant inverse takes, ``smooth`` (`prepare_sweep`).
 
     The row of an element that slips is one number, D one of 2 x 2: as a vector the row goes along
     D t, what a traction along t makes of slip. Along t itself its part in the weaker direction of
     slip would be taken for traction there, too large by mu1²/mu2² (`sweep_upwind`).
     """
     nx, ny = state.shape
-    trace = D[0] + D[2]
     for i in range(nx):
         for j in range(ny):
-            sticks, slips = state[i, j] == STICK, state[i, j] == SLIP
-            w, k, r0, r1 = stiffness[i, j], kappa[i, j], row[0, i, j], row[1, i, j]
-            t0, t1 = -direction[1, i, j], direction[0, i, j]
-            d0, d1 = D[0] * t0 + D[1] * t1, D[1] * t0 + D[2] * t1
-            # Elastic over elastic and local: the circulant cannot know of a local term, and given
-            # all of a row that is nearly local it would make far too much of it. Times kappa, so
-            # that one division does.
-            local = 0.5 * w * k + (1.0 + w) * (1.0 - k)
-            total = 2.0 * k * (t0 * d0 + t1 * d1) + local
-            part = (1.0 + w) / (k * total if slips else trace + 0.5 * w)
-            of_stick = trace * part if sticks else 0.0
-            of_slip = (t0 * r0 + t1 * r1) * part if slips else 0.0
-            rough[i, j] = local * of_slip
-            of_slip *= 2.0 * k
-            smooth[0, i, j] = of_slip * d0 + of_stick * r0
-            smooth[1, i, j] = of_slip * d1 + of_stick * r1
+            r0, r1 = share[i, j] * row[0, i, j], share[i, j] * row[1, i, j]
+            if state[i, j] == SLIP:
+                t0, t1 = -direction[1, i, j], direction[0, i, j]
+                value = t0 * r0 + t1 * r1
+                r0, r1 = value * (D[0] * t0 + D[1] * t1), value * (D[1] * t0 + D[2] * t1)
+            smooth[0, i, j], smooth[1, i, j] = r0, r1
 
 
 @compiled
-def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out):
+def sweep_upwind(state, direction, elastic, local, D, row, smooth, out):
     """Set `out` to the traction of the preconditioner: smooth parts summed from the leading edge.
 
     The traction is zero at the leading edge. ``row`` is the residual of the linearised problem,
-    which `split` divides.
+    which `divide_rows` divides.
 
     ``smooth`` is what the circulant inverse made of its share: the increment of traction from one
     element to the next. In an element that slips only the part tau along t is integrated, with t.D
-    (t tau) = t.D (ahead + smooth). A local term gamma restrains it: 2 t.D (t tau - ahead - smooth)
-    + gamma tau = rough. The part along the direction of slip, and both parts in an open element,
-    are taken from ``row``.
+    (t tau) = t.D (ahead + smooth). A local term gamma restrains it, implicitly:
+    2 t.D (t tau - ahead - smooth) + gamma tau = the rest of the row (`prepare_sweep`). The part
+    along the direction of slip, and both parts in an open element, are taken from ``row``.
     """
     nx, ny = state.shape
     ahead = np.zeros((2, ny))
@@ -72,12 +89,8 @@ def sweep_upwind(state, direction, kappa, stiffness, D, row, smooth, rough, out)
             b = ahead[1, j] + smooth[1, i, j]
             if state[i, j] == SLIP:
                 t0, t1 = -direction[1, i, j], direction[0, i, j]
-                d0 = 2.0 * (D[0] * t0 + D[1] * t1)
-                d1 = 2.0 * (D[1] * t0 + D[2] * t1)
-                w, k = stiffness[i, j], kappa[i, j]
-                # Implicit, times kappa: if gamma outweighs d, the traction is rough/gamma.
-                total = k * (t0 * d0 + t1 * d1 + 0.5 * w) + (1.0 + w) * (1.0 - k)
-                tau = k * (d0 * a + d1 * b + rough[i, j]) / total
+                sheared = (D[0] * t0 + D[1] * t1) * a + (D[1] * t0 + D[2] * t1) * b
+                tau = elastic[i, j] * sheared + local[i, j] * (t0 * r0 + t1 * r1)
                 # The known part of the traction along its direction is left out of the sum: it
                 # saves no iterations, and misleads if the coefficients differ much.
                 a, b = tau * t0, tau * t1
@@ -94,8 +107,8 @@ def prepare_step(
 ):
     """Set the factors of the approximate inverse for a time step (`share_out`, `gather`).
 
-    As in `split`, for rows in the displacement itself. A local term gamma competes with d, the
-    displacement of an element under its own traction. An approximate inverse of A + gamma is
+    As in `prepare_sweep`, for rows in the displacement itself. A local term gamma competes with d,
+    the displacement of an element under its own traction. An approximate inverse of A + gamma is
 
         q C q + gamma/(d + gamma)²,    q = d/(d + gamma),
 

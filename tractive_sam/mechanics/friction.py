@@ -435,38 +435,22 @@ class Linearisation:
         if self.falling is not None:
             out -= self.falling.change(slip, self.contact) * self.direction
 
-    def approximate_inverse(
-        self,
-        rows: np.ndarray,
-        inverse: Callable[[np.ndarray], np.ndarray],
-        self_influence: tuple[float, float, float],
-        stiffness: np.ndarray,
-    ) -> np.ndarray:
-        """Return a traction change that nearly solves the equations of steady rolling.
-
-        D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum
-        from the leading edge, at which the traction is zero. This is sufficient in stick elements.
-        The equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction,
-        which may be much larger: the right-hand side is divided between both in proportion, and the
-        sum includes gamma implicitly.
+    def upwind_inverse(
+        self, self_influence: tuple[float, float, float], stiffness: np.ndarray
+    ) -> "UpwindInverse":
+        """Return the approximate inverse of the equations of steady rolling.
 
         Parameters
         ----------
-        rows : ndarray, shape (2, n_x, n_y)
-            Right-hand sides, see `rows`.
-        inverse : callable
-            Circulant inverse of the displacement A per length of an element.
         self_influence : tuple of float
             Entries (11, 12, 22) of the slip of an element by a unit traction on it.
         stiffness : ndarray, shape (n_x, n_y)
             Local term of leading stick elements (`FrictionSlip.stiffness`).
         """
+        factors = np.empty((3, *self.kappa.shape))
         here = self.state, self.direction, self.kappa, stiffness, self_influence
-        smooth, rough = np.empty_like(rows), np.empty(self.kappa.shape)
-        friction_inverse.split(*here, rows, smooth, rough)
-        out = np.empty_like(rows)
-        friction_inverse.sweep_upwind(*here, rows, inverse(smooth), rough, out)
-        return out
+        friction_inverse.prepare_sweep(*here, *factors)
+        return UpwindInverse(self, self_influence, *factors)
 
     def inverse_of_step(
         self, self_displacement: tuple[float, float, float], stiffness: np.ndarray
@@ -499,6 +483,50 @@ class Linearisation:
             up,
         )
         return InverseOfStep(self, stiffness, rough, share, behind, front, up)
+
+
+@dataclass(frozen=True, eq=False)
+class UpwindInverse:
+    """Approximate inverse of the equations of steady rolling, by an upwind sweep.
+
+    D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum from
+    the leading edge, at which the traction is zero. This is sufficient in stick elements. The
+    equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction, which may
+    be much larger: the right-hand side is divided between both in proportion, and the sum includes
+    gamma implicitly.
+
+    Attributes
+    ----------
+    law : Linearisation
+        The equations.
+    self_influence : tuple of float
+        Entries (11, 12, 22) of the slip of an element by a unit traction on it.
+    share, elastic, local : ndarray, shape (n_x, n_y)
+        Factors, see `kernels.friction_inverse.prepare_sweep`.
+    """
+
+    law: Linearisation
+    self_influence: tuple[float, float, float]
+    share: np.ndarray
+    elastic: np.ndarray
+    local: np.ndarray
+
+    def __call__(self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Return a step that nearly solves the equations.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (2, n_x, n_y)
+            Right-hand sides, see `Linearisation.rows`.
+        inverse : callable
+            Circulant inverse of the displacement A per length of an element.
+        """
+        here, D = (self.law.state, self.law.direction), self.self_influence
+        smooth, out = np.empty_like(rows), np.empty_like(rows)
+        friction_inverse.divide_rows(*here, self.share, D, rows, smooth)
+        smooth = inverse(smooth)
+        friction_inverse.sweep_upwind(*here, self.elastic, self.local, D, rows, smooth, out)
+        return out
 
 
 @dataclass(frozen=True, eq=False)

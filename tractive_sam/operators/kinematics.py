@@ -150,12 +150,8 @@ class SteadyRolling(Kinematics):
 
         Parameters as in `Kinematics.approximate_inverse`.
         """
-        return partial(
-            law.approximate_inverse,
-            inverse=operators.tangential_inverse,
-            self_influence=operators.self_influence,
-            stiffness=stiffness,
-        )
+        upwind_inverse = law.upwind_inverse(operators.self_influence, stiffness)
+        return partial(upwind_inverse, inverse=operators.tangential_inverse)
 
 
 @dataclass(frozen=True, eq=False)

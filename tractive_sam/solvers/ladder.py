@@ -11,6 +11,7 @@ from tractive_sam.solvers.nested import Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start
 from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.rectangle import AroundContact
 from tractive_sam.solvers.sequential import RoughSequential, Sequential
 from tractive_sam.solvers.uniqueness import UniqueSolution
 from tractive_sam.solvers.uzawa import Uzawa
@@ -86,7 +87,7 @@ class Method:
         return cls(solver, solver, repr(solver))
 
 
-NORMAL = Nested(ConjugateGradients())
+NORMAL = Nested(AroundContact(ConjugateGradients()))
 PRESSURE_ONLY = Sequential(NORMAL)
 """Bodies without cause for traction."""
 

@@ -6,10 +6,10 @@ import numpy as np
 
 from tractive_sam.operators import Box
 from tractive_sam.results import Cost, Status
-from tractive_sam.solvers.conjugate_gradients import natural_residual
 from tractive_sam.solvers.nested import shares
 from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start, needed
 from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem
+from tractive_sam.solvers.rectangle import embed, rectangle
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,10 @@ class Sequential:
     ----------
     normal, tangential : ProblemSolver
         Methods of both problems. Without the second there is no traction.
-    around : int
-        Elements around a contact nearby in which the normal problem is solved.
     """
 
     normal: ProblemSolver
     tangential: ProblemSolver | None = None
-    around: int = 2
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -49,24 +46,11 @@ class Sequential:
     def _normal(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
-        """Solve the normal problem, first on a rectangle around a contact nearby."""
-        if start is None:
-            return self.normal.solve(problem, tolerance)
+        """Solve the normal problem, unless the start is its solution."""
         if isinstance(start, Start) and start.gap is not None:
             fields = start.pressure, start.gap, None, None, start.approach
             return Outcome(Status.CONVERGED, 0.0, 0, Cost(), *fields)
-        shape, nearby = problem.gap.shape, needed(start.pressure, "start.pressure")
-        box = rectangle(nearby > 0.0, self.around)
-        if box == tuple(slice(0, n) for n in shape):
-            return self.normal.solve(problem, tolerance, start)
-        near = self.normal.solve(problem.within(box), tolerance, Start(nearby[box]))
-        pressure = embed(needed(near.pressure, "outcome.pressure"), box, shape)
-        gap = problem.gap + problem.operators.normal(pressure[None])[0] - near.approach
-        residual, cost = natural_residual(pressure, gap), near.cost + Cost(1.0)
-        near = replace(near, pressure=pressure, gap=gap, residual=residual, cost=cost)
-        if near.converged and residual <= tolerance:
-            return near
-        return self.normal.solve(problem, tolerance, near).costing(near)
+        return self.normal.solve(problem, tolerance, start)
 
     def _tangential(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None
@@ -157,36 +141,3 @@ def _refuse_forces(problem: Problem, share: float) -> Outcome:
     return Outcome(
         Status.DIVERGED, 1.0, 0, Cost(), traction=none, slip=none, creepage=creepage, trace=(note,)
     )
-
-
-def rectangle(contact: np.ndarray, around: int = 0) -> Box:
-    """Return the box around a contact: a further row on both sides in x, and `around` elements.
-
-    The slip at the centre of an element depends on the slip of the row behind it, the slip of a
-    leading element on the gap ahead.
-    """
-    i = np.flatnonzero(contact.any(axis=1))
-    j = np.flatnonzero(contact.any(axis=0))
-    nx, ny = contact.shape
-    along = _round_up(i[0] - 1 - around, i[-1] + 2 + around, nx)
-    return along, _round_up(j[0] - around, j[-1] + 1 + around, ny)
-
-
-def _round_up(first: int, end: int, size: int) -> slice:
-    """Return a slice that contains the elements first to end, of one of few lengths.
-
-    Contacts that grow element by element then share their operators and plans, at the price of at
-    most a sixteenth more elements, or three.
-    """
-    first, end = max(first, 0), min(end, size)
-    step = max(4, 2 ** int(np.log2((end - first) / 16 + 1)))
-    length = min(-(-(end - first) // step) * step, size)
-    first = min(first, size - length)
-    return slice(first, first + length)
-
-
-def embed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
-    """Return a field on a box as a field on the full mesh, zero outside the box."""
-    full = np.zeros((*field.shape[:-2], *shape), field.dtype)
-    full[..., *box] = field
-    return full
