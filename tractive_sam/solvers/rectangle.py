@@ -15,8 +15,8 @@ from tractive_sam.solvers.problem import NormalProblem
 class AroundContact:
     """Solves a normal problem around the contact of its start, and checks the gap on the mesh.
 
-    If the contact exceeds the rectangle, the problem is solved on the mesh. Without a start it is
-    solved on the mesh at once.
+    If the contact exceeds the rectangle, the problem is solved on the mesh. Without a start, or on
+    a small mesh, it is solved on the mesh at once.
 
     Attributes
     ----------
@@ -24,18 +24,23 @@ class AroundContact:
         Method for normal problems.
     around : int
         Elements around the contact of the start.
+    least_size : int
+        Elements of the smallest mesh on which a rectangle saves time. On smaller meshes the calls
+        take longer than the transforms, and the check of the gap costs more than is saved.
     """
 
     solver: ProblemSolver
     around: int = 2
+    least_size: int = 4096
 
     def solve(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
         """Solve a normal problem; see `ProblemSolver`."""
-        if start is None or not needed(start.pressure, "start.pressure").any():
+        shape = problem.gap.shape
+        nearby = None if start is None or problem.gap.size < self.least_size else start.pressure
+        if nearby is None or not nearby.any():
             return self.solver.solve(problem, tolerance, start)
-        shape, nearby = problem.gap.shape, needed(start.pressure, "start.pressure")
         box = rectangle(nearby > 0.0, self.around)
         if box == tuple(slice(0, n) for n in shape):
             return self.solver.solve(problem, tolerance, start)
