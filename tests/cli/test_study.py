@@ -94,7 +94,7 @@ def test_explain(call, file, monkeypatch):
     assert result.exit_code == 0
     for text in ("Friction of small spheres", "2 values: 0.2, 0.4", "2 cases", "with 3 workers"):
         assert text in result.stdout
-    monkeypatch.setattr("tractive_sam.operators.cores", lambda: 7)
+    monkeypatch.setattr("tractive_sam.compute.cores", lambda: 7)
     assert "with 7 workers" in call("explain", file).stdout
     assert "note" not in call("explain", file).stderr  # it cannot be a table
     refused = call("explain", file, "--set", "load.normal=1")

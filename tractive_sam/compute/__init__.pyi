@@ -5,7 +5,14 @@ from .backend import Backend as Backend
 from .backend import Places as Places
 from .backends import backend_of as backend_of
 from .convolution import Convolution as Convolution
+from .fft import fast_length as fast_length
+from .fft import padded_length as padded_length
+from .fft import spectrum as spectrum
+from .fft import transform as transform
 from .memory import available_memory as available_memory
 from .meter import ConvolutionMeter as ConvolutionMeter
+from .stress_fft import LayerTransform as LayerTransform
+from .stress_fft import edge_transform as edge_transform
+from .stress_fft import layer_transform as layer_transform
 from .threads import cores as cores
 from .threads import single_blas_thread as single_blas_thread

@@ -17,8 +17,7 @@ from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from tractive_sam.compute import Convolution
-from tractive_sam.compute.fft import spectrum
+from tractive_sam.compute import Convolution, spectrum
 from tractive_sam.mechanics import Elasticity, Frame
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice

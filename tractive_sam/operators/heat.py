@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tractive_sam.compute import Convolution
-from tractive_sam.compute.fft import padded_length, spectrum
+from tractive_sam.compute import Convolution, padded_length, spectrum
 from tractive_sam.kernels import heat
 from tractive_sam.results import Grid
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tractive_sam.compute.fft import fast_length, transform
+from tractive_sam.compute import fast_length, transform
 from tractive_sam.results import Grid, widen_field
 
 

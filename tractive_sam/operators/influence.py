@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from tractive_sam.compute.fft import fast_length, padded_length
+from tractive_sam.compute import fast_length, padded_length
 from tractive_sam.mechanics import Elasticity
 
 Box = tuple[slice, slice]

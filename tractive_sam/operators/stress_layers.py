@@ -8,8 +8,7 @@ from threading import Lock
 
 import numpy as np
 
-from tractive_sam.compute.fft import padded_length, transform
-from tractive_sam.compute.stress_fft import LayerTransform, layer_transform
+from tractive_sam.compute import LayerTransform, layer_transform, padded_length, transform
 from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_spectral import layer_product
 from tractive_sam.operators.influence import Lattice

@@ -5,8 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from tractive_sam.compute.fft import padded_length
-from tractive_sam.compute.stress_fft import edge_transform
+from tractive_sam.compute import edge_transform, padded_length
 from tractive_sam.kernels.stress_lattice import edge_table
 from tractive_sam.kernels.stress_spectral import plane_product
 from tractive_sam.operators.load_extent import extent, largest_offset

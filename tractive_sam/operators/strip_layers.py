@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tractive_sam.compute.fft import padded_length, transform
+from tractive_sam.compute import padded_length, transform
 from tractive_sam.kernels.strip_stress import edge_factors
 from tractive_sam.operators.influence import Lattice
 

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tractive_sam.compute.fft import spectrum, transform
+from tractive_sam.compute import spectrum, transform
 from tractive_sam.kernels import surface_stress as surface_kernels
 from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import influence
