@@ -247,10 +247,19 @@ except KeyboardInterrupt:
 
 
 def test_signals_are_noted_before_anything_is_loaded(folder):
-    code = "import sys; before = {*sys.modules}; import tractive_sam.cli as cli\n"
-    code += "cli._record_signals(); print(*sorted({*sys.modules} - before))"
+    code = """
+import signal, sys
+before = {*sys.modules}
+import tractive_sam.cli as cli
+class FirstImport:
+    def find_spec(*_):
+        print(signal.getsignal(signal.SIGINT).__module__, *sorted({*sys.modules} - before))
+        sys.exit()
+sys.meta_path.insert(0, FirstImport)
+cli.main()
+"""
     found = ran(folder, code, signal.SIGINT)
-    assert found.stdout.split() == ["tractive_sam", "tractive_sam.cli"]
+    assert found.stdout.split() == ["tractive_sam.cli", "tractive_sam", "tractive_sam.cli"]
 
 
 @pytest.mark.slow

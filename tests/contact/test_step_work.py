@@ -64,14 +64,14 @@ def test_friction_is_the_work_of_tractions_on_the_slip_of_their_particles(builti
         held = way.parabola_mask(touching) & stepper.model.stencil.staggered
         tractions = stepper.model.scaled_fields(past), stepper.model.scaled_fields(now.contact)
         requested = StepInput(now.distance, by)
-        came = way.previous_values(stepper._displacement(before, way.reach), held)
+        came = way.previous_values(stepper.displacement(before, way.reach), held)
         spread = way.spread(tractions[1], held)
         later = stepper.operators.part(spread.shape[1:]).tangential(spread)[:, :columns]
         slips = (
-            stepper._rigid_slip(requested, way, -0.5 * way.length)
+            stepper.rigid_slip(requested, way, -0.5 * way.length)
             + later
-            - stepper._displacement(before, 0)[:, :columns],
-            stepper._rigid_slip(requested, way, way.middle(held))
+            - stepper.displacement(before, 0)[:, :columns],
+            stepper.rigid_slip(requested, way, way.middle(held))
             + now.displacement[:, :columns]
             - came,
         )

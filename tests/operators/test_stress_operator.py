@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_sum import sum_patch_stress
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
@@ -139,18 +140,25 @@ def test_error_far_below_is_absolute():
 def test_what_is_kept_of_a_mesh_is_bounded_and_changes_nothing(monkeypatch):
     layers = StressLayers(MESH, random_tractions(*BOXES[0]), POISSON, SIGNS)
     depths = np.linspace(0.1, 0.9, 9)
+    computed, cache = [], stress_layers.LayerCache()
+
+    def compute_table(tables, depth, *more):
+        computed.append(depth)
+        layer_table(tables, depth, *more)
+
+    monkeypatch.setattr(stress_layers, "layer_table", compute_table)
+    monkeypatch.setattr(stress_layers, "layer_cache", cache)
     once = [layers.at(depth) for depth in depths]
-    kept = stress_layers._Transforms()
-    px, py = layers._padded
-    size = 4 * px * (py // 2 + 1) * 16
-    monkeypatch.setattr(stress_layers, "_transforms", kept)
-    monkeypatch.setattr(stress_layers, "MAX_BYTES", 5 * size)
+    small = stress_layers.LayerCache(cache.size() * 5 // 9)
+    monkeypatch.setattr(stress_layers, "layer_cache", small)
+    computed.clear()
     for _ in range(2):
         for depth, stress in zip(depths, once, strict=True):
             np.testing.assert_array_equal(layers.at(depth), stress)
-            assert kept._size() <= stress_layers.MAX_BYTES
-    mesh = (GRID.dx, GRID.dy, *layers._padded)
-    assert [kept.get(mesh, depth) is not None for depth in depths] == 5 * [True] + 4 * [False]
+            assert small.size() <= small.max_bytes
+    assert computed == [*depths, *depths[5:]]
     other = StressLayers(MESH.with_shape((20, 10)), np.ones((3, 20, 10)), (0.3,), (1.0,))
     other.at(0.1)
-    assert kept.get(mesh, depths[0]) is None
+    computed.clear()
+    layers.at(depths[0])
+    assert computed == [depths[0]]

@@ -268,8 +268,8 @@ def test_positions_of_a_wheelset_are_axes():
     assert design.symmetries == (False, True)
     w = np.array([1.0, -0.5, 0.2])
     contacts = design.contacts((1.5, 2.0))
-    state = contacts._state(w, 15)
-    motion = dict(zip(("longitudinal", "lateral", "spin"), w * contacts._creepage, strict=True))
+    state = contacts.solve_on_mesh(w, 15)
+    motion = {"longitudinal": state.xi_x, "lateral": state.xi_y, "spin": state.spin}
     grid = {"half_length": state.grid.half_length, "elements": state.grid.elements}
     tables |= {"wheelset": {"y": 1.5, "yaw": 2.0, "normal_load": 8e4}, "grid": grid}
     expected = ts.solve(ts.Scene(**tables, creepage=motion))

@@ -129,8 +129,8 @@ class Stepper:
         """Return the motion of particles to the nodes, without the slip of unknown creepages."""
         touching = advection.with_nodes_ahead(before.contact.pressure) > 0.0
         curved = advection.parabola_mask(touching) & self.model.stencil.staggered
-        rigid = self._rigid_slip(inputs, advection, advection.middle(curved))
-        displacement = self._displacement(before, advection.reach)
+        rigid = self.rigid_slip(inputs, advection, advection.middle(curved))
+        displacement = self.displacement(before, advection.reach)
         return ParticleMotion(
             advection, curved, advection.previous_values(displacement, curved), rigid
         )
@@ -236,12 +236,12 @@ class Stepper:
 
     def at_rest(self, contact: State) -> StepResult:
         """Return a contact as the step before the first one, with its energy and displacements."""
-        displacement = self._displacement(StepResult(contact), 0)
+        displacement = self.displacement(StepResult(contact), 0)
         energy = self.work.energy(self.model.scaled_fields(contact), displacement)
         none = np.zeros((2, *self.model.grid.elements))
         return StepResult(contact, energy=energy, displacement=displacement, worn=none, gained=none)
 
-    def _displacement(self, result: StepResult, reach: int) -> np.ndarray:
+    def displacement(self, result: StepResult, reach: int) -> np.ndarray:
         """Return dimensionless displacements of a step at the nodes and at `reach` nodes ahead."""
         nx = self.model.grid.elements[0]
         if result.displacement.shape[1] >= nx + reach:
@@ -253,7 +253,7 @@ class Stepper:
         with_pressure = len(fields) == 3
         return (operators.coupled_displacement if with_pressure else operators.tangential)(nodes)
 
-    def _rigid_slip(
+    def rigid_slip(
         self, inputs: StepInput, advection: Advection, middle: np.ndarray | float
     ) -> np.ndarray:
         """Return the slip of the undeformed bodies in a step, dimensionless, (2, n_x, n_y).
@@ -307,7 +307,7 @@ class Stepper:
         response = None
         if not (model.elasticity.coupled and pressure.min() < 0.0):
             columns = model.grid.elements[0]
-            response = extrapolate(lambda step: self._displacement(step, 0)[:, :columns])
+            response = extrapolate(lambda step: self.displacement(step, 0)[:, :columns])
         traction = extrapolate(lambda step: step.contact.traction)
         return Start(
             np.maximum(pressure, 0.0) / units.pressure,
@@ -356,7 +356,7 @@ class Stepper:
         See `step_work`.
         """
         between, work = motion.advection.part, self.work
-        displacement = self._displacement(result, max(motion.advection.reach, 1))
+        displacement = self.displacement(result, max(motion.advection.reach, 1))
         further = between and self.model.elasticity.coupled  # see _later_displacement
         cost = result.contact.cost + Cost(2.0 if further else 1.0)  # for the displacement
         contact = replace(result.contact, cost=cost)
@@ -387,8 +387,8 @@ class Stepper:
         earlier = Particles(
             past.pressure,
             fields,
-            self._later_displacement(result, motion) - self._displacement(before, 0)[:, :columns],
-            self._rigid_slip(inputs, advection, -0.5 * advection.length) + motion.computed,
+            self._later_displacement(result, motion) - self.displacement(before, 0)[:, :columns],
+            self.rigid_slip(inputs, advection, -0.5 * advection.length) + motion.computed,
             earlier=True,
             wearing=(moves[:columns] > 0.0).astype(float),
         )

@@ -14,18 +14,21 @@ from tractive_sam.kernels.stress_spectral import layer_product
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.load_extent import largest_offset
 
-MAX_BYTES = 64 * 2**20
-"""Most memory of the transforms that are stored for further layers, bytes."""
 
-
-class _Transforms:
+class LayerCache:
     """Cache of the transformed influence tables of stress, by mesh and depth, limited in bytes.
 
     If they become too many, the mesh used longest ago is dropped. Of one mesh the first depths are
     retained, as every pass goes through all depths.
+
+    Parameters
+    ----------
+    max_bytes : int
+        Largest size of all tables, bytes.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, max_bytes: int = 64 * 2**20) -> None:
+        self.max_bytes = max_bytes
         self._meshes: OrderedDict[Hashable, dict[float, np.ndarray]] = OrderedDict()
         self._lock = Lock()
 
@@ -41,17 +44,18 @@ class _Transforms:
         """Store a copy of the transformed tables of a mesh at a depth, if there is room for it."""
         with self._lock:
             of_mesh = self._meshes.setdefault(mesh, {})
-            while self._size() + transforms.nbytes > MAX_BYTES and len(self._meshes) > 1:
+            while self.size() + transforms.nbytes > self.max_bytes and len(self._meshes) > 1:
                 self._meshes.popitem(last=False)
-            if self._size() + transforms.nbytes <= MAX_BYTES:
+            if self.size() + transforms.nbytes <= self.max_bytes:
                 of_mesh[depth] = transforms.copy()
 
-    def _size(self) -> int:
+    def size(self) -> int:
         """Return the size of all cached tables, bytes."""
         return sum(layer.nbytes for of_mesh in self._meshes.values() for layer in of_mesh.values())
 
 
-_transforms = _Transforms()
+layer_cache = LayerCache()
+"""Tables of all contacts of this process."""
 
 
 class StressLayers:
@@ -61,8 +65,8 @@ class StressLayers:
     :mod:`tractive_sam.kernels.stress`. For tractions constant on every element the result is exact;
     its error is rounding, about 1e-15 of the tractions at any depth. The stress of a layer is not
     stored, so that memory does not grow with the number of layers. Bodies under one contact share
-    the integrals over an element, which do not depend on Poisson's ratio, and their transforms; up
-    to `MAX_BYTES` bytes of these serve other tractions on this mesh.
+    the integrals over an element, which do not depend on Poisson's ratio, and their transforms; the
+    cache of these serves other tractions on this mesh.
 
     Parameters
     ----------
@@ -128,12 +132,12 @@ class StressLayers:
         """Return the transformed influence tables at one depth, from the cache or computed."""
         sides = self.lattice.dx, self.lattice.dy
         mesh = *sides, *self._padded
-        packs = _transforms.get(mesh, depth)
+        packs = layer_cache.get(mesh, depth)
         if packs is None:
             self._by_rows(partial(layer_table, transform.tables, depth, *sides))
             transform.forward()
             packs = transform.packs
-            _transforms.keep(mesh, depth, packs)
+            layer_cache.keep(mesh, depth, packs)
         return packs
 
     def _by_rows(self, work: Callable[[int, int], None]) -> None:

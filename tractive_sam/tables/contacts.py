@@ -97,13 +97,13 @@ class Contacts:
             If a contact is not solved.
         """
         meshes = [odd(elements / 2.0), odd(elements / 2.0**0.5), elements]
-        states = [self._state(w, n) for n in meshes]
+        states = [self.solve_on_mesh(w, n) for n in meshes]
         forces = [self._scaled(state) for state in states]
         while (bar := _error_bar(*forces[-3:])).max() > wanted and odd(
             meshes[-1] * 2.0**0.5
         ) <= finest:
             meshes.append(odd(meshes[-1] * 2.0**0.5))
-            states.append(self._state(w, meshes[-1]))
+            states.append(self.solve_on_mesh(w, meshes[-1]))
             forces.append(self._scaled(states[-1]))
         if not gradient:
             return Solved(forces[-1], bar, np.zeros((3, 3)))
@@ -122,7 +122,7 @@ class Contacts:
         slopes, moments = [], []
         for n in map(int, meshes):
             is_used = n in self._models
-            contact = self._state(np.zeros(3), n)
+            contact = self.solve_on_mesh(np.zeros(3), n)
             slopes.append(self._gradient(contact, n))
             moments.append(self._excess_moments(contact, n))
             if not is_used:  # fine meshes are used once, and their operators are large
@@ -131,7 +131,7 @@ class Contacts:
 
     def forces(self, w: np.ndarray, elements: int) -> np.ndarray:
         """Return the scaled forces at scaled creepages w, solved on one mesh, shape (3,)."""
-        return self._scaled(self._state(w, elements))
+        return self._scaled(self.solve_on_mesh(w, elements))
 
     def _model(self, elements: int) -> Model:
         """Return the model with a number of elements across the contact, cached."""
@@ -173,8 +173,21 @@ class Contacts:
         exact = 0.25 * np.pi * a * b * np.array([a**2, b**2])
         return moments * grid.dx * grid.dy / exact - 1.0
 
-    def _state(self, w: np.ndarray, elements: int) -> State:
-        """Return the solved contact at scaled creepages w on a mesh."""
+    def solve_on_mesh(self, w: np.ndarray, elements: int) -> State:
+        """Return the solved contact at scaled creepages w on one mesh.
+
+        Parameters
+        ----------
+        w : ndarray, shape (3,)
+            Longitudinal and lateral creepage and spin, scaled.
+        elements : int
+            Elements across the contact.
+
+        Raises
+        ------
+        RuntimeError
+            If the contact is not solved.
+        """
         model = self._model(elements)
         creepages = dict(zip(self.keys, w * self._creepage, strict=True))
         _, contact = solve_from_nearby(with_creepages(model, creepages), self._last.get(elements))
