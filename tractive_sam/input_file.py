@@ -36,7 +36,7 @@ def open_regular(path: str | PathLike[str]) -> BinaryIO:
 
 
 def read_text(path: str | PathLike[str], max_bytes: int, encoding: str = "utf-8") -> str:
-    """Return the text of a regular file or a pipe, of at most `max_bytes`.
+    """Return the text of a regular file or a pipe; raise an OSError above `max_bytes`.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _content(lines: Sequence[str]) -> Iterator[tuple[int, str]]:
 
 
 def read_piped(max_bytes: int, encoding: str = "utf-8") -> str:
-    """Return the text of the standard input, of at most `max_bytes`.
+    """Return the text of the standard input; raise an OSError above `max_bytes`.
 
     Parameters
     ----------

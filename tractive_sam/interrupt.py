@@ -169,7 +169,7 @@ def _end_overdue(_number: int, _frame) -> None:
 
 
 def _end_at_once(message: str) -> None:
-    """Print a message and end the process without cleaning up."""
+    """Print a message, unless one was printed, and end the process at once with status 3."""
     # Exit status of a program that was stopped, see `cli.output.Status`.
     stopped = 3
     # No cleanup is needed: a results file is complete at every moment.

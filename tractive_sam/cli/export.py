@@ -119,7 +119,7 @@ def export(
 
 
 def _select_block(opened: "ts.State | ts.History", block: str | None) -> "ts.State | ts.History":
-    """Return the history of one block of a duty cycle; without blocks, the input unchanged."""
+    """Return the named block of a duty cycle, else the input; LookupError if it must be named."""
     if isinstance(opened, ts.State):
         if block is not None:
             raise LookupError(

@@ -128,7 +128,7 @@ def print_fit(result: "ts.FitResult") -> None:
 
 
 def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
-    """Print a fit, also an interrupted one, and return True; False if the file is no fit."""
+    """Print a fit as text or JSON, exit if CSV is requested; return whether the file is a fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
@@ -149,7 +149,7 @@ def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
 
 
 def plot_fit(file: Path, folder: Path | None, format: str, dpi: int, measured: bool) -> bool:
-    """Save the figures of a fit and return True; False if the file is no fit."""
+    """Save figures of a complete fit, exit with `measured`; return whether the file is a fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):
@@ -166,7 +166,7 @@ def plot_fit(file: Path, folder: Path | None, format: str, dpi: int, measured: b
 
 
 def write_fit_report(file: Path, output: Path | None, measured: bool) -> bool:
-    """Write the HTML page of a fit and return True; False if the file is no fit."""
+    """Write the page of a complete fit, exit with `measured`; return whether it is a fit."""
     from tractive_sam.fitting import is_fit
 
     if not is_fit(file):

@@ -77,7 +77,7 @@ def discard_output(stream: TextIO) -> None:
 
 
 def console(stderr: bool = False, error: bool = False, width: int = 120) -> Console:
-    """Return a rich console on the current standard output or standard error.
+    """Return a console on standard output or error; after --quiet it prints only errors there.
 
     Parameters
     ----------

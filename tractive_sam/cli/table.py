@@ -158,7 +158,7 @@ def _describe_cost_and_errors(about: Mapping[str, Any]) -> str:
 
 
 def _check_names(header: Path | None, fmu: Path | None) -> None:
-    """End with an error for unsuitable names of C and FMU files, or if fmpy is missing."""
+    """End with an error if a file name is no C name, a header no .h, or fmpy is missing."""
     from tractive_sam.extras import check_extra
     from tractive_sam.lookup import check_name
 

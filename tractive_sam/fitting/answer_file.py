@@ -20,7 +20,7 @@ from tractive_sam.store import DamagedError, ResultsError, versions
 def read_answers(
     document: FitDesign, path: str | PathLike[str] | None, overwrite: bool
 ) -> dict[str, Answer]:
-    """Return the answers in the file of an earlier run of this fit, by digest; {} if unusable.
+    """Return stored answers of an earlier run by digest, {} if none fit; raise for another scene.
 
     Raises
     ------

@@ -94,7 +94,7 @@ class Reply:
         return not self.answer.numbers
 
     def at(self, name: str, places: Sequence[float]) -> np.ndarray:
-        """Return a column at given records (revolutions or distances), shape (len(places), ...).
+        """Return a column at revolutions or distances of the case; all alike for one record.
 
         Parameters
         ----------
@@ -169,7 +169,7 @@ def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
 
 
 def _roll(case: FitCase) -> Answer:
-    """Roll the scene of a case, and return its answer."""
+    """Roll the scene of a case and return columns of its nearest records, or why the run failed."""
     history = roll(case.scene, progress=False)
     cost = int(history.totals["contact_solves"]), 1, float(np.nansum(history["convolutions"]))
     if not history.finished:

@@ -49,7 +49,7 @@ def _check_parameters(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_free_keys(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of free keys without a numeric start."""
+    """Yield faults of free keys without a numeric start, or of a pair freed with its numbers."""
     parameters = {table.key: table for table in entries["parameter"]}
     for key in entries["free"]:
         try:
@@ -213,7 +213,7 @@ class FitDesign(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Return the tables with paths of scene and data files taken relative to a folder."""
+        """Put a folder before paths of data files and a scene file there; return the tables."""
         match tables:
             case {"fit": {"scene": str(name)} as fit} if (folder / name).is_file():
                 fit["scene"] = str(folder / name)

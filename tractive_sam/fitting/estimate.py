@@ -88,7 +88,7 @@ class Estimate:
         return float(low), float(high)
 
     def interval(self, level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return low ends, high ends and standard deviations of the parameters, each (n,)."""
+        """Return low ends, high ends, standard deviations; nan, nan, inf if undetermined."""
         parameters = self.problem.parameters
         n = len(parameters)
         deviation = np.sqrt(np.diag(self.covariance)[:n])
@@ -101,7 +101,7 @@ class Estimate:
 
     @property
     def scatter(self) -> float:
-        """Factor on the stated noise that makes chi-square the degrees of freedom, or 1."""
+        """Factor on the noise that makes chi-square its degrees; 1 unless `by_scatter`."""
         if not self.by_scatter or self.degrees <= 0:
             return 1.0
         return math.sqrt(self.chi2 / self.degrees)

@@ -70,7 +70,7 @@ class ProfileLikelihood:
         return self.best.scatter * float(norm.ppf(0.5 + 0.5 * self.fit.level))
 
     def _end(self, sign: float, points: list[tuple[float, float]]) -> float:
-        """Return the coordinate of the low (sign -1) or high end of the interval, or nan.
+        """Return the low (sign -1) or high end of the interval, or the bound; nan if unknown.
 
         The others start in proportion to the parameter: first as the covariance has it, then as
         they were at the point before.

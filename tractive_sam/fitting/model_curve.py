@@ -15,7 +15,7 @@ from tractive_sam.fitting.variables import Variables
 
 
 def curve_variables(best: Estimate, fit: Fit) -> Variables:
-    """Return variables with predictions between measured points and their standard deviations.
+    """Return variables of predictions between points of single contacts that vary one key.
 
     Only data sets of single contacts that differ in one key have them: a roll for each point would
     cost more than the fit.

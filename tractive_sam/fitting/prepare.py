@@ -50,7 +50,7 @@ class SharedRecords:
 
 
 def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
-    """Return a scene without the tables that no requested column needs, such as [fatigue].
+    """Return a scene without [subsurface] and [fatigue] if unneeded, and [wear] if `unworn`.
 
     Parameters
     ----------

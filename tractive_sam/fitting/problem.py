@@ -209,7 +209,7 @@ class FitProblem:
     def _replies(
         self, points: Mapping[str, np.ndarray], derivatives: bool = True
     ) -> dict[tuple, Reply] | None:
-        """Compute cases at named points; return replies by (series, point, group), or None.
+        """Return replies at named points by (series, point, group); None if a scene is invalid.
 
         Exact derivatives are computed at the point "", and there only if they are wanted. At other
         points, only what has no exact derivative is computed.

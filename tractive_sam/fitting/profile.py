@@ -91,7 +91,7 @@ class ProfilePosition:
 
 
 def _depth(y: np.ndarray, depth: np.ndarray, order: int = 0):
-    """Return the depth as a monotone cubic function of y; zero beyond the mesh."""
+    """Return the depth, or its derivative, as a function of y: monotone cubic, 0 off the mesh."""
     step = y[1] - y[0]
     places = np.concatenate(([y[0] - step], y, [y[-1] + step]))
     curve = PchipInterpolator(places, np.pad(depth, 1), extrapolate=False)

@@ -89,7 +89,7 @@ class FitResult:
         return text_table("Fit", self.summary() | self._remarks())
 
     def _repr_html_(self) -> Html:
-        """Return the tables and the figures of the fit as HTML, for notebooks."""
+        """Return the tables and the first figure of a fit as HTML, for notebooks."""
         # Figures read results; they are taken from the public package, as a user does.
         from tractive_sam.fitting import fit_figures  # noqa: PLC0415
 

@@ -65,7 +65,7 @@ class Search:
         return best
 
     def _random_starts(self) -> list[np.ndarray]:
-        """Return random starting points of the search, within the bounds."""
+        """Return `fit.starts` - 1 random starts within bounds; 0 for positions of profiles."""
         n, count = len(self.problem.parameters), self.fit.starts - 1
         low, high = self.problem.parameters.bounds
         low = np.where(np.isfinite(low), low, 1.0 - self.reach)

@@ -110,7 +110,7 @@ class Series:
         return replace(bare, groups=tuple(groups), exact=exact)
 
     def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
-        """Return the scene at the first values, and with each parameter changed a little."""
+        """Return the scene at the start, and valid ones with each parameter raised some 5 %."""
         values = start.values_by_key(np.ones(len(start)))
         scenes = [self.scene_at(values, settings)]
         for k in range(len(start)):

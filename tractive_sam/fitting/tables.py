@@ -147,7 +147,7 @@ def _check_source(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_place(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults if the revolution or distance of a record is given twice."""
+    """Yield faults if `at` and `vary` both choose the record, or `vary` by two coordinates."""
     places = [key for key in entries["vary"] if key in COORDINATES]
     if places and entries["at"] is not None:
         yield Fault("at", f"{entries['at']:g}, and {places[0]} varies", "at or vary, not both")
@@ -232,7 +232,7 @@ class Data(Observation):
 
 
 def _check_bounds(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield faults of bounds that do not contain the start."""
+    """Yield faults if the lower bound is not below the upper one, or the start is outside them."""
     lower, upper, start = entries["lower"], entries["upper"], entries["start"]
     if lower is not None and upper is not None and lower >= upper:
         yield Fault("upper", f"{upper:g}", f"above lower, {lower:g}")

@@ -46,7 +46,7 @@ def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, An
 
 
 def _widen(record: Record, name: str, grid: Grid) -> np.ndarray:
-    """Return a field of a record on a mesh that may be wider; nan everywhere if not recorded."""
+    """Return a field on a mesh that may be wider: 0, inf or nan outside, all nan if missing."""
     if name not in record.fields:
         return np.full_like(record.fields["pressure"], np.nan)
     return widen_field(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))

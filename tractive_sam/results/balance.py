@@ -53,11 +53,11 @@ class SteadyBalance:
 
     @property
     def wear_overall(self) -> np.ndarray:
-        """Wear balances that decide whether the wear of a history is accurate, shape (m,)."""
+        """Wear balances by which the wear of a history is judged: `wear` of each record."""
         return self.wear
 
     def _worn_by_work(self, worn: np.ndarray, work: np.ndarray, total: np.ndarray) -> np.ndarray:
-        """Return wear over the wear expected from `work`; nan if it is rounding beside `total`."""
+        """Return wear over the nearest wear that `work` allows; nan if unknown or rounding."""
         per_work = self._wear_per_work
         if per_work is None:
             return np.full(len(worn), np.nan)
@@ -67,7 +67,7 @@ class SteadyBalance:
 
     @property
     def _wear_per_work(self) -> tuple[float, float] | None:
-        """Smallest and largest wear area per frictional work, 1/MPa; None if the law changes."""
+        """Wear depth per frictional work along both axes, 1/MPa; None if not constant."""
         scene = self.history.scene
         changing = "friction.mu" in scene.schedule.courses
         changing = changing or scene.has("wear.temperature") or scene.has("duty")
@@ -98,7 +98,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def energy(self) -> np.ndarray:
-        """Ratio of dissipated plus stored to supplied work in each record, shape (n,).
+        """Ratio of dissipated plus stored to supplied work in each step, (n,); first nan.
 
         See `SteadyBalance.energy`.
         """

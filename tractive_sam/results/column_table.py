@@ -20,7 +20,7 @@ from tractive_sam.scene import Scene
 
 
 def _over_load(force: str, contact: State) -> float:
-    """Return a force of a contact over its load."""
+    """Return a force of a contact over its load; 0 without load."""
     return getattr(contact, force) / contact.P if contact.P else 0.0
 
 
@@ -262,7 +262,7 @@ ROLLED = Quantity(
 
 
 def _in_place_of(package: Quantity, replacing: Mapping[str, Quantity]) -> Quantity:
-    """Return the user-defined column that replaces a column of the package, or that column.
+    """Return the user-defined column that replaces a column of the package, else the latter.
 
     If none has this role, it is the column of the package.
     """

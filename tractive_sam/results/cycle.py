@@ -105,7 +105,7 @@ def _combine_blocks(
 
 
 def _value_or_nan(record: Record, quantity: Quantity) -> Any:
-    """Return the value of a column in a block; nan (or no body) if the block has none."""
+    """Return the value of a column in a block; if missing, nan, or {} for a column of bodies."""
     if quantity.name in record.values:
         return record.values[quantity.name]
     return {} if quantity.dims[:1] == ("body",) else np.full([2] * len(quantity.dims), np.nan)
@@ -126,7 +126,7 @@ def _combine(quantity: Quantity, each: np.ndarray, weights: np.ndarray) -> Any:
 
 
 def _place_of_extreme(of: Quantity, places: Sequence[Any], values: Sequence[Any]) -> Any:
-    """Return the position in that block in which the column `of` has its extreme value."""
+    """Return the position from the block in which the column `of` has its extreme value."""
     extreme = min if of.over_blocks == "smallest" else max
     if of.dims[:1] == ("body",):
         return {

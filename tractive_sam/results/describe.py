@@ -14,7 +14,7 @@ from tractive_sam.scene import conformity_notes, describe_load, edge_notes, pres
 
 
 def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
-    """Yield (name, number with error bar as text, column) of a record, for each column and axis."""
+    """Yield (name, text of number ± error bar, column) of a record, by scalar column and body."""
     for name, quantity in history.of_dims().items():
         if not (quantity.error_of or np.isnan(history[name]).all()):
             text = format_number(history[name][row], error_bar(history, name, row))

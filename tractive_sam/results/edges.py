@@ -15,7 +15,7 @@ import numpy as np
 
 
 def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
-    """Return the distance, in elements along x, from each centre to the contact edge ahead.
+    """Return where the edge lies ahead (+x) of outermost centres, in elements; nan elsewhere.
 
     Parameters
     ----------
@@ -35,12 +35,12 @@ def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
 
 
 def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the distances from centres to the contact edges ahead (+x) and behind, in elements."""
+    """Return where edges lie ahead (+x) and behind outermost centres, elements; nan elsewhere."""
     return distance_to_edge(pressure), distance_to_edge(pressure[::-1])[::-1]
 
 
 def contact_extent(pressure: np.ndarray) -> float:
-    """Return the length of a contact along x, from first to last edge, in elements."""
+    """Return the length along x from first to last edge, in elements; 0 without contact."""
     from tractive_sam.kernels.contact_edges import find_extent  # noqa: PLC0415
 
     first, last = find_extent(np.ascontiguousarray(pressure))

@@ -87,7 +87,7 @@ def to_dataset(history: Recorded) -> "xarray.Dataset":
 
 
 def _without_nan(value: Any) -> Any:
-    """Replace nan and inf in nested values by None."""
+    """Return nested dictionaries and lists with None instead of nan and inf."""
     if isinstance(value, dict):
         return {key: _without_nan(item) for key, item in value.items()}
     if isinstance(value, list):

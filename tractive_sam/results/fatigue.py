@@ -120,7 +120,7 @@ class BodyFatigue(ShortArrays):
         return Maximum(self.criterion, value, at, interior, interior_at, surface, surface_at)
 
     def _interior(self, values: np.ndarray) -> tuple[float, tuple[float, float, float]]:
-        """Return the largest value below the surface and its place, by parabolas through points.
+        """Return the largest value below the surface and (nan, y, depth), by parabolas.
 
         A parabola through the largest value alone would not suffice: the best residual stress of a
         depth makes two rows equal, so that rounding would choose between their parabolas.
@@ -153,7 +153,7 @@ class BodyFatigue(ShortArrays):
 
 
 def _parabola_tops(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return places of the tops of local parabolas through values, and their heights above them.
+    """Return places of local parabola tops, and their heights above the values (0 if not near).
 
     Parameters
     ----------

@@ -132,7 +132,7 @@ class History:
         return text_table("History", summarize_history(self))
 
     def _repr_html_(self) -> str:
-        """Return the summary as HTML, for notebooks."""
+        """Return the summary of the history next to a figure, as HTML for notebooks."""
         return html_with_figure(
             summarize_history(self), "forces" if len(self) > 1 else "pressure", self
         )

@@ -128,7 +128,7 @@ class Quantity:
         return all(map(scene.has, self.needs)) and self.when(scene)
 
     def read(self, contact: State) -> Any:
-        """Return the value of the quantity in a contact.
+        """Return the value of the quantity in a contact; LookupError if only rolls have it.
 
         Raises
         ------

@@ -122,7 +122,7 @@ class Record:
 
 
 def _read(column: Quantity, contact: State) -> Any:
-    """Return the value of a column in a contact; raise an error if its shape is wrong."""
+    """Return a column in a contact, nan or {} if only rolls have it; check its shape."""
     if column.of is not None:
         value = column.of(contact)
         if not column.dims and isinstance(value, float):

@@ -34,7 +34,7 @@ class Recorded(Protocol):
 
     @property
     def status(self) -> str:
-        """How the computation ended, "complete" or a reason."""
+        """State of the computation: "done", "running", or the reason why it ended early."""
 
     @property
     def message(self) -> str:

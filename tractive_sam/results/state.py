@@ -173,11 +173,11 @@ class State:
         return text_table("Contact", self._summary())
 
     def _repr_html_(self) -> str:
-        """Return the summary as HTML, for notebooks."""
+        """Return the summary of the contact and a pressure figure as HTML, for notebooks."""
         return html_with_figure(self._summary(), "pressure", self)
 
     def _summary(self) -> dict[str, str]:
-        """Return rows of a label and a text."""
+        """Return the summary of the contact as text by label: status, forces, creepages, mesh."""
         unit = self.scene.contact_type.unit
         wide = {"a": self.half_width_x, "b": self.half_width_y}
         widths = [f"{name} = {half:.4g} mm" for name, half in wide.items() if math.isfinite(half)]
@@ -224,7 +224,7 @@ class State:
         return tuple(map(int, counts))
 
     def on(self, grid: Grid) -> "State":
-        """Return the contact on a wider mesh with equal elements, as an initial guess of a solve.
+        """Return the contact on a wider mesh of equal elements: gap inf, else 0 outside, no heat.
 
         Raises
         ------
@@ -257,7 +257,7 @@ class State:
 
     @cached_property
     def utilisation(self) -> np.ndarray:
-        """Tangential traction in the norm of the friction law, ||p_t||_mu, MPa, in each element."""
+        """Tangential traction in the norm of the friction law, ||p_t||_mu, MPa; 0 if none."""
         if self.frame is None:
             return np.zeros_like(self.pressure)
         return np.sqrt((self.frame.to_scaled(self.traction) ** 2).sum(axis=0))
@@ -410,7 +410,7 @@ class State:
 
     @property
     def t_gamma_over_area(self) -> float:
-        """T-gamma over the contact area, MPa."""
+        """T-gamma over the contact area, MPa; 0 without contact."""
         return self.t_gamma / self.area if self.area else 0.0
 
     @property
@@ -431,7 +431,7 @@ class State:
         return self.volumes_of({body: turns.mean_depth(body, entering, leaving) for body in "AB"})
 
     def volumes_of(self, around: Mapping[str, np.ndarray]) -> dict[str, float]:
-        """Return the volumes, mm³, worn off bodies, from the mean depth around each, (n_y,)."""
+        """Return volumes, mm³, worn off bodies from the mean depth around each; nan if flat."""
         volumes = {}
         for body, depth in around.items():
             length = 2.0 * math.pi * abs(getattr(self.scene.body, body).radius_x)

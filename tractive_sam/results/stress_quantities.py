@@ -35,7 +35,7 @@ def error_bar_column(of: Quantity) -> Quantity:
 
 
 def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
-    """Return the columns of the largest stress in each body by a criterion, and its error bar."""
+    """Return columns of a stress criterion: largest, interior, surface, position, error bar."""
     name, unit, text = criterion.name, criterion.unit, f"largest {criterion.long_name}"
     stressed = partial(Quantity, needs=("subsurface",), bodies_of="subsurface")
     of_body = partial(

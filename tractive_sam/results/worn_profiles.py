@@ -76,7 +76,7 @@ class WornProfiles:
         return cls(history.scene, history["revolution"], wheel, rail, contact_y)
 
     def wheel(self, step: int = -1) -> Profile:
-        """Return the wheel profile after a wear step (default: the last)."""
+        """Return the wheel profile after a wear step (default: the last), in its own frame."""
         return self.new["wheel"].worn(self.wheel_depth[step], 1.0)
 
     def rail(self, step: int = -1) -> Profile:
@@ -96,7 +96,7 @@ class WornProfiles:
         return {"wheel": wheel.curve, "rail": rail.unplaced_curve}
 
     def write(self, folder: str | PathLike[str]) -> list[Path]:
-        """Write worn profiles (.prw, .prr) and the depths of all steps (.csv) into a folder.
+        """Write the last profiles (.prw, .prr), and area and largest depth by step (.csv).
 
         Returns
         -------
