@@ -65,7 +65,7 @@ falls with each. Long jumps give the right profile, but not the right moment of 
 def adaptive_passages(
     process: Process[Passage], start: Passage, schedule: Schedule
 ) -> Iterator[Passage]:
-    """Yield the solved revolutions up to the last one, in jumps of adaptive length.
+    """Yield the passages in adaptive or fixed jumps, up to the last or an unsolved one.
 
     Each jump costs one contact; more if rows come into contact, or if it is refused and repeated.
 
@@ -179,7 +179,7 @@ class _TwoStepFormula:
         return 1.0 - 0.5 * self.leading
 
     def _solve(self, response: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return (c_0 - J)^-1 times a wear rate, mm; rows out of contact are not coupled."""
+        """Return (c_0 - J)^-1 times a wear rate, mm; rows out of contact: rate / c_0."""
         rows = np.flatnonzero(response.any(axis=0) | response.any(axis=1))
         system = -self._share[rows, None] * response[np.ix_(rows, rows)]
         system.flat[:: rows.size + 1] += self.leading[rows]
@@ -192,7 +192,7 @@ class _TwoStepFormula:
         return self._solve(response, self._share * offset - self.past)
 
     def correction(self, response: np.ndarray, profile: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """Return the Newton correction, mm, of a predicted profile from its computed wear rate.
+        """Return the Newton correction, mm, of a predicted profile; rows without wear miss nothing.
 
         `response` is the Jacobian of the rate with respect to the profile, 1/revolution.
         """
@@ -208,7 +208,7 @@ class _TwoStepFormula:
         return self.leading * self._solve(response, self._solve(response, missed))
 
 
-def _lag(model: Model) -> float:
+def _wear_tolerance(model: Model) -> float:
     """Return the tolerance of the contact conditions for wear within one pass."""
     return max(required(model.scene.wear, "wear").tolerance, model.scene.solver.tolerance)
 
@@ -229,7 +229,7 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
     profile = here.profile + here.rate if last.revolution else here.profile
     revolution = last.revolution + 1
     grown = _growth(expected, last)
-    end = passage_at(model, revolution, profile, last.contacts, _lag(model), grown)
+    end = passage_at(model, revolution, profile, last.contacts, _wear_tolerance(model), grown)
     if not end.converged:
         return end, np.inf
     # A pass needs no formula: the error belongs to the next, longer jump. The rate computed at the
@@ -249,7 +249,7 @@ def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tup
         _rate_lost_to_gap(last, response),
     )
     profile, expected, response = _predict(last, formula, response)
-    lag = _lag(model)
+    lag = _wear_tolerance(model)
     end = passage_at(model, revolution, profile, last.contacts, lag, _growth(expected, last))
     solves, error = 0, np.inf
     for repeats in range(1 + REPEATS):

@@ -102,11 +102,10 @@ class BlockOrder:
     def load_factors(
         self, y: np.ndarray, depth: np.ndarray, negligible: float = 1e-9
     ) -> np.ndarray:
-        """Return factors by which the block order changes stress at depths, (blocks, n_y, n).
+        """Return factors, 0 to 2, by which the block order changes stress, (blocks, n_y, n).
 
         At a depth z the loads of the rows around count by the pressure below a line load on an
-        elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface only the row itself counts. The
-        factor is between 0 and 2.
+        elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface only the row itself counts.
 
         Parameters
         ----------

@@ -110,7 +110,7 @@ class BodyDamage:
         return self.fatigue.damage_max[0] * life.relative_error(error)
 
     def columns(self, life: Woehler | None, shares: tuple[float, ...] = (1.0,)) -> dict[str, Any]:
-        """Return the body's values of damage columns of a record (damage, fatigue_life, ...)."""
+        """Return the values of the body's damage columns by name; empty without a `life` law."""
         if life is None:
             return {}
         top, at = self.fatigue.damage_max

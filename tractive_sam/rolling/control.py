@@ -55,7 +55,7 @@ class ErrorControl:
         return Trial(length, length, refused=True)
 
     def next(self, step: Trial, error: float) -> float:
-        """Return the length of the step after an accepted one; `error` is over the tolerance."""
+        """Return the length of the next step; after a refused one it does not grow."""
         change = self._change(error)
         return self._round(step.length * (min(change, 1.0) if step.refused else change))
 
@@ -99,11 +99,11 @@ class Stops:
         return error <= 1.0
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return a shorter step to try after a refused one; `error` is over the tolerance."""
+        """Return a shorter step after a refused one, as `ErrorControl.shorter` does."""
         return self.control.shorter(step, error)
 
     def next(self, step: Trial, error: float) -> float:
-        """Return the length of the step after an accepted one; `error` is over the tolerance.
+        """Return the length of the next step; ending at a stop does not shorten it.
 
         After a step cut short by a stop, its wish counts again.
         """
@@ -113,7 +113,7 @@ class Stops:
 
 @dataclass(frozen=True)
 class FixedSteps:
-    """Step control that takes one step to each stop, whatever the error.
+    """Step control with one step to each stop; it is halved only if it cannot be solved.
 
     The steps do not depend on the solution, so results are smooth functions of the entries of a
     scene, and finite differences give their derivatives.
@@ -136,7 +136,7 @@ class FixedSteps:
         return isfinite(error)
 
     def shorter(self, step: Trial, error: float) -> Trial:
-        """Return a step of half the length, after one that could not be solved."""
+        """Return a refused step of half the length, at least 1; its error is not used."""
         length = max(1, int(0.5 * step.length))
         return Trial(length, length, refused=True)
 

@@ -44,24 +44,24 @@ class Courses:
         return self._place[stretch + 1][0]
 
     def stage_index(self, stretch: int) -> int:
-        """Return the index of the stage of a stretch, from 0."""
+        """Return the index, from 0, of the stage to which a stretch between two knots belongs."""
         return self.table.stages.index(self.stage(stretch))
 
     def rolls(self, stretch: int) -> bool:
-        """Return whether the bodies roll in a stretch; otherwise they shift."""
+        """Return whether the bodies roll in a stretch between two knots; otherwise they shift."""
         return self.stage(stretch).rolls
 
     def rolled_to(self, stretch: int) -> bool:
-        """Return whether the bodies roll into the end of a stretch (-1: into the first knot)."""
+        """Return whether bodies roll into the end of a stretch of knots (-1: the first knot)."""
         return self.rolls(stretch) or (stretch < 0 and self.table.start == "steady")
 
     def shift_comes_next(self, stretch: int, distance: float) -> bool:
-        """Return whether a shift (a step without rolling) begins at this distance."""
+        """Return whether a stretch ends at this distance and a shift without rolling follows."""
         at_end = distance == self.knots[stretch + 1]
         return at_end and stretch + 1 < self.stretches and self.shifted(stretch + 1)
 
     def at(self, distance: float, stretch: int) -> dict[str, float | None]:
-        """Return the prescribed quantities, by scene key, at a distance within a stretch."""
+        """Return the prescribed quantities, by scene key, at a distance between two knots."""
         first, last = self.knots[stretch], self.knots[stretch + 1]
         end = self._at_knot(stretch + 1)
         if last == first:
@@ -97,7 +97,7 @@ class Courses:
         return stage.values_at(k, self._constant(stage))
 
     def _constant(self, stage: Stage) -> dict[str, float | None]:
-        """Return loads, creepages and friction of the scene, for keys without a course."""
+        """Return loads, creepages and friction of the scene, by key; shifts of a stage are zero."""
         scene, load, creepage = self.scene, self.scene.load, self.scene.creepage
         constant = {
             "load.normal": scene.normal_load,
@@ -124,7 +124,7 @@ class Courses:
         )
 
     def jump(self, stretch: int) -> tuple[float, float, float]:
-        """Return the changes of the shifts (x, y, turn) over a stretch; zero if bodies roll."""
+        """Return the changes of the shifts (x, y, turn) between two knots; zero if bodies roll."""
         if self.rolls(stretch):
             return 0.0, 0.0, 0.0
         (before, _), (after, _) = self._place[stretch : stretch + 2]

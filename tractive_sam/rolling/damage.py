@@ -59,7 +59,7 @@ class Damage(Observer):
     bodies: Mapping[str, BodyDamage] = field(default_factory=dict)
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """Return the rows (label, text) that `explain` prints for the observer."""
+        """Yield the rows (label, text) that `explain` prints for the observer."""
         laws, table = model.laws, required(model.scene.fatigue, "fatigue")
         yield Row("records", "all; fields over (y, depth) with the stored fields")
         if table.limit is None:
@@ -93,10 +93,7 @@ class Damage(Observer):
         return replace(self, revolution=revolution, earlier=revolution, bodies=bodies)
 
     def after(self, passage: Passage, model: Model) -> Self:
-        """Return the observer updated by a later step, which may be on a wider mesh.
-
-        It adds the passes up to that step.
-        """
+        """Return the observer with the damage of all passes up to a later step added."""
         before = {body: widen_body(damage, passage.grid.y) for body, damage in self.bodies.items()}
         depths = next(iter(before.values())).fatigue.depth  # common to both bodies
         jump = passage.revolution - self.revolution, self.revolution - self.earlier
@@ -118,7 +115,7 @@ class Damage(Observer):
         return largest / (self.share_of_jump * tolerance)
 
     def remark(self, model: Model) -> str:
-        """Return text to append to the message of a history, "; ..."; empty if there is none.
+        """Return a remark on shakedown, and on volumes stressed most at the surface; may be empty.
 
         It warns of stress above shakedown, and of lives that depend on the mesh.
         """

@@ -48,11 +48,11 @@ class ElasticFields(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> Self:
-        """Return the observer updated by a later step, which may be on a wider mesh."""
+        """Return the observer with the contacts of a later step."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def restore(self, step: Any, stored: Any) -> Self:
-        """Return the observer as it was after a stored step, to resume from."""
+        """Return the observer with the contacts of the step; nothing else is stored."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:

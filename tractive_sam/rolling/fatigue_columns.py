@@ -107,7 +107,7 @@ def volume_error_bars(
 
 
 def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler) -> dict:
-    """Return the error bars of `fatigue_life` from error bars of the utilisation, by body.
+    """Return the error bars of `fatigue_life` by body, from those of the utilisation.
 
     They are the increase of the life for the smallest utilisation; for the largest it changes less.
     """
@@ -121,7 +121,7 @@ def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life:
 
 
 def utilisation_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
-    """Return the columns of the utilisation and its places, values by name and body."""
+    """Return the columns of largest utilisation: of all, interior, surface; and its position."""
     maxima = {body: cycle.largest() for body, cycle in cycles.items()}
     return {
         "utilisation": {body: maximum.value for body, maximum in maxima.items()},

@@ -97,7 +97,7 @@ class Forecast:
             self._settled = max(self._settled, step)
 
     def _distance_to_stop(self, here: float) -> float:
-        """Return the distance from a place to the next stop of the schedule."""
+        """Return the distance from a coordinate to the next stop of the schedule after it."""
         return self._stops[bisect_right(self._stops, here)] - here
 
     def _count_steps(self, jump: float, before: float, worn: float) -> float:

@@ -63,7 +63,7 @@ class TransientHeat(Observer):
         return 8.0 * 3 * sum(math.prod(memory.shape) for memory in heat_memories(model).values())
 
     def begin(self, step: Any, model: Model) -> "TransientHeat":
-        """Return the observer as it is after the first step of a process.
+        """Return the observer with the first temperatures: of steady rolling or first touch.
 
         A contact that rolled steadily has its steady temperature. Other bodies have their bulk
         temperature, and in contact the temperature of two half-spaces put together.
@@ -75,7 +75,7 @@ class TransientHeat(Observer):
         return first._after_shift(step.result, model) if step.result.shifted else first
 
     def after(self, step: Any, model: Model) -> "TransientHeat":
-        """Return the observer updated by a later step, which may be on a wider mesh."""
+        """Return the observer with the temperatures and stored heat after a later step."""
         memories = heat_memories(model)
         adopted = replace(self, past=_per_body(memories, HeatMemory.widen, self.past))
         if step.result.shifted:
@@ -137,7 +137,7 @@ class TransientHeat(Observer):
 
 
 def _first_temperatures(contact: State, model: Model) -> FlashTemperature:
-    """Return the temperatures at first contact of two bodies at their bulk temperatures."""
+    """Return temperatures at first touch: bulk, and in contact a common one of both surfaces."""
     none, bulk = np.zeros(contact.grid.elements), required(model.scene.heat, "heat").bulks
     share = shares_of_instant_heat(model)
     difference = contact.touching * (bulk["B"] - bulk["A"])

@@ -119,7 +119,7 @@ class Moment(Step):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, needed to resume besides the fields of the contacts."""
+        """Arrays, by name, to resume: tractions and pressure one step before, and the wear."""
         before = self.contact if self.before is None else self.before.contact
         traction = before.traction
         state = {
@@ -132,7 +132,7 @@ class Moment(Step):
         return state
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact, and the work, wear and other values of the step, for its record."""
+        """Return the contact and its values; values per rolling distance are nan during a shift."""
         course, contact = Courses(self.contact.scene), self.contact
         step, rolls = self.result.since(self.earlier), course.rolled_to(self.stretch)
         distance = step.distance

@@ -55,12 +55,12 @@ class Observer(ABC):
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """Columns that the observer adds to each record."""
+        """Columns that the observer adds to each record; none by default."""
         return ()
 
     @property
     def fields(self) -> tuple[Quantity, ...]:
-        """Fields over x and y that the observer stores with the fields of a record."""
+        """Fields over x and y that the observer stores with those of a record; none by default."""
         return ()
 
     @classmethod
@@ -77,7 +77,7 @@ class Observer(ABC):
         return [Row(self.name, summary)]
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory, in bytes, that the observer needs besides its stored records."""
+        """Return the memory, bytes, besides stored records; 0 unless overridden."""
         return 0.0
 
     @abstractmethod
@@ -123,11 +123,11 @@ class Observer(ABC):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, from which `restore` makes the observer again (1-d or more)."""
+        """Arrays, by name, from which `restore` makes the observer again; none by default."""
         return {}
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block with results of the observer added, to be recorded.
+        """Return the contact of a block with the observer's results; unchanged by default.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class Observer(ABC):
         return contact
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the values of the observer's columns, by name, for the record of a step.
+        """Return the values of the observer's columns for a record, by name; none by default.
 
         Parameters
         ----------
@@ -151,34 +151,34 @@ class Observer(ABC):
         return {}
 
     def record_block(self, block: int) -> Mapping[str, Any]:
-        """Return the values, by name, of the columns that each block of a duty cycle has."""
+        """Return the values of columns that each block of a duty cycle has; none by default."""
         return {}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
-        """Return the observer's `fields` in the contact of a block, by name, (n_x, n_y)."""
+        """Return the `fields` in the contact of a block, by name, (n_x, n_y); none by default."""
         return {}
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """Return the stress on planes below the contact of a block, stored with the fields."""
+        """Return the stress on planes below a block's contact, to store; none by default."""
         return ()
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """Fatigue of the bodies in the last step, stored with the fields."""
+        """Fatigue of the bodies in the last step, stored with the fields; none by default."""
         return ()
 
     def missed(self, model: Model) -> float:
-        """Return the observer's error in the last step over the error that the scene tolerates."""
+        """Return the error of the last step over the tolerated one; 0 by default."""
         return 0.0
 
     @property
     def shortfall(self) -> str:
-        """Message if the steps are less accurate than the scene requires; else empty.
+        """Message if steps are less accurate than the scene requires; empty by default.
 
         A history that ends with one has the status "inaccurate" and this message.
         """
         return ""
 
     def remark(self, model: Model) -> str:
-        """Return text to append to the message of a history, "; ..."; empty if there is none."""
+        """Return text to append to the message of a history, "; ..."; empty by default."""
         return ""

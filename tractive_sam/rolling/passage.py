@@ -114,7 +114,7 @@ class Passage(Step):
         return self.revolution
 
     def record(self, block: int | None = None) -> StepRecord:
-        """Return the contact (of one block) with corrected wear, and the values for its record."""
+        """Return a contact (a block's, or the passage's) with corrected wear, and its columns."""
         contact = self.contact if block is None else self.contacts[block]
         contact = replace(contact, revolution=self.revolution)
         # The adaptive stepping has corrected the profile with which the material enters.
@@ -166,7 +166,7 @@ class Passage(Step):
 
     @property
     def leaving(self) -> np.ndarray:
-        """Wear depth of both bodies behind the contact (mean of a cycle), shape (n_y,), mm."""
+        """Wear depth of both bodies behind the rolled block (else the mean of all), (n_y,), mm."""
         if self.rolled is None:
             return self.entering + self.worn
         contact = self.contacts[self.rolled]
@@ -269,7 +269,7 @@ def _middle_rows(narrow: Grid, wide: Grid) -> np.ndarray:
 
 
 def first_passage(model: Model) -> Passage:
-    """Return the passage of revolution zero: the bodies pressed together, before rolling."""
+    """Solve the steady contacts with the initial wear; return them as revolution zero."""
     return start_passage(
         model, tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
     )
@@ -291,7 +291,7 @@ def _from_model(model: Model, contacts: tuple[State, ...], rolled: int | None = 
 
     `rolled` is the only block of the revolution, if there is one.
     """
-    turns = tuple(_lasting_part(*pair) for pair in zip(model.blocks, contacts, strict=True))
+    turns = tuple(_turns_after_wear(*pair) for pair in zip(model.blocks, contacts, strict=True))
     values: dict[str, Any] = {"turns": turns, "began": model.began, "weights": model.weights}
     if rolled is not None:
         values["weights"] = tuple(float(k == rolled) for k in range(len(contacts)))
@@ -301,8 +301,8 @@ def _from_model(model: Model, contacts: tuple[State, ...], rolled: int | None = 
     return values
 
 
-def _lasting_part(model: Model, contact: State) -> Turns:
-    """Return how the wear of a pass is shared between the bodies and returns to the contact."""
+def _turns_after_wear(model: Model, contact: State) -> Turns:
+    """Return the `Turns` of the scene, with the wear law's shares of the bodies if it has any."""
     law, turns = model.wear_law, contact.scene.turns
     if law is None:
         return turns

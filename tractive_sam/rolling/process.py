@@ -109,7 +109,7 @@ class Step(ABC):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Share of each contact in the values of the step."""
+        """Weight of each contact in the values of the step; 1 each unless overridden."""
         return (1.0,) * len(self.contacts)
 
     @property
@@ -129,12 +129,12 @@ class Step(ABC):
 
     @property
     def grid(self) -> Grid:
-        """The mesh of all blocks."""
+        """Mesh of all blocks, without the shift of a contact."""
         return self.contacts[0].grid.shifted(0.0)
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, needed to resume besides the fields of the contacts."""
+        """Arrays, by name, to resume besides the fields of the contacts; empty by default."""
         return {}
 
 
@@ -305,7 +305,7 @@ class Process(ABC, Generic[AnyStep]):
         return (*(kind() for kind in kinds), *self.further_observers)
 
     def with_observers(self, further: Iterable[Observer]) -> Self:
-        """Return a copy of the process with these further observers."""
+        """Return a copy of the process with these further observers instead of previous ones."""
         return self._copy_with(self.model, tuple(further))
 
     def _copy_with(self, model: Model, further: tuple[Observer, ...] | None = None) -> Self:
@@ -320,7 +320,7 @@ class Process(ABC, Generic[AnyStep]):
         return next((column for column in self.columns if column.role == COORDINATE), None)
 
     def describe(self) -> Iterable[Row]:
-        """Return the rows that `explain` prints for the process, besides the rows of its table."""
+        """Return rows for `explain`; by default the first line of the class docstring."""
         summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
         return [Row("process", summary)]
 
@@ -362,15 +362,15 @@ class Process(ABC, Generic[AnyStep]):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Constructor arguments of the process, by name, besides the model."""
+        """Constructor arguments of the process besides the model, by name; none by default."""
         return {}
 
     def begin_fitted(self) -> tuple[Self, AnyStep]:
-        """Return the process on a mesh that fits the contacts, and its first step."""
+        """Return the process and its first step; by default without fitting the mesh."""
         return self, self.begin()
 
     def adopt(self, step: AnyStep, stored: StoredStep) -> AnyStep:
-        """Return a restored step with the values that the model and the observers add.
+        """Return a restored step with its observers; a subclass adds values of its model.
 
         Parameters
         ----------
@@ -458,14 +458,14 @@ class Process(ABC, Generic[AnyStep]):
         """
         record = self._record_contact(step, step.record(), recorder)
         observed: dict[str, Any] = {}
-        for observer in self._recording(step):
+        for observer in self._observers_of(step):
             values = observer.record(self.model, record.values)
             observed |= {name: values[name] for name in values if name in record.columns}
         stored = self._cycles(step) if record.fields else ()
         return replace(record, values={**record.values, **observed}, cycles=stored)
 
     @staticmethod
-    def _recording(step: AnyStep) -> list[Observer]:
+    def _observers_of(step: AnyStep) -> list[Observer]:
         """Return the observers that have values for a step (unsolved steps have fewer)."""
         return [seen for seen in step.observed.values() if step.converged or seen.unsolved]
 
@@ -487,7 +487,7 @@ class Process(ABC, Generic[AnyStep]):
             user_columns.append(PARTS)
         of_fields: dict[Quantity, np.ndarray] = {}
         stress: list[PlaneStress] = []
-        for seen in self._recording(step):
+        for seen in self._observers_of(step):
             contact = seen.complete(contact, block)
             values |= seen.record_block(block)
             user_columns += seen.columns
@@ -501,7 +501,7 @@ class Process(ABC, Generic[AnyStep]):
         )
 
     def end(self, step: AnyStep, half_widths: np.ndarray) -> tuple[str, str]:
-        """Return (status, message) of a history that ends with a step.
+        """Return (status, message): "done", inaccurate, or the status of an unsolved contact.
 
         Parameters
         ----------

@@ -99,7 +99,7 @@ class WornStep(Step):
 
     @property
     def own_state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, needed to resume besides the fields of the contacts."""
+        """Arrays of each position, by name ("position0_..."), needed to resume."""
         return {
             f"position{k}_{name}": array
             for k, position in enumerate(self.positions)
@@ -141,12 +141,12 @@ class ProfileWear(Process[WornStep]):
         return self._state_besides_fields(step)
 
     def record(self, step: WornStep, recorder: Recorder) -> Record:
-        """Return the record of a step, combined from all positions, without fields.
+        """Return the record of all positions together; no fields are stored, values over y are nan.
 
-        It has no fields; with [[duty]] it is combined from the positions.
+        With [[duty]] the positions are those of its blocks.
         """
         scene, spectrum = self.model.scene, self.model.scene.spectrum
-        observers = self._recording(step)
+        observers = self._observers_of(step)
         extra = [*recorder.columns, *self.columns, *(c for seen in observers for c in seen.columns)]
         records = [
             Record.from_contact(
@@ -313,7 +313,7 @@ def _still_fits(before: Grid, chosen: Grid, least: float = 0.7, most: float = 1.
 
 
 def _nodes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Return the arc lengths of the nodes of both new profiles, mm."""
+    """Return the arc lengths of the nodes of the unworn profiles of wheel and rail, mm."""
     wheel, rail = required(scene.wheel, "wheel"), required(scene.rail, "rail")
     return wheel.curve.s, rail.unplaced_curve.s
 

@@ -28,7 +28,7 @@ def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> 
 
 
 def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
-    """Return the Jacobian of wear per revolution by the profile for each block, (n_y, n_y).
+    """Return, for each block, the Jacobian of wear per revolution by the profile, (n_y, n_y).
 
     Returns
     -------

@@ -31,19 +31,16 @@ class Revolutions(Process[Passage]):
     observers = (Damage,)
 
     def begin(self) -> Passage:
-        """Return revolution zero: the bodies pressed together, before rolling.
-
-        It is revolution zero, the bodies before rolling.
-        """
+        """Return revolution zero: the steady contacts with the initial wear."""
         return first_passage(self.model)
 
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
-        """Return the process on a mesh that fits the contacts, and its first step."""
+        """Solve all blocks on a fitted mesh; return the process on it, and revolution zero."""
         model, contacts = solve_blocks_on_fitted_mesh(self.model)
         return self._copy_with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:
-        """Yield the steps that follow a step, to the end or to an unsolved contact."""
+        """Yield the revolutions after one, singly or in jumps, to the end or an unsolved one."""
         schedule, blocks = self.model.scene.schedule, self.model.blocks
         last = replace(last, contacts=tuple(map(with_heat, blocks, last.contacts)))
         if schedule.adaptive or schedule.fixed:
@@ -92,18 +89,18 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:
-        """Return the contacts of a stored step, one for each different block."""
+        """Return the contact of a stored step, as a tuple of one."""
         return (stored.contact(scene),)
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """Return the stored `parts` (wear by block and body) and `weights` of a step, by name."""
+        """Return the stored wear by block and body (`parts`, or None), and equal `weights`."""
         history = stored.history
         parts = history[PARTS.name][stored.row] if PARTS.name in history.columns else None
         return {"parts": parts, "weights": (1.0,) * blocks}
 
     def adopt(self, step: Passage, stored: StoredStep) -> Passage:
-        """Return a restored step with the values that the model and the observers add."""
+        """Return a restored revolution with its observers and the wear shares of the model."""
         return super().adopt(complete_passage(self.model, step), stored)
 
 
@@ -135,7 +132,7 @@ class DutyCycle(Revolutions):
             for k in range(len(self.model.blocks))
         ]
         values = step.record().values
-        for seen in self._recording(step):
+        for seen in self._observers_of(step):
             columns, of_blocks = seen.record(self.model, {}), seen.record_block(0)
             values |= {name: columns[name] for name in columns if name not in of_blocks}
         del values["wear_max"]
@@ -149,7 +146,7 @@ class DutyCycle(Revolutions):
         values[SHARE.name] = sections / (sections.sum() or 1.0)
         values[ROLLED.name] = -1 if step.rolled is None else step.rolled
         each = [records[k] for k in spectrum.places]
-        of_observers = [column for seen in self._recording(step) for column in seen.columns]
+        of_observers = [column for seen in self._observers_of(step) for column in seen.columns]
         user_columns = (*recorder.columns, *self.columns, *of_observers, PARTS, ROLLED, SHARE)
         record = cycle_record(each, spectrum.each, values, self.model.scene, user_columns)
         return replace(record, cycles=self._cycles(step) if record.fields else ())
@@ -165,7 +162,7 @@ class DutyCycle(Revolutions):
 
     @classmethod
     def _restore_blocks(cls, scene: Scene, stored: StoredStep, blocks: int) -> dict:
-        """Return the stored `parts` (wear by block and body) and `weights` of a step, by name.
+        """Return stored wear by different block and body (`parts`), and `weights` of blocks.
 
         Equal blocks are combined.
         """

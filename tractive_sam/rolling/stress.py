@@ -36,11 +36,11 @@ class LargestStress(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "LargestStress":
-        """Return the observer updated by a later step, which may be on a wider mesh."""
+        """Return the observer with the contacts of a later step."""
         return LargestStress(step.contacts, model)
 
     def restore(self, step: Any, stored: Any) -> "LargestStress":
-        """Return the observer as it was after a stored step, to resume from.
+        """Return the observer unchanged: it stores nothing.
 
         It does not depend on earlier steps.
 
@@ -49,7 +49,7 @@ class LargestStress(Observer):
         return self
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """Return the rows (label, text) that `explain` prints for the observer."""
+        """Yield the rows (label, text) that `explain` prints for the observer."""
         name = model.laws.criterion.long_name
         yield Row(f"largest {name}", "inside and at the surface, with every record")
 

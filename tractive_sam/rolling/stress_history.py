@@ -51,7 +51,7 @@ class StressHistory(Observer):
     model: Model | None = None
 
     def describe(self, model: Model) -> Iterator[Row]:
-        """Return the rows (label, text) that `explain` prints for the observer."""
+        """Yield the rows (label, text) that `explain` prints for the observer."""
         scene, criterion = model.scene, model.laws.fatigue
         if criterion is not None:
             yield Row("criterion", criterion.long_name)
@@ -78,7 +78,7 @@ class StressHistory(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "StressHistory":
-        """Return the observer updated by a later step, which may be on a wider mesh.
+        """Return the observer with the loads of a step added; before the load cycle, only these.
 
         Before the cycle begins only the last step is stored.
         """
@@ -109,7 +109,7 @@ class StressHistory(Observer):
         return tuple(cycle for cycle, _ in self._fatigue.values())
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values of the observer's columns, by name, for the record of a step.
+        """Return the fatigue columns at a saved or the last distance; no columns elsewhere.
 
         Only records with stored fields, and the last one, have values.
         """
@@ -138,7 +138,7 @@ class StressHistory(Observer):
         return columns
 
     def remark(self, model: Model) -> str:
-        """Return text to append to the message of a history, "; ..."; empty if there is none.
+        """Return a remark on shakedown for the message of a history; empty if there is none.
 
         It warns of stress above shakedown.
         """
@@ -180,7 +180,7 @@ def _with_damage(cycle: BodyFatigue, life: Woehler) -> BodyFatigue:
 
 
 def _cycle_start(model: Model) -> float:
-    """Return the distance at which the load cycle begins (transient.cycle_start)."""
+    """Return the distance at which the load cycle begins; by default at the first knot."""
     table = required(model.scene.transient, "transient")
     return table.knots[0] if table.cycle_start is None else table.cycle_start
 

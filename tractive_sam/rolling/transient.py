@@ -48,11 +48,11 @@ class TransientProcess(Process[Moment]):
         return Moment.from_stored(scene, stored)
 
     def adopt(self, step: Moment, stored: StoredStep) -> Moment:
-        """Return a restored step with the values that the model and the observers add."""
+        """Return a restored step with its observers and with the initial wear of the model."""
         return super().adopt(replace(step, began=self.model.began), stored)
 
     def end(self, step: Moment, half_widths: np.ndarray) -> tuple[str, str]:
-        """Return (status, message) of a history that ends with a step.
+        """Return (status, message); not resolved if the contact had few elements at all times.
 
         A contact may have few elements for some time, but not during all of the course.
         """
@@ -155,7 +155,7 @@ class TransientProcess(Process[Moment]):
         return self._moment(last, self.stepper.step(last.result, inputs), at, stretch, 0.0)
 
     def _roll_stretch(self, last: Moment) -> Iterator[Moment]:
-        """Yield the moments along a stretch of the course, those to save included."""
+        """Yield the moments from one knot to the next, including those to save."""
         courses, stage = self.courses, self.courses.stage(last.stretch)
         first, end = courses.knots[last.stretch], courses.knots[last.stretch + 1]
         saves = tuple(s for s in courses.table.save if first < s < end)
@@ -196,7 +196,7 @@ class TransientProcess(Process[Moment]):
         return moments
 
     def _longest(self, rolls: bool, adaptive: bool, stretch: float) -> float:
-        """Return the longest step in a stretch, mm: an element, or a quarter of the contact."""
+        """Return the longest step, mm: an element, a quarter of the contact, or part of a shift."""
         if not rolls:
             return stretch / (1 if adaptive else PARTS)
         dx = self.model.grid.dx

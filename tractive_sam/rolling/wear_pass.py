@@ -46,7 +46,7 @@ def solve_pass(
         law = required(wear_law_at(model, contact), "wear")
         corrected = depth(contact.pressure, contact.traction, contact.slip)
         missed = _residual(model, contact, corrected - wear)
-        contact = _with_lag(replace(contact, wear=corrected), missed)
+        contact = _with_wear_residual(replace(contact, wear=corrected), missed)
         if not contact.converged or missed <= tolerance:
             break
         wear = corrected
@@ -69,7 +69,7 @@ def _key_of_wear(model: Model) -> str:
     return "intensity" if wear.coefficient is None else "coefficient"
 
 
-def _with_lag(contact: State, missed: float) -> State:
+def _with_wear_residual(contact: State, missed: float) -> State:
     """Return the contact with `missed` as its residual, if that is larger than its own."""
     larger = contact.converged and missed > contact.residual
     return replace(contact, residual=missed) if larger else contact

@@ -88,7 +88,7 @@ class PatchDamage(Damage):
         return super().begin(start_passage(model, passage.contacts), model)
 
     def after(self, passage: Step, model: Model) -> Self:
-        """Return the observer after the pass of another patch."""
+        """Return the observer after another patch, without the damage of previous patches."""
         return self.begin(passage, model)
 
     def restore(self, passage: Step, stored: StoredStep) -> Self:
@@ -113,7 +113,7 @@ class WheelRailPatches(Process[PatchStep]):
         return self.begin_fitted()[1]
 
     def begin_fitted(self) -> tuple[Self, PatchStep]:
-        """Return the process on a mesh that fits the contacts, and its first step."""
+        """Solve all patches on a fitted mesh; return the process on it, and its first step."""
         model, steps = solve_patch_steps(self.model)
         process = self._copy_with(model)
         process.solved = steps
@@ -128,7 +128,7 @@ class WheelRailPatches(Process[PatchStep]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> PatchStep:
-        """Return the patch of a stored record, with its contact."""
+        """Return the step of a stored record: number and contact, without the patch geometry."""
         number = int(stored.history["patch"][stored.row])
         return PatchStep((stored.contact(scene),), number=number)
 
@@ -139,7 +139,7 @@ class WheelRailPatches(Process[PatchStep]):
 
 
 def solve_patch_steps(model: Model) -> tuple[Model, tuple[PatchStep, ...]]:
-    """Return the model on a mesh of the patches, and the solved patches by increasing load."""
+    """Return (model, touching patches by load) on a fitted mesh; only the unsolved one, if any."""
     model, contacts = solve_patches_on_fitted_mesh(model)
     pairs = [*zip(contacts, model.scene.wheel_rail.patches, strict=True)]
     touching = [pair for pair in pairs if pair[0].touching.any()] or pairs[:1]

@@ -154,7 +154,7 @@ def _surface_fields(state: State) -> dict[str, np.ndarray]:
 
 
 def _depths(source: State, depth: float | None, elements: int | None) -> np.ndarray:
-    """Return equally spaced depths from 0, mm, as given or by default."""
+    """Return depths from 0 to `depth` semi-axes a, mm; by default those of [subsurface]."""
     # Depth and points for a scene without [subsurface].
     default = Subsurface(planes=(Plane("y", 0.0),))
     settings = source.scene.subsurface or default

@@ -119,7 +119,7 @@ class _CaseTable:
         self.derivatives: dict[tuple[int, ...], xarray.DataArray] = {}
 
     def add(self, place: tuple[int, ...], contact: State) -> None:
-        """Store the values of a solved contact at the indices of its case."""
+        """Store status and message of a contact, and its values if solved, at its indices."""
         self.texts["status"][place] = str(contact.status.value)
         self.texts["message"][place] = contact.message
         if not contact.converged:
@@ -220,7 +220,7 @@ def _check_values(scene: Scene, over: Values) -> list[_Axis]:
 def _scenes_of_cases(
     scene: Scene, axes: Sequence[_Axis], cases: Sequence[Mapping[str, Any]]
 ) -> list[Scene]:
-    """Return the scene of each case; keys without a value have their first one.
+    """Return the scene of each case; a key that a case leaves out has its axis's first value.
 
     Raises
     ------
@@ -302,7 +302,7 @@ def _share_operators(model: Model, scene: Scene) -> Model:
 
 
 def solve_from_nearby(model: Model, start: State | None) -> tuple[Model, State]:
-    """Solve a model from the contact of a similar one, or without it if that fails.
+    """Return (model, contact), solved from a similar contact, else on a newly fitted mesh.
 
     Nor from it if there may be several solutions, since the initial guess would choose one.
     """

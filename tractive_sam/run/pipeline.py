@@ -137,7 +137,7 @@ def solve(
 
 
 def _warn_or_raise(contact: State, throw: bool) -> State:
-    """Return a contact; warn of implausible pressure, raise an error if it is not solved."""
+    """Return a contact; warn of implausible pressure; if `throw`, raise if it is not solved."""
     x, y = contact.p_max_at
     for note in pressure_notes(contact.scene, contact.p_max, f" at ({x:.3g}, {y:.3g}) mm"):
         warn(f"p_max: {note}", PlausibilityWarning)

@@ -12,7 +12,7 @@ from tractive_sam.schema import Fault, SceneError
 def wear_profiles(
     scene: Scene, path: str | PathLike[str] | None = None, **options: Any
 ) -> WornProfiles:
-    """Roll a wheel on a rail with wear, and return the worn profiles of both.
+    """Roll a wheel on a rail with wear; return the worn profiles, raise if the roll failed.
 
     Material is removed along the normals of both profiles, without any smoothing. Each block of
     [[duty]] is a position of the wheelset with its share in the revolutions.

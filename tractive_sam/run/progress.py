@@ -79,7 +79,7 @@ class _RollProgress:
             self.first = "rolling on coarser meshes"
 
     def show_iteration(self, mesh: tuple[int, int], residual: float) -> None:
-        """Show mesh and residual while the first contact is solved."""
+        """Show mesh and residual of the first contact, if the bar was requested."""
         if self.at_once and not self.forecast.done:
             self.bar.show(f"{self.first}, {_solving(mesh, residual)}", 0.0, None, "")
 
@@ -197,7 +197,7 @@ class _Notebook:
         self._last = 0.0
 
     def show(self, text: str, done: float, total: float | None, remaining: str) -> None:
-        """Show a text, completed and total work, and the remaining time."""
+        """Show text, work done and remaining time, at most five times a second."""
         if perf_counter() - self._last < 0.2:
             return
         self._last = perf_counter()

@@ -75,7 +75,7 @@ class Recording:
         return process
 
     def begin(self, process: Process, start: Step) -> tuple[History, Step]:
-        """Roll from the first step to the end; return the history and the last step."""
+        """Record all steps from the first to the end; return the history and the last step."""
         model = process.model
         laws = model.laws.differences_from(model.scene)
         warn_of_gap(model)
@@ -110,7 +110,7 @@ class Recording:
         first: Iterable[Step],
         widest: np.ndarray | tuple[float, float] = (0.0, 0.0),
     ) -> tuple[History, Step]:
-        """Record steps to a file or in memory; return the history and the last step."""
+        """Record `first` and the steps after `start`; return the history and the last step."""
         step, began = start, self.began
         recorder = Recorder(self.columns, self.measured)
         with sink:
@@ -156,12 +156,12 @@ class _InMemory:
         """Do nothing: records in memory need no file to be closed."""
 
     def append(self, record: Record, grid: Grid, state: Mapping[str, np.ndarray] | None) -> None:
-        """Store a record, and the mesh as the last one."""
+        """Store a record, and its mesh instead of the previous one; the state is not stored."""
         self._grid = grid
         self._records.append(record)
 
     def finish(self, status: str, message: str) -> None:
-        """Build the history of all records, with its status."""
+        """Build the history of all records, with its status, and store it as `history`."""
         self.history = History.of_records(
             self._records,
             self._scene,

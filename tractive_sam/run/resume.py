@@ -43,7 +43,7 @@ def last_step(
     columns: Iterable[Quantity] = (),
     measured: Gap | None = None,
 ) -> tuple[Step, StoredStep] | None:
-    """Return the last step of a results file from which to resume, and its stored arrays.
+    """Return the step from which a results file resumes, and its arrays; None if there is none.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
 
 
 def describe_differences(before: Scene, requested: Scene) -> str:
-    """List differences of two scenes that prevent resuming; "" if there are none."""
+    """List up to five differences of two scenes that prevent resuming; "" if there are none."""
     # Number of differences of two scenes that a message lists.
     most_listed = 5
     stored, current = before.settings(), requested.settings()
@@ -166,7 +166,7 @@ def check_measured(history: History, path: str | PathLike | None, measured: str)
 def check_observers_in_file(
     history: History, path: str | PathLike, observers: Iterable[Observer]
 ) -> None:
-    """Raise an error if a file lacks the columns or fields of an observer that resumes from it.
+    """Raise an error if a file lacks columns or fields of a user-defined observer.
 
     Raises
     ------
@@ -215,7 +215,7 @@ def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
 
 
 def _are_tables(value: Any) -> bool:
-    """Return whether a value is a list or tuple of tables."""
+    """Return whether a value is a tuple that begins with a table (dict)."""
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 

@@ -82,7 +82,7 @@ def worn_bodies_before(history: History) -> Worn | None:
 
 
 def check_start_of_file(history: History, path: str | PathLike, origin: str) -> Worn | None:
-    """Return the worn bodies with which a file began, after a check of their origin.
+    """Return the worn bodies with which a file began; raise an error if `origin` names others.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def _check_same_bodies(before: Scene, requested: Scene) -> None:
 
 
 def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
-    """Return the entries of a scene that define its bodies, by dotted key."""
+    """Return the entries of [body] and [gap] as text by key, except hardness and density."""
     of_wear = ("hardness", "density")
     # Tables of the scene in which the bodies must agree, except for entries of wear alone.
     same = ("body", "gap")

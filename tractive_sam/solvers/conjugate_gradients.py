@@ -19,7 +19,7 @@ from tractive_sam.solvers.problem import NormalProblem
 
 @dataclass(frozen=True)
 class ConjugateGradients:
-    """Conjugate gradients for the normal problem without tractions, for load or approach.
+    """Conjugate gradient solver for the normal problem without tractions, for load or approach.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ class _Iteration:
         return self._minimise_along(direction)
 
     def _minimise_along(self, direction: np.ndarray) -> bool:
-        """Minimise the energy along a direction; return False if that has no curvature."""
+        """Minimise along a direction, without tension; return False if that has no curvature."""
         xp, dot, change = self.backend.xp, self.backend.dot, self._apply(direction)
         # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
         if not (curvature := dot(direction, change)) > 0.0:

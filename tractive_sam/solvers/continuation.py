@@ -54,7 +54,7 @@ class Continuation:
         return follow_path(outcome, solve, "creepage", self.first, self.shortest)
 
     def easier(self, problem: Problem, done: float) -> Problem:
-        """Return the problem with its creepages times a factor: `full` at 0, one at 1 (`done`)."""
+        """Return the problem with its rigid slip times full^(1 - done): `full` at 0, 1 at 1."""
         return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
 
 
@@ -65,7 +65,7 @@ def follow_path(
     first: float,
     shortest: float,
 ) -> Outcome:
-    """Solve problems along a path from 0 to 1 by steps that adapt; return the last outcome.
+    """Solve problems along a path from 0 to 1 in adaptive steps; return the last solved outcome.
 
     Parameters
     ----------

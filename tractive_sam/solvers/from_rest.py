@@ -47,10 +47,7 @@ class FromRest:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem, from a start nearby or along a path of rolling speeds.
-
-        From a start nearby at once.
-        """
+        """Solve from a start; without one, or if that fails, along a path of rolling speeds."""
         if not problem.friction.law.falls:
             return self.solver.solve(problem, tolerance, start)
         spent = []
@@ -72,7 +69,7 @@ class FromRest:
         return outcome
 
     def _continued(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
-        """Solve problems at speeds between `start` and the problem; return the last outcome."""
+        """Solve problems at speeds from `start` to the problem; return the last solved outcome."""
         # Forces that one creepage has no more are beyond the top: no need to come quite near it.
         shortest = 0.5 * self.first if len(problem.forces) else self.shortest
 

@@ -15,7 +15,7 @@ Map = Callable[[np.ndarray], np.ndarray]
 
 
 class LinearSystem(Protocol):
-    """Protocol of a linear system with an elastic operator in its matrix."""
+    """Protocol of a linear system: its right-hand side, matrix product and preconditioner."""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -121,7 +121,7 @@ def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndar
 def conjugate_residuals(
     system: LinearSystem, tolerance: float, max_steps: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Solve a linear system; return the solution and its elastic response.
+    """Solve a linear system by conjugate residuals; return the solution and its response.
 
     The method of Eisenstat, Elman & Schultz (1983), SIAM J. Numer. Anal. 20, 345-357.
 

@@ -90,7 +90,7 @@ class Nested:
     def solve(
         self, problem: AnyProblem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a normal or tangential problem on coarser meshes first, then on its own."""
+        """Solve a problem on coarser meshes first, or from a start on its mesh alone."""
         if start is not None:
             return (self.nearby or self.solver).solve(problem, tolerance, start)
         earlier, share = [], 1.0

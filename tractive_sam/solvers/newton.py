@@ -276,7 +276,7 @@ class Newton:
     def precision(
         self, goal: float, residual: float, tolerance: float, elements: int
     ) -> type[np.floating]:
-        """Return the number type, single or double precision, for solving a linear system.
+        """Return single precision for rough goals on large meshes; else double precision.
 
         Rounding in single precision, 6e-8 of each number, is far below a `rough` goal, even summed
         over a Krylov space, and a step moves half the memory. A response that is stored must not
@@ -299,7 +299,7 @@ class Newton:
     def damped(
         self, trial: Callable[[float], Iterate], merit: float, length: float, stalled: bool
     ) -> Iterate:
-        """Return the iterate of the longest acceptable step, of a halved length if needed.
+        """Return the iterate of the longest acceptable step by halving, else that of least merit.
 
         The active sets of a step may be worse for some steps before the solution improves, so some
         rise is allowed. If no length is that good, the best one is taken. If the residual has

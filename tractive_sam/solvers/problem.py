@@ -51,7 +51,7 @@ class NormalProblem:
     approach: float = 0.0
 
     def is_the_same_as(self, problem: "NormalProblem") -> bool:
-        """Return whether two problems have equal gap and load or approach."""
+        """Return whether two problems have equal gap, load and approach."""
         prescribed = self.load == problem.load and self.approach == problem.approach
         return prescribed and np.array_equal(self.gap, problem.gap)
 
@@ -94,7 +94,7 @@ class PrescribedForces:
 
     @property
     def minimum(self) -> float:
-        """Least sum of traction magnitudes that gives the forces, to compare with the bound.
+        """Least sum of traction magnitudes that gives the forces; 0 if none is prescribed.
 
         No more than the sum of the bound can be had, in any direction.
         """
@@ -103,7 +103,7 @@ class PrescribedForces:
         return float(np.linalg.norm(np.linalg.pinv(self.vectors) @ self.target))
 
     def elastic_slip(self, slip: np.ndarray, creepage: np.ndarray) -> float:
-        """Return the largest slip in magnitude without the part of the unknown creepages."""
+        """Return the largest slip without the unknown creepages; 0 if no force is prescribed."""
         if not len(self):
             return 0.0
         return float(np.abs(slip - self.slip(creepage)).max())
@@ -222,14 +222,14 @@ class Problem:
 
     @property
     def fixed_pressure(self) -> FixedPressure:
-        """Given pressure and gap; raises a TypeError if the pressure is unknown."""
+        """Fixed pressure and its gap; raises a TypeError if the pressure is unknown."""
         if isinstance(self.normal, NormalProblem):
             raise TypeError("problem.normal: must be a FixedPressure here")
         return self.normal
 
     @property
     def free_pressure(self) -> NormalProblem:
-        """Normal problem; raises a TypeError if the pressure is given."""
+        """Normal problem; raises a TypeError if the pressure is fixed."""
         if isinstance(self.normal, FixedPressure):
             raise TypeError("problem.normal: must be a NormalProblem here")
         return self.normal
@@ -245,7 +245,7 @@ class Problem:
         return (2 if self.is_pressure_fixed else 3, *self.rigid.shape[1:])
 
     def with_pressure(self, pressure: np.ndarray, gap: np.ndarray) -> "Problem":
-        """Return the tangential problem under a given pressure and its gap."""
+        """Return the tangential problem under a fixed pressure, including the slip by pressure."""
         rigid = self.rigid
         if self.coupled:
             backend = backend_of(rigid)
@@ -256,7 +256,7 @@ class Problem:
         )
 
     def within(self, box: Box) -> Self:
-        """Return the tangential problem restricted to a rectangle (box) of elements."""
+        """Return the problem (its pressure must be fixed) on a rectangle (box) of elements."""
         friction, normal = self.friction, self.fixed_pressure
         # Contiguous, for the vector instructions of the kernels.
         pressure, gap = (
@@ -321,7 +321,7 @@ class Problem:
         slip: np.ndarray,
         seen: FrictionSlip,
     ) -> Bound:
-        """Return the traction bound under the slip of the leading faces."""
+        """Return the traction bound under the slip; the given bound unless friction falls."""
         if not self.friction.law.falls:
             return bound
         sticking = seen.sticking(slip, traction)

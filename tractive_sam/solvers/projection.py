@@ -153,7 +153,7 @@ States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
 
 @dataclass(frozen=True)
 class Projection(ABC):
-    """Base class of projected iterations (Uzawa, Anderson), with the iteration of the load.
+    """Base class of projected iterations with load control; a subclass adds the iteration.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Projection(ABC):
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem to a tolerance; its pressure may be free or fixed.
+        """Solve a problem with prescribed creepages; raise a ValueError if it prescribes forces.
 
         Parameters
         ----------

@@ -13,7 +13,7 @@ from tractive_sam.solvers.problem import NormalProblem
 
 @dataclass(frozen=True)
 class AroundContact:
-    """Solves a normal problem around the contact of its start, and checks the gap on the mesh.
+    """Solver of a normal problem around the contact of its start; checks the gap beyond it.
 
     If the contact exceeds the rectangle, the problem is solved on the mesh. Without a start, or on
     a small mesh, it is solved on the mesh at once.
@@ -36,7 +36,7 @@ class AroundContact:
     def solve(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a normal problem; see `ProblemSolver`."""
+        """Solve near the contact of the start; on all elements if the gap shows more contact."""
         shape = problem.gap.shape
         nearby = None if start is None or problem.gap.size < self.least_size else start.pressure
         if nearby is None or not nearby.any():

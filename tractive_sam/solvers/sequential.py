@@ -55,7 +55,7 @@ class Sequential:
     def _tangential(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None
     ) -> Outcome:
-        """Solve the tangential problem under the pressure of the normal solution."""
+        """Solve the tangential problem under a fixed pressure; refuse forces above the bound."""
         pressure = problem.fixed_pressure.pressure
         if len(problem.forces):
             share = problem.forces.minimum / problem.bound(pressure).radius.sum()
@@ -63,7 +63,7 @@ class Sequential:
                 return _refuse_forces(problem, share)
         box = rectangle(pressure > 0.0)
         if start is not None:
-            start = _on_part(problem, start, box)
+            start = _start_on_rectangle(problem, start, box)
         inner, shape = problem.within(box), pressure.shape
         outcome = needed(self.tangential, "tangential").solve(inner, tolerance, start)
         traction = needed(outcome.traction, "outcome.traction")
@@ -79,7 +79,7 @@ class Sequential:
         )
 
 
-def _on_part(problem: Problem, start: Start | Outcome, box: Box) -> Start:
+def _start_on_rectangle(problem: Problem, start: Start | Outcome, box: Box) -> Start:
     """Return the start of a tangential problem on a rectangle, from a start on the mesh."""
     if start.traction is None:
         return Start(creepage=start.creepage)
@@ -114,7 +114,7 @@ class RoughSequential:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem with free pressure approximately; tolerance and start are ignored."""
+        """Solve roughly, ignoring tolerance and start; if forces fail, at given creepages."""
         normal = self.normal.solve(problem.normal, self.rough)
         pressure = needed(normal.pressure, "outcome.pressure")
         tangential = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))

@@ -87,7 +87,7 @@ class UniqueSolution:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem from a start, or without it if several solutions may exist."""
+        """Solve from a start; if several solutions may exist, solve again without it."""
         if start is None or not problem.kinematics.joint:
             return self.path.solve(problem, tolerance, start)
         outcome = self.nearby.solve(problem, tolerance, start)

@@ -97,13 +97,11 @@ class ErrorBars(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "ErrorBars":
-        """Return the observer updated by a later step, which may be on a wider mesh."""
+        """Return the observer with a new last step; its previous samples become `earlier`."""
         return replace(self, earlier=self.fine, earlier_shortfall=self.shortfall, step=step)
 
     def restore(self, step: Any, stored: Any) -> "ErrorBars":
-        """Return the observer as it was after a stored step, to resume from.
-
-        Nothing is stored, as the coarser meshes are rolled again.
+        """Return the observer unchanged: nothing is stored, as the coarser meshes are rolled again.
 
         Parameters as in `Observer.restore`.
         """
@@ -118,7 +116,7 @@ class ErrorBars(Observer):
 
     @property
     def shortfall(self) -> str:
-        """Message if error bars are wider than the scene requires; empty otherwise.
+        """Message on the last too wide error bar at a revolution to save; empty if there is none.
 
         It names the last error bar that was too wide at a saved revolution.
         """

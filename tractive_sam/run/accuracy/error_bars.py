@@ -255,7 +255,7 @@ def _at_surface(name: Name) -> bool:
 
 
 def _error_bar(name: Name, coarse: float, middle: float, fine: float) -> float:
-    """Return the error bar of a value on the finest of three meshes."""
+    """Return a value's error bar on the finest of three meshes; infinite for a diverging peak."""
     if isinstance(name, BodyStress) and not name.surface and 0.0 in (coarse, middle):
         return 0.0  # there was no maximum; once it appears, it is well resolved
     early, late = middle - coarse, fine - middle

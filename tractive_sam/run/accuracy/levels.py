@@ -10,7 +10,7 @@ from tractive_sam.schema import required
 
 
 class Levels:
-    """Meshes to refine a scene with [accuracy]: each level has twice the elements of the last.
+    """Meshes to refine a scene with [accuracy]: a level has twice the total elements of the last.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ class RefinedContact:
 def refine_unworn(
     scene: Scene, measured: Gap | None, model_of: Callable[..., Model] = Model
 ) -> RefinedContact:
-    """Solve unworn bodies on ever finer meshes until the error bars are within the tolerance.
+    """Solve unworn bodies on finer meshes until the error bars, or the mesh limit, are reached.
 
     Parameters
     ----------
