@@ -91,14 +91,14 @@ def _rasterize(figure: Figure, dpi: int = 110) -> Image.Image:
 
 
 def _views(history: History, max_frames: int = 100) -> Iterator[ContactView]:
-    """Yield the contacts of the stored records, of at most `max_frames`."""
+    """Yield at most `max_frames` stored contacts, evenly spaced over the records."""
     for at in select_evenly(history.saved, max_frames):
         interrupt.raise_if_interrupted()
         yield ContactView.from_source(history, at)
 
 
 def _envelope(history: History) -> ContactView:
-    """Return a contact with the largest pressure and wear of each element over all records."""
+    """Return the first contact with each element's largest pressure and wear over all records."""
     views = _views(history)
     envelope = next(views)
     for view in views:
@@ -110,7 +110,7 @@ def _envelope(history: History) -> ContactView:
 
 
 def _draw_wear(chart: ContactMap, envelope: ContactView) -> None:
-    """Draw one frame: the pressure map with the worn profile next to it."""
+    """Draw one frame: the pressure map, and the wear depth over y next to it."""
     view, frame, layout = chart.view, chart.frame, MapLayout.current()
     p = view.scale.pressure
     highest = envelope.contact.pressure.max() / p

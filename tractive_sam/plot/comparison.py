@@ -65,7 +65,7 @@ def compare(
 
 
 def _common_quantity(name: str, histories: Mapping[str, History]) -> Quantity:
-    """Return the column of this name; raise an error unless all histories have an equal one."""
+    """Return the column of this name; ValueError if histories differ in it or their coordinate."""
     coordinates = {history.coordinate.name for history in histories.values()}
     if len(coordinates) > 1:
         different = " and ".join(sorted(coordinates))

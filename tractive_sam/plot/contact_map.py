@@ -94,7 +94,7 @@ class ContactMap:
         return figure, maps
 
     def fill(self, values: np.ndarray, *, finest: int = 600, **style: Any) -> QuadMesh:
-        """Colour the contact area by values at the elements; return the mesh for a colour bar.
+        """Colour the contact area by element values, at most `finest` on a side; return the mesh.
 
         A print has no more dots than `finest` elements on a side: of finer meshes some are omitted.
         """
@@ -163,7 +163,7 @@ class ContactMap:
 
 
 def _range_of(indices: np.ndarray, every: int) -> slice:
-    """Return a slice from before the smallest index to behind the largest one."""
+    """Return a slice in steps of `every` from a step before the first index to past the last."""
     return slice(max(int(indices.min()) - every, 0), int(indices.max()) + every + 1, every)
 
 

@@ -81,7 +81,7 @@ class ContactView:
 
     @property
     def columns(self) -> Mapping[str, Quantity]:
-        """Columns of the history of the contact, by name."""
+        """Columns of the history to which the contact belongs, by name; empty without one."""
         return {} if self.history is None else self.history.columns
 
     @property
@@ -92,7 +92,7 @@ class ContactView:
 
     @property
     def caption(self) -> str:
-        """Title of the scene and, after some rolling, the position in the history."""
+        """Title of the scene and, unless it is 0, the position in the history."""
         position = self.position.replace("$", "").replace(" ", "\u00a0") if self.at else ""
         return ", ".join(filter(None, (self.title, position)))
 
@@ -140,7 +140,7 @@ class ContactView:
 
     @cached_property
     def slip_zone(self) -> np.ndarray:
-        """Mask of slip for maps: elements that slip together with the next one in x.
+        """Mask of slip for maps: slipping elements with a slipping neighbour in x.
 
         On a mesh the steps of the leading edge slip, because the traction bound nearly vanishes
         there; a layer of one element is no zone.
@@ -151,7 +151,7 @@ class ContactView:
 
     @property
     def bound_ratios(self) -> tuple[float, float]:
-        """Largest |p_x|/p_n and |p_y|/p_n that friction allows, for scales of figures."""
+        """Largest |p_x|/p_n and |p_y|/p_n that friction allows; zeros without friction."""
         if self.contact.frame is None:
             return 0.0, 0.0
         x, y = np.linalg.norm(self.contact.frame.matrix, axis=0).tolist()

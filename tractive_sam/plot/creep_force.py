@@ -26,7 +26,7 @@ def creep_force_curve(
     *,
     theory: bool = True,
 ) -> Figure:
-    """Draw the creep-force curve of a circular contact, scaled by eq. (40) of the paper.
+    """Draw scaled creep-force curves of a circular contact, with reference and theory curves.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def creep_force_curve(
 
 @apply_style
 def traction_curve(computed: Mapping[str, Points], printed: Points | None = None) -> Figure:
-    """Draw force over load against creepage, with the maximum of each curve.
+    """Draw Q_x/P over creepage with each falling curve's maximum, and printed values of CONTACT.
 
     Parameters
     ----------

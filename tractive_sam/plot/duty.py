@@ -87,7 +87,7 @@ def block_shares(history: History) -> Figure:
 
 
 def _has_wear_regimes(history: History) -> bool:
-    """Return whether the scene's wear laws have regimes, or differ by body or block."""
+    """Return whether stored wear comes from separate laws of the bodies, or from several blocks."""
     scene = history.scene
     if "wear" in history.law_records or not scene.has("wear") or not len(history.saved):
         return False
@@ -171,7 +171,7 @@ def _wear_law(contact: State, laws: ts.Laws | None, *, warm: bool) -> ts.WearLaw
 
 
 def _wear_rates(contact: State, laws: ts.Laws | None) -> dict[str, np.ndarray]:
-    """Return the wear rate of the elements of each body, µg/(m mm²), shape (n_x, n_y)."""
+    """Return wear rates (n_x, n_y) of each body that wears, µg/(m mm²); empty without wear."""
     law = _wear_law(contact, laws, warm=True)
     fields = contact.pressure, contact.traction, contact.slip
     if law is None or not contact.touching.any():
@@ -214,7 +214,7 @@ def _draw_elements(
 def _draw_laws(
     axes: Axes, contact: State, laws: ts.Laws | None, limits: tuple[float, float]
 ) -> None:
-    """Draw the wear laws of the bodies over work, with the limits of their regimes."""
+    """Draw the wear laws that have regimes over work, with the limits of their regimes."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear
     label = "law, without heat" if wear is not None and wear.temperature else "law"
     lines: list[object] = []

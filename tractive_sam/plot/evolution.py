@@ -15,7 +15,7 @@ from tractive_sam.results import History
 
 @history_figure("pressure-over-{coordinate}", needs=[WIDE], shown=has_contacts)
 def pressure_over_revolutions(history: History) -> Figure:
-    """Pressure p_n/p_0 at the stored revolutions.
+    """Maps of the contact pressure p_n/p_0, one for each of up to six stored revolutions.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def pressure_over_revolutions(history: History) -> Figure:
 
 
 def _has_slip_of_one_unit(history: History) -> bool:
-    """Return whether the slips of all stored contacts are of rolling, or all of shifts."""
+    """Return whether all stored contacts roll or all shift, so that their slips have one unit."""
     schedule = history.scene.schedule
     kinds = {schedule.shifts_at(place) for place in history.saved}
     return has_contacts(history) and len(kinds) == 1
@@ -43,7 +43,7 @@ def _has_slip_of_one_unit(history: History) -> bool:
 
 @history_figure("slip-over-{coordinate}", needs=[WIDE], shown=_has_slip_of_one_unit)
 def slip_over_revolutions(history: History) -> Figure:
-    """Slip |s|/V at the stored revolutions, of shifts |s| in the step, with the edge of stick.
+    """Maps of the slip |s|/V (|s| in shifts) and the edge of stick, for up to six revolutions.
 
     Examples
     --------
@@ -72,7 +72,7 @@ def slip_over_revolutions(history: History) -> Figure:
     shown=lambda history: has_worn_contacts(history) and has_contacts(history),
 )
 def wear_over_revolutions(history: History) -> Figure:
-    """Wear depth of both bodies together, in the contact, at the stored revolutions.
+    """Maps of the wear depth of both bodies together, for up to six of the stored revolutions.
 
     Examples
     --------

@@ -66,7 +66,7 @@ def _each_damaged_body(history: History) -> list[dict[str, str]]:
 
 @history_figure("shakedown-map", columns=["shakedown_lower"], cure="fatigue.shear_yield")
 def shakedown_map(history: History) -> Figure:
-    """Place of the contact on the shakedown map, and its limits next to a line contact's.
+    """Shakedown map: p_max/k over the tangential force ratio of the records, with limits.
 
     Peak contact pressure over k, and tangential over normal force. Triangles are the limits
     computed from the stress of the last record, for tractions that increase in proportion.
@@ -110,7 +110,7 @@ def shakedown_map(history: History) -> Figure:
 
 
 def _draw_limits(axes: Axes, history: History, force: float, load: float) -> None:
-    """Draw the shakedown limits of both bodies as triangles, open and larger ones for B."""
+    """Draw the last record's shakedown limits of both bodies as triangles, larger ones for B."""
     limits = (
         ("shakedown_lower", "^", "certain up to"),
         ("shakedown_upper", "v", "impossible above"),
@@ -127,7 +127,7 @@ def _draw_limits(axes: Axes, history: History, force: float, load: float) -> Non
 
 @history_figure("utilisation-{body}", columns=["damage"], cure="fatigue.limit", each=_each_body)
 def utilisation(history: History, body: str = "A", at: float | None = None, **named) -> Figure:
-    """Utilisation of a body over its section, below its present surface.
+    """Map of a body's utilisation, equivalent stress over limit, over y and depth.
 
     Parameters
     ----------
@@ -173,7 +173,7 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
 
 @history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_each_damaged_body)
 def damage(history: History, body: str = "A", *, most: int = 4, decades: float = 6.0) -> Figure:
-    """Maps of the damage of a body over y and depth, one for each of the stored revolutions.
+    """Maps of a body's damage over y and depth, for up to `most` stored records with damage.
 
     A line is the worn surface: the material above it is removed. The scale is logarithmic.
 
@@ -230,7 +230,7 @@ def damage(history: History, body: str = "A", *, most: int = 4, decades: float =
 
 @history_figure("fatigue-course", needs=[_COMPUTED], shown=has_course)
 def fatigue_course(history: History) -> Figure:
-    """Largest damage of each body, and load factors of shakedown, over the course.
+    """Panels of computed damage, utilisation and shakedown factors of each body, over the course.
 
     Raises
     ------
@@ -317,7 +317,7 @@ def _add_shakedown_note(figure: Figure, history: History, body: str) -> None:
 
 
 def _wear_rate(history: History, body: str) -> np.ndarray:
-    """Return the wear depth per revolution from the last two records, mm, shape (n_y,)."""
+    """Return wear depth per revolution between the last two solved records, mm, (n_y,); else 0."""
     rows = _solved_rows(history)
     depth, N = history[f"wear_profile_{body}"][rows], history[history.coordinate.name][rows]
     if len(N) < 2:
@@ -350,7 +350,7 @@ def _draw_values(
 
 
 def _set_section(axes: Axes, fatigue: BodyFatigue, scale: Scale) -> np.ndarray:
-    """Set the limits of axes to the stressed section of a body; return y in their units.
+    """Set limits and x label of axes for the stressed section of a body; return y as drawn.
 
     A line contact is equal at all y: its section has two places.
     """

@@ -21,7 +21,7 @@ from tractive_sam.plot.style import LOOK, MICRON
 
 @contact_figure("pressure", line=line_pressure)
 def pressure(view: ContactView) -> Figure:
-    """Map of the pressure.
+    """Map of the contact pressure p_n.
 
     Examples
     --------

@@ -78,7 +78,7 @@ class _Canvas(FigureCanvasAgg):
     def print_png(
         self, filename_or_obj: Any, *, metadata: Any = None, pil_kwargs: Any = None, **_: Any
     ) -> None:
-        """Write a picture; arguments as in matplotlib, which applied all others to the figure."""
+        """Write a PNG as in matplotlib, without the alpha channel if the picture is opaque."""
         options = pil_kwargs or {}
         self.draw()
         pixels = np.asarray(self.buffer_rgba())

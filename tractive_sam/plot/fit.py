@@ -45,7 +45,7 @@ class FittedCurve(ShortArrays):
 
     @property
     def line(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Abscissas of the model, predictions, and their standard deviations, in order."""
+        """Ascending abscissas of the model, its predictions, and their standard deviations."""
         x, predicted, band = self.x.places, self.predicted, self.band
         if self.between is not None:
             values, more, spread = self.between
@@ -148,7 +148,7 @@ def confidence_ellipses(
     title: str = "",
     most: int = 5,
 ) -> Figure:
-    """Draw the ellipses that hold 68 and 95 % of each pair of fitted parameters.
+    """Draw the 68 and 95 % ellipses of each pair of the first `most` fitted parameters.
 
     Parameters
     ----------

@@ -143,7 +143,7 @@ def list_figures(history: History) -> list[Drawing]:
 
 @cache
 def _register_installed() -> None:
-    """Import the modules of installed packages that register further figures."""
+    """Import the modules that installed packages name for figures; warn if one fails."""
     for point in entry_points(group="tractive_sam.figures"):
         try:
             point.load()

@@ -43,7 +43,7 @@ def forces(history: History) -> Figure:
 
 @history_figure("widths", columns=["half_width_x", "p_max"], shown=has_course)
 def widths(history: History) -> Figure:
-    """Half widths of the contact and its pressure, over the course.
+    """Half widths and pressure of the contact, relative to the unworn contact, over the course.
 
     The pressure is the one that 5 % of the load exceeds: the largest one jumps with every element
     that comes into contact. Files of former versions have the largest one only.
@@ -187,7 +187,7 @@ def stress_course(history: History) -> Figure:
 
 
 def _measured_columns(history: History) -> list[dict[str, str]]:
-    """Return the measured columns, as arguments of their figures."""
+    """Return the arguments {"column": ...} of the figures of each measured column."""
     measured = current_options().measured
     return [] if measured is None else [{"column": name} for name in measured.compared(history)]
 

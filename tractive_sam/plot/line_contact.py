@@ -19,7 +19,7 @@ from tractive_sam.results import History
 
 @apply_style
 def line_pressure(source: Source, at: float | None = None, **named: float) -> Figure:
-    """Pressure of a line contact over x, next to that by Hertz.
+    """Pressure p_n of a line contact over x, and the pressure by Hertz of the unworn bodies.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def line_slip(view: ContactView) -> Figure:
 
 @apply_style
 def line_pressures(history: History) -> Figure:
-    """Pressure of a line contact over x, at the stored revolutions.
+    """Pressure of a line contact over x, at up to eight of the stored revolutions.
 
     Examples
     --------

@@ -36,7 +36,7 @@ class MapFrame:
 
     @classmethod
     def from_contacts(cls, *views: ContactView, width: float, margin: float = 0.15) -> Self:
-        """Return the frame around several contacts, for maps of this width, inches.
+        """Return the frame around several contacts, at most this wide on paper, inches.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class MapFrame:
         return f", stretched {times:.2g} times {axis}"
 
     def arrow_spacing(self, number: int) -> float:
-        """Return the distance of arrows, inches, for about `number` squared in a square map."""
+        """Return the distance of arrows, inches: the mean side of the map over a number."""
         return float(np.sqrt(self.width * self.height)) / number
 
     def apply_to(self, axes: Axes, xlabel: str, ylabel: str) -> None:

@@ -61,7 +61,7 @@ class Measurements(ShortArrays):
         return cls(columns)
 
     def check(self, history: History) -> None:
-        """Raise an error unless a history has the measured columns.
+        """Raise a ValueError unless a history has all measured columns and one is its coordinate.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Measurements(ShortArrays):
         return [name for name in self.columns if name != history.coordinate.name]
 
     def compare(self, history: History, name: str) -> tuple[np.ndarray, np.ndarray, str]:
-        """Return (places, measured values, text with the rms deviation) of a column.
+        """Return coordinates, measured values, and a text with the rms deviation from a column.
 
         Parameters
         ----------

@@ -69,7 +69,7 @@ def has_traction(view: ContactView) -> bool:
 
 
 def touching_records(history: History) -> list[float]:
-    """Return the coordinates of the first and the last stored record with contact.
+    """Return the coordinates of the first and last stored record with contact; [] with blocks.
 
     A single record is returned even without contact: its figures report that there is nothing to
     draw. A duty cycle has none: its records have a contact for each block.

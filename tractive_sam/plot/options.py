@@ -14,7 +14,7 @@ UNITS = ("hertz", "si-mm")
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """Options of figures: units, size, fonts, titles.
+    """Options of figures: units, titles, scale of the sizes, and measured points to draw.
 
     Attributes
     ----------
@@ -44,7 +44,7 @@ class FigureOptions:
 
     @property
     def font_scale(self) -> float:
-        """Size of fonts over the default size."""
+        """Size of fonts over the default size, at least 0.6."""
         return max(self.scale, 0.6)
 
 

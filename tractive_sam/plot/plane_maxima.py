@@ -38,7 +38,7 @@ class StressMaximum:
 
 
 def stress_maxima(values: np.ndarray, axes: tuple[np.ndarray, np.ndarray]) -> list[StressMaximum]:
-    """Return the largest local maximum inside a body, and the largest value at its surface.
+    """Return the largest local maximum inside and the surface maximum; if neither, the largest.
 
     As in `subsurface.Maximum`, points closer to the surface than one element are ignored: there
     every edge between elements has a local maximum.

@@ -79,14 +79,14 @@ class PlaneSection:
 
     @cached_property
     def axes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Ascending coordinates along both axes, over the half width a."""
+        """Ascending coordinates along both axes, over half width a, or in mm without a scale."""
         unit = self.scale.a if self.scale else 1.0
         first, second = self.stress.axes.values()
         return first / unit, np.sort(second) / unit
 
     @cached_property
     def values(self) -> np.ndarray:
-        """Values of the quantity over the pressure of the scale, in the shape of the axes."""
+        """Values of the quantity over the scale's pressure, or MPa, in the shape of the axes."""
         if self.criterion is None:
             values = self.stress.components[str(self.quantity)]
         elif self.criterion == VON_MISES:  # without the compiled one: it takes long to load
@@ -98,7 +98,7 @@ class PlaneSection:
 
     @cached_property
     def stress_maxima(self) -> list[StressMaximum]:
-        """Maxima of the quantity that a figure marks."""
+        """Maxima that a figure marks: the largest magnitude, or interior and surface maxima."""
         if self.parallel or self.signed:
             return [StressMaximum.largest("largest", self.values, self.axes)]
         return stress_maxima(self.values, self.axes)
@@ -134,7 +134,7 @@ class PlaneSection:
 
     @property
     def touching(self) -> np.ndarray:
-        """Mask of the places in contact along a plane through the depth; empty below it."""
+        """Mask of the points in contact along a plane; all False for one below the surface."""
         depth = self.stress.depth
         if depth.min() > 0.0:
             return np.zeros(self.values.shape[0], dtype=bool)

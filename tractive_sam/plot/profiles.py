@@ -20,7 +20,7 @@ from tractive_sam.results import BODIES, History
 
 @history_figure("wear-profiles", needs=[WIDE], shown=has_worn_contacts)
 def wear_depth_profiles(history: History) -> Figure:
-    """Wear depth of both bodies together across the track, at the stored revolutions.
+    """Wear depth of both bodies together across the track, at up to eight stored revolutions.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def _measured_body(history: History) -> str:
 
 
 def _is_worn_evenly(history: History) -> bool:
-    """Return whether bodies wear evenly around their circumference, unlike in a transient."""
+    """Return whether several contacts are stored and wear is equal around the circumference."""
     worn = (history["wear_profile"] > 0.0).any()
     evenly = np.isfinite(history["wear_per_revolution"]).any()
     return has_worn_contacts(history) and bool(worn and evenly)
@@ -62,7 +62,7 @@ def _is_worn_evenly(history: History) -> bool:
     shown=_is_worn_evenly,
 )
 def worn_profiles(history: History, margin: float = 0.15) -> Figure:
-    """Cross sections of both bodies across the track, undeformed, at the stored revolutions.
+    """Undeformed cross sections of both bodies across the track, at up to eight revolutions.
 
     A is above B, and they touch before they wear. The heights contain the radii R_y, the wear depth
     of each body, and a measured [gap] at x = 0: on its body, or else on A. They are exaggerated.
@@ -117,7 +117,7 @@ def _measured_profiles(history: History) -> Figure:
 
 
 def _surface_heights(history: History, body: str) -> dict[float, np.ndarray]:
-    """Return the height of the surface of a body at every record, micrometres, shape (n_y,)."""
+    """Return heights (n_y,) of a body's surface, micrometres, by the coordinate of each record."""
     upwards = 1.0 if body == "A" else -1.0
     crowns = {b: history.y**2 / (2.0 * getattr(history.scene.body, b).radius_y) for b in BODIES}
     crown = crowns[body]
@@ -130,7 +130,7 @@ def _surface_heights(history: History, body: str) -> dict[float, np.ndarray]:
 
 @history_figure("pressure-profiles", line=line_pressures, shown=has_contacts)
 def pressure_profiles(history: History) -> Figure:
-    """Largest pressure in every row along the rolling direction, at the stored revolutions.
+    """Largest pressure over x at each y, for up to eight of the stored revolutions.
 
     Examples
     --------
@@ -161,7 +161,7 @@ def _profiles_by_coordinate(history: History, name: str) -> dict[float, np.ndarr
 
 
 def _draw_records(axes: Axes, history: History, *functions: Callable[[float], np.ndarray]) -> None:
-    """Draw functions of the coordinate at stored records, later ones darker."""
+    """Draw functions of the coordinate over y at up to eight stored records, later ones darker."""
     y = history.y / Scale.from_history(history).across
     places = select_evenly(history.saved).tolist()
     shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))

@@ -85,7 +85,7 @@ class FigureEntry:
         return f"{self.function.__module__}.{self.function.__qualname__}"
 
     def check(self, subject: ContactView | History) -> None:
-        """Raise a ValueError that says what the figure lacks, unless it applies."""
+        """Raise a ValueError if a history or contact lacks something that the figure needs."""
         if missing := self._missing(subject):
             refuse(self.function.__name__, missing)
 
@@ -276,7 +276,7 @@ def _add(
     line: Callable[..., Figure] | None,
     settings: Mapping[str, Any],
 ) -> FigureEntry:
-    """Register a function as a figure under a name, and return its entry."""
+    """Register a function as a figure and return its entry; ValueError if the name is taken."""
 
     def draw(subject: ContactView | History, *args: Any, **options: Any) -> Figure:
         chosen = line if line and SINGLE_ROW.holds(subject) else function

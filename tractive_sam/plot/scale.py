@@ -62,17 +62,17 @@ class Scale:
 
     @property
     def length(self) -> float:
-        """Divisor of lengths, mm."""
+        """Divisor of lengths in figures: the half width a, or 1 for figures in mm."""
         return self.a if self.relative else 1.0
 
     @property
     def across(self) -> float:
-        """Divisor of lengths across the track, mm."""
+        """Divisor of lengths across the track in figures: the half width b, or 1 for mm."""
         return self.b if self.relative else 1.0
 
     @property
     def pressure(self) -> float:
-        """Divisor of pressures, MPa."""
+        """Divisor of pressures in figures: the pressure p, or 1 for figures in MPa."""
         return self.p if self.relative else 1.0
 
     def length_label(self, name: str, across: bool = False) -> str:
@@ -97,15 +97,15 @@ class Scale:
 
     @property
     def a_symbol(self) -> str:
-        """Symbol of the half width in x, for math text."""
+        """Symbol of the half width in x for math text: "a_0" of Hertz's contact, else "a"."""
         return "a_0" if self.hertz else "a"
 
     @property
     def b_symbol(self) -> str:
-        """Symbol of the half width in y, for math text."""
+        """Symbol of the half width in y for math text: "b_0" of Hertz's contact, else "b"."""
         return "b_0" if self.hertz else "b"
 
     @property
     def p_symbol(self) -> str:
-        """Symbol of the pressure, for math text."""
+        """Symbol of the pressure for math text: "p_0" of Hertz's contact, else "p_max"."""
         return "p_0" if self.hertz else r"p_\mathrm{max}"

@@ -136,7 +136,7 @@ def _stored_planes(view: ContactView) -> Iterator[Mapping[str, Any]]:
 
 @contact_figure("von-mises-{plane}", each=_stored_planes)
 def _stored_sections(view: ContactView, plane: str, bodies: Sequence[str]) -> Figure:
-    """Equivalent stress of von Mises on a plane below the surface."""
+    """Equivalent stress of von Mises on a plane with stored stress, in each of its bodies."""
     return von_mises_sections(view.history or view.contact, plane, bodies, view.at)
 
 

@@ -93,7 +93,7 @@ class Variable:
 
     @property
     def places(self) -> np.ndarray:
-        """Positions of the values along the axis, in its unit."""
+        """Positions of values on the axis: numbers, indices of texts, or -100 times creepages."""
         if not self.numeric:
             return np.arange(self.values.size) * 1.0
         return 0.0 - 100.0 * self.values if self.is_creepage else self.values.astype(float)
@@ -119,7 +119,7 @@ class Variable:
 def study_curves(
     x: Variable, y: Variable, over: Variable | None = None, *, title: str = "", most: int = 10
 ) -> Figure:
-    """Draw a quantity over one key of a scene, one curve for each value of another key.
+    """Draw a quantity over one key, one curve for each of up to `most` values of another key.
 
     Parameters
     ----------

@@ -165,7 +165,7 @@ def describe_friction(frame: Frame | None) -> str:
 
 
 def wrap_title(text: str, width: float) -> list[str]:
-    """Return the lines of a title wrapped to a figure's width, inches."""
+    """Return the lines of a title wrapped to a width in inches; none if titles are switched off."""
     options = current_options()
     if not options.titles:
         return []

@@ -17,7 +17,7 @@ _SHIFTS = ("shift_x", "shift_y")
 
 @history_figure("hysteresis", columns=_SHIFTS, cure="[transient]", shown=has_course)
 def hysteresis(history: History) -> Figure:
-    """Force on body A over the shift of A over B, along the axis of the larger shift.
+    """Force ratio of body A over the shift of A over B, along the axis of the larger shift.
 
     The area of a closed loop is the work of friction.
 
@@ -49,7 +49,7 @@ def hysteresis(history: History) -> Figure:
     shown=has_course,
 )
 def energies(history: History) -> Figure:
-    """Supplied work and work of friction since the start, and the elastic energy, over the course.
+    """Work supplied and friction work since the start, and elastic energy gained, over the course.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def stick_course(history: History) -> Figure:
 
 
 def _track_axes(history: History) -> tuple[Figure, Axes, np.ndarray, np.ndarray]:
-    """Return figure, axes, positions along the track (mm) and wear depths (micrometres).
+    """Return figure, axes, track positions (mm) and wear depths of both bodies together (um).
 
     The places have the shape (n,), the depths of both bodies together the shape (n, n_y).
     """

@@ -57,7 +57,7 @@ def wheel_on_rail(view: ContactView) -> Figure:
 
 @apply_style
 def contact_points(scene: Scene, locus: ContactLocus, apart: float = 12.0) -> Figure:
-    """Draw both profiles, and connect their contact points at each position.
+    """Draw both profiles, the wheel lifted, and connect their contact points at each position.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def radius_difference(locus: ContactLocus) -> Figure:
 
 @apply_style
 def conicity(locus: ContactLocus, points: int = 30) -> Figure:
-    """Draw the equivalent conicity over the amplitude of the lateral motion.
+    """Draw the equivalent conicity, harmonic and by Klingel, over the lateral amplitude.
 
     Parameters
     ----------

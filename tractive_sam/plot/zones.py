@@ -62,7 +62,7 @@ def _add_ends(centres: np.ndarray) -> np.ndarray:
 
 
 def edge_level(pressure: np.ndarray) -> np.ndarray:
-    """Return a level field, zero at the edge of contact: squared pressure, extrapolated.
+    """Return squared pressure, extrapolated to negative values outside: zero at the contact edge.
 
     Near a smooth edge the pressure is proportional to the root of the distance, so its square is
     linear.

@@ -141,7 +141,7 @@ class Bodies(Table):
         return self.A.radius_y == self.B.radius_y == math.inf
 
     def hertz(self, load: Load) -> HertzContact | HertzLine | None:
-        """Return the Hertz contact under a load; None if the radii give no closed contact.
+        """Return the Hertz contact under a load; None if radii or approach close no contact.
 
         Infinitely long bodies have a line contact under a load per length.
         """

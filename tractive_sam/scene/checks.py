@@ -116,7 +116,7 @@ def _check_slender_contact_has_grid(
 
 
 def _check_a_body_turns(entries: ValidEntries) -> Iterator[Fault]:
-    """Report wear of two flat bodies: they have no revolutions to count."""
+    """Report wear.turns "each" for two flat bodies, which have no revolutions to count."""
     wear, radii = entries["wear"], (entries["body.A.radius_x"], entries["body.B.radius_x"])
     if entries["transient"] is not None:
         return
@@ -151,7 +151,7 @@ def _check_share_of_wear(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_inputs_of_wear_law(entries: ValidEntries) -> Iterator[Fault]:
-    """Report missing entries on which a published wear law depends, for example hardness."""
+    """Report inputs that a published wear law needs and lacks, and brr in a line contact."""
     wear = entries["wear"]
     laws = {} if wear is None else wear.laws
     if "brr" in laws.values() and is_line(entries):

@@ -15,7 +15,7 @@ _HEAD = """\
 
 
 def commented_scene(name: str) -> str:
-    """Return a built-in scene as TOML text, with every key of its tables commented.
+    """Return a built-in scene as TOML text: each key has a comment, absent keys are comments.
 
     Raises
     ------

@@ -31,7 +31,7 @@ _CHANGED = ("load", "creepage", "friction", "wheelset")
 
 
 class BlockLoad(Table):
-    """Load of a block of [[duty]], which replaces the load of the scene.
+    """Load (normal, approach or pressure) and forces that a block sets in place of the scene's.
 
     Examples
     --------
@@ -65,7 +65,7 @@ class BlockCreepage(Table):
 
 
 class BlockFriction(Table):
-    """Friction of a block of [[duty]], which replaces the friction of the scene.
+    """Friction coefficients and angle that a block of [[duty]] sets in place of the scene's.
 
     Examples
     --------
@@ -249,7 +249,7 @@ def _check_block_names(blocks: tuple[Block, ...]) -> Iterator[Fault]:
 
 
 def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
-    """Report blocks that do not fit the other tables."""
+    """Report equal block names, tables that [[duty]] excludes or needs, and impossible shifts."""
     duty: tuple[Block, ...] = entries["duty"]
     if not duty:
         return
@@ -298,7 +298,7 @@ def cycle_notes(scene: Any, largest_error: float = 0.01) -> Iterator[str]:
 
 
 def check_blocks_on_mesh(scene: Any, scenes: tuple[Any, ...]) -> Iterator[Fault]:
-    """Report blocks with a contact outside the given mesh."""
+    """Report blocks of [[duty]] whose lateral shift moves their contact outside the given mesh."""
     half_length = None if scene.grid is None else scene.grid.half_length
     if half_length is None:
         return

@@ -39,7 +39,7 @@ def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a sensitivity that the criterion needs, does not have, or does not allow."""
+    """Report a sensitivity that is missing, too large or unused by the fatigue criterion."""
     # Upper bound and definition of the sensitivity, for each criterion with a sensitivity. At the
     # bounds of the first two the fatigue limit in torsion equals that in bending.
     sensitivities = {
@@ -65,7 +65,7 @@ def _check_sensitivity(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a missing yield stress that the criterion needs."""
+    """Report a missing yield stress that "fatemi-socie" needs, if a fatigue limit is set."""
     if entries["criterion"] != "fatemi-socie" or entries["limit"] is None:
         return
     if not entries.given & {"shear_yield", "yield_strength"}:

@@ -23,7 +23,7 @@ def _check_force_has_friction(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_force_limit(entries: ValidEntries) -> Iterator[Fault]:
-    """Report prescribed forces above the friction limit."""
+    """Report prescribed forces above the friction limit in a scene without [transient]."""
     if entries["transient"] is not None:
         return  # `_check_force_limit_at_knots` covers it
     forces = entries["load.force_x"], entries["load.force_y"]
@@ -35,7 +35,7 @@ def _check_force_limit(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
-    """Report the first knot with prescribed forces above the friction limit, for a given load."""
+    """Report the first knot at which forces exceed the friction limit of a known normal load."""
     transient, mu, largest = entries["transient"], entries["friction.mu"], _largest_mu(entries)
     if transient is None:
         return

@@ -70,7 +70,7 @@ def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
 
 
 def check_exists(path: Path, other_values: str = "") -> None:
-    """Raise a ValueError if a file does not exist; `other_values` begins its message."""
+    """Raise a ValueError if a file does not exist, unless missing files are accepted."""
     # os.path.isfile, unlike Path.is_file, accepts any text.
     if not may_be_missing() and not os.path.isfile(path):
         raise ValueError(
@@ -104,7 +104,7 @@ def _read_array(value: Any) -> NDArray[np.float64]:
 
 
 def _check_axis(array: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return coordinates unchanged; raise a ValueError unless they increase."""
+    """Return two or more increasing coordinates unchanged; raise a ValueError for others."""
     if array.ndim != 1 or array.size < 2 or not np.all(np.diff(array) >= SMALLEST):
         raise ValueError("at least 2 increasing numbers")
     return array
@@ -230,7 +230,7 @@ class Gap(Table):
         return {**entries, "x": [-ALONG, ALONG], "separation": both}
 
     def in_mm(self, x: Any, y: Any, values: Any, units: tuple[str, str] = ("mm", "mm")) -> Any:
-        """Convert coordinates and values, separation or heights, to coordinates and separation, mm.
+        """Convert coordinates and values to x, y, separation in mm; outward heights are negated.
 
         Parameters
         ----------

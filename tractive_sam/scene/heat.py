@@ -53,7 +53,7 @@ def _check_bulk(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Heat(Table):
-    """Flash temperature of the contact; needs `creepage.speed`.
+    """Flash temperature of the contact above bulk temperatures; needs `creepage.speed`.
 
     Examples
     --------
@@ -135,7 +135,7 @@ def _check_thermal_is_present(
 
 
 def _check_temperature_has_heat(entries: ValidEntries) -> Iterator[Fault]:
-    """Report friction and wear laws that depend on the temperature, without [heat]."""
+    """Report laws with temperature but without [heat], and wear with temperature under "uzawa"."""
     keys = [
         f"{table}.temperature"
         for table in ("friction", "wear")

@@ -54,7 +54,7 @@ _File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".c
 
 
 def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
-    """Report keys that the package writes when it reads the file, and a user must not."""
+    """Report rows, error or work_error without both rows and error, which only the package sets."""
     keys = entries.given & {"rows", "error", "work_error"}
     if keys and not keys >= {"rows", "error"}:
         first = min(keys)
@@ -165,7 +165,7 @@ class Binned:
 
 
 def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """Return the tables of a scene with blocks made from its load history, unless present.
+    """Return scene tables with blocks made from [load_history]; SceneError if [[duty]] conflicts.
 
     Raises
     ------
@@ -284,7 +284,7 @@ def _block(values: dict[str, float], revolutions: int) -> Block:
 
 
 def _levels(values: np.ndarray, levels: int) -> np.ndarray:
-    """Return the number, from 0, of the level in which each value lies."""
+    """Return the index of the level of each value; equal levels divide the range of the values."""
     low, high = values.min(), values.max()
     if high == low:
         return np.zeros(values.size, int)

@@ -83,7 +83,7 @@ def override(tables: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str,
 
 
 def _shorten_save(tables: dict[str, Any]) -> None:
-    """Remove stored revolutions beyond the last one from the tables of a scene, in place."""
+    """End the stored revolutions in a scene's tables with the last revolution, in place."""
     match tables:
         case {"wear": {"revolutions": last, "save": (list() | tuple()) as save} as wear}:
             # The checks of the scene report values that are not integers.

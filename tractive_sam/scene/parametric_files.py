@@ -18,7 +18,7 @@ FILE_KEYS = (
 
 
 def resolve_parametric_files(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-    """Let relative paths in the tables of a study start from a folder; return the tables."""
+    """Let relative file paths in a study's tables start from a folder, in place; return them."""
     match tables:
         case {"scene": str(name)} if (folder / name).is_file():
             tables["scene"] = str(folder / name)

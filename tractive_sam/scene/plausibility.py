@@ -253,7 +253,7 @@ def conformity_notes(angle: float) -> Iterator[str]:
 
 
 def pressure_notes(scene: Any, pressure: float, place: str = "") -> Iterator[str]:
-    """Yield a note if the largest computed pressure is implausible.
+    """Yield a note if the largest computed pressure is implausible and the Hertz contact is not.
 
     There is no note if the scene already has one about its pressure by Hertz.
 
@@ -280,7 +280,7 @@ def scene_notes(scene: Any) -> Iterator[str]:
 
 
 def _unused_entries(scene: Any) -> Iterator[str]:
-    """Yield a note for each entry that a course of [transient] replaces."""
+    """Yield a note for each creepage or force of a scene that a course of [transient] replaces."""
     courses = {} if scene.has("transient.stage") else scene.schedule.courses
     for key, course in courses.items():
         table, _, name = key.partition(".")

@@ -25,7 +25,7 @@ from .transient_checks import REVOLUTION_KEYS
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:
-    """Report values of the coordinate to be stored that lie beyond its end."""
+    """Report `save` of [process] if it has values beyond `end`, the last one of its coordinate."""
     save, end = entries["save"], entries["end"]
     if save and save[-1] > end:
         yield Fault("save", str(list(save)), f"values of the coordinate up to end, {end:g}")

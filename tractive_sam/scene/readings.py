@@ -76,7 +76,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Peak:
-    """Largest computed pressure, its place as text, and the materials: a subject of rules."""
+    """Largest computed pressure, its position as text, and the materials: a subject of rules."""
 
     pressure: float
     place: str
@@ -107,7 +107,7 @@ def read_densities(pair: Pair) -> Iterator[Reading]:
 
 
 def read_radii(pair: Pair) -> Iterator[Reading]:
-    """Yield the magnitudes of the radii, mm."""
+    """Yield the magnitudes of radius_x and radius_y of both bodies, mm."""
     for name, body in (("A", pair.bodies.A), ("B", pair.bodies.B)):
         for key in ("radius_x", "radius_y"):
             value = getattr(body, key)
@@ -138,7 +138,7 @@ def read_pressure_of_metals(pair: Pair) -> Iterator[Reading]:
 
 
 def read_computed_pressure(peak: Peak) -> Iterator[Reading]:
-    """Yield the largest pressure of a solved contact, MPa, for a check of plausibility."""
+    """Yield the largest pressure of a solved contact, MPa, with its position."""
     yield Reading("p_max", peak.pressure, {"place": peak.place})
 
 
@@ -149,7 +149,7 @@ def read_computed_pressure_of_metals(peak: Peak) -> Iterator[Reading]:
 
 
 def read_shakedown_ratio(scene: Any) -> Iterator[Reading]:
-    """Yield the peak pressure over the yield stress in shear."""
+    """Yield the peak Hertz pressure over the shear yield stress; none without a Hertz contact."""
     if scene.hertz is not None:
         p0 = scene.hertz.p0
         yield Reading("fatigue", p0 / scene.fatigue.shear_yield_stress, {"p0": p0})
@@ -177,7 +177,7 @@ def read_wear_rate(scene: Any) -> Iterator[Reading]:
 
 
 def read_wear_coefficients(scene: Any) -> Iterator[Reading]:
-    """Yield the given specific wear rates, mm3/(N m)."""
+    """Yield each distinct wear coefficient, mm3/(N m); intensities are converted to it."""
     wear = scene.wear
     if wear.intensity is not None:
         for i in dict.fromkeys(wear.intensity):
@@ -191,7 +191,7 @@ def read_wear_coefficients(scene: Any) -> Iterator[Reading]:
 
 
 def read_widths(scene: Any) -> Iterator[Reading]:
-    """Yield the width of the unworn contact over the width of each body."""
+    """Yield the width 2b of a Hertz point contact over the width of each body with a width."""
     if isinstance(scene.hertz, HertzContact):
         yield from read_width_ratios(scene, 2.0 * scene.hertz.b)
 

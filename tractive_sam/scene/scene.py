@@ -112,7 +112,7 @@ class Scene(Document):
     )
 
     def check_complete(self) -> None:
-        """Check the blocks of a scene, and issue its warnings; called once it is complete."""
+        """Raise an error for faulty blocks, and issue the warnings of the complete scene."""
         if self.duty:
             self._check_blocks()
         for note in scene_notes(self):
@@ -132,7 +132,7 @@ class Scene(Document):
         return add_wheel_contact(add_blocks(tables))
 
     def entries(self) -> dict[str, Any]:
-        """Return the given entries as nested tables, without those computed from the wheel."""
+        """Return the entries that were set, nested, without ones computed from the wheel."""
         entries = super().entries()
         return entries if self.wheelset is None else without_wheel_contact(entries, self.wheel_rail)
 
@@ -184,7 +184,7 @@ class Scene(Document):
 
     @property
     def without_blocks(self) -> Scene:
-        """Copy of the scene without [[duty]]."""
+        """Copy of the scene without [[duty]] and [load_history]; itself if it has no blocks."""
         return self.replace(duty=None, load_history=None) if self.duty else self
 
     @cached_property
@@ -222,7 +222,7 @@ class Scene(Document):
         return describe.draw_summary(self)
 
     def fingerprint(self) -> str:
-        """Return a hash of all settings with defaults: equal for equal scenes.
+        """Return a hash of all settings with defaults, except the title and [load_history].
 
         The title has no influence. A gap file is represented by its name. Keys without a value do
         not count, so that a later version with further optional keys returns an equal hash.
@@ -301,12 +301,12 @@ class Scene(Document):
 
     @property
     def finds_creepage(self) -> bool:
-        """Whether a block prescribes a tangential force, for which the creepage is computed."""
+        """Whether the scene or a block prescribes a tangential force instead of a creepage."""
         return any(any(block.has_prescribed_force) for block in self.blocks)
 
     @property
     def has_fixed_domain(self) -> bool:
-        """Whether [grid] fixes the domain; else it is chosen, and grows with the contact."""
+        """Whether [grid] sets the half-lengths of the domain; if not, it grows with the contact."""
         return self.grid is not None and self.grid.half_length is not None
 
     @cached_property
@@ -316,7 +316,7 @@ class Scene(Document):
         return next((table.schedule for table in tables if table is not None), Schedule())
 
     def has(self, key: str) -> bool:
-        """Return whether a table, an entry or a true property exists under a dotted key."""
+        """Return whether a dotted key exists and its value is not None, False or empty."""
         value: Any = self
         for name in key.split("."):
             value = getattr(value, name, None)
@@ -354,7 +354,7 @@ class Scene(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Let relative paths in the tables of a scene start from a folder; return the tables."""
+        """Let relative file paths in scene tables start from a folder, in place; return them."""
         for name in ("gap", "load_history"):
             match tables.get(name):
                 case {"file": str(file)}:

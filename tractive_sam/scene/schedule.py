@@ -17,7 +17,7 @@ from .gap import Gap
 
 @dataclass(frozen=True)
 class Schedule:
-    """When a computation ends and stores fields: of one contact, and base class of all.
+    """Base class of schedules, and schedule of one contact: coordinate, end, stored values.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Schedule:
         return self.shifts or any(first < place <= last for first, last in self.shifting)
 
     def under_largest_load(self, scene: Any) -> Any:
-        """Return the scene under its largest load, from which the mesh follows: itself."""
+        """Return the scene under its largest load, which sets the mesh: the scene itself."""
         return scene
 
     @property
@@ -114,7 +114,7 @@ class Distance(Schedule):
     message_start = "after {:g} mm: "
 
     def under_largest_load(self, scene: Any) -> Any:
-        """Return the steady scene under the largest load of its courses."""
+        """Return the steady scene, without wear, under the largest load of its courses."""
         scene = scene.replace(transient=None, wear=None)
         candidates = [scene.replace(**{key: load}) for key, load in self.largest_loads.items()]
         if self.own_load or not candidates:

@@ -25,7 +25,7 @@ from .courses import CreepageCourse, FrictionCourse, Knots, LoadCourse
 
 
 def check_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses with another number of values than knots, and a distance of 0."""
+    """Report courses without one value or one for each knot, and knots that span no distance."""
     knots = entries["distance"]
     if knots[0] == knots[-1]:
         yield Fault("distance", str(list(knots)), "a last knot above the first one")
@@ -43,7 +43,7 @@ def check_courses(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class CourseTable(Table):
-    """Knots, courses of keys over the knots, and step lengths: a stage, or a table without any."""
+    """Base class of [transient] and its stages: knots, courses of keys at the knots, and steps."""
 
     distance: Knots = entry(
         "knots: rolling distances, mm",
@@ -178,5 +178,5 @@ class Stage(CourseTable):
 
     @property
     def rolls(self) -> bool:
-        """Whether the bodies roll; otherwise they shift."""
+        """Whether the bodies roll in the stage; otherwise they shift without rolling."""
         return self.motion == "rolling"

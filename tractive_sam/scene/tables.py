@@ -162,7 +162,7 @@ def _check_number_of_elements(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_shape_of_elements(entries: ValidEntries, longest: float = 1e6) -> Iterator[Fault]:
-    """Report elements that are so long that influence coefficients lose all digits.
+    """Report elements whose longer side is more than `longest` times the other one.
 
     Parameters
     ----------

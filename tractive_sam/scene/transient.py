@@ -25,7 +25,7 @@ from .stage import CourseTable, Stage, check_courses
 
 
 def _check_stages(entries: ValidEntries) -> Iterator[Fault]:
-    """Report missing knots, keys that belong to the stages, and stages that do not join."""
+    """Report faulty knots and courses, keys that belong to stages, and stages that do not join."""
     stages = entries["stage"]
     if not stages:
         if "distance" not in entries.given:
@@ -68,7 +68,7 @@ def _check_cycle_start(entries: ValidEntries) -> Iterator[Fault]:
 
 
 class Transient(CourseTable):
-    """Courses of load, creepage and friction over distance, and steps.
+    """Table [transient]: courses of load, creepage and friction over distance, or stages.
 
     Values change linearly between the knots; a key without a course has the value of its table.
     With ``start = "shift"``, the bodies do not roll: the distance is a parameter, and the creepages
@@ -197,7 +197,7 @@ class Transient(CourseTable):
         return self.rolls and not self.only_rolls
 
     def jumps(self, constant: Mapping[str, Any]) -> list[tuple[str, float, str]]:
-        """Return the jumps of loads, forces or friction within stages and between them.
+        """Return the jumps of loads, forces or friction: key of the knots, position (mm), keys.
 
         Parameters
         ----------

@@ -37,7 +37,7 @@ def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
-    """Report falling friction at shifts, jumps and loads at rest, which have no sliding speed."""
+    """Report falling friction with shifts, jumps or forces at rest, which have no sliding speed."""
     transient, friction = entries["transient"], entries["friction"]
     if transient is None or friction is None or friction.share is None:
         return
@@ -67,7 +67,7 @@ REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
 
 
 def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
-    """Report keys and laws of [wear] that do not fit a transient, and missing revolutions."""
+    """Report entries of [wear] that a transient excludes, or without it the missing revolutions."""
     transient, wear = entries["transient"], entries["wear"]
     if wear is None:
         return
@@ -104,7 +104,7 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
-    """Report courses of a load without its key in [load], and of a creepage with its force."""
+    """Report load courses without their key in [load], and creepages prescribed with a force."""
     if entries["transient"] is None:
         return
     if entries["transient"].stage:

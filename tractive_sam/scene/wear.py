@@ -256,7 +256,7 @@ class Wear(LawTable):
 
     @property
     def sets(self) -> dict[str, str | None]:
-        """Name of each body's set of published coefficients; None if its law has no sets."""
+        """Set of published coefficients of each body, by default the first; None without sets."""
         names: dict[str, str | None] = {}
         for body, law in self.laws.items():
             name = getattr(self.set, body) if isinstance(self.set, Sets) else self.set
@@ -276,7 +276,7 @@ class Wear(LawTable):
         return (k[0] / PER_INTENSITY, k[1] / PER_INTENSITY)
 
     def per_work(self, mu: tuple[float, float]) -> tuple[float, float] | None:
-        """Return wear depth per frictional work and area along both axes, 1/MPa, or None."""
+        """Return wear depth per work and area along both axes, 1/MPa; None without coefficients."""
         if self.law not in BY_COEFFICIENT:
             return None
         i = self.intensities
@@ -284,7 +284,7 @@ class Wear(LawTable):
 
     @property
     def share(self) -> dict[str, float] | None:
-        """Share of each body in the wear depth by its coefficient; None if by its hardness."""
+        """Share of each body in the wear depth from coefficients A and B; None without them."""
         k = self.coefficient
         if not (isinstance(k, Coefficients) and self.together):
             return None

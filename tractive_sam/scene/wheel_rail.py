@@ -104,7 +104,7 @@ class WheelRail:
         return self.patches[0].creepages(self.pitch)
 
     def is_motion(self, creepage: Creepage) -> bool:
-        """Return whether given creepages follow from the wheelset's motion."""
+        """Return whether creepages equal the creepages of the wheelset's motion."""
         return tuple(getattr(creepage, key) for key in _MOTIONS) == self.creepages
 
 
@@ -157,7 +157,7 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
 
 
 def add_wheel_contact(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-    """Return tables with the radii, load and creepages that follow from the wheel.
+    """Return tables with radii, load and creepages from the wheel contact, unless they are set.
 
     The bodies get the radii of the ellipsoid on a plane that overlaps like the first patch: units
     and mesh follow from its Hertz contact. Keys that are given stay, and are checked later.
@@ -315,7 +315,7 @@ def resolve_profiles(folder: Path, tables: dict[str, Any]) -> None:
 
 
 def without_wheel_contact(entries: dict[str, Any], contact: WheelRail) -> dict[str, Any]:
-    """Return the entries of a scene without radii, load and creepages of its wheel."""
+    """Return a scene's entries without the radii, load and creepages from its wheel contact."""
     body = {
         name: {k: v for k, v in table.items() if not k.startswith("radius_")}
         for name, table in entries["body"].items()

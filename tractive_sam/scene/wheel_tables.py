@@ -42,7 +42,7 @@ _FreeOrReal = Literal["free"] | Real
 
 
 class _ProfileTable(Table):
-    """Base class of [wheel] and [rail]: keys for the source of a profile."""
+    """Base class of [wheel] and [rail]: unit and smoothing of a profile file, and its reading."""
 
     unit: _Unit | None = entry(
         "unit of the profile file; by default, the unit in the file, or mm", default=None
@@ -70,7 +70,7 @@ def _read_once(
 
 
 class WheelTable(_ProfileTable):
-    """Body A is a wheel with this profile.
+    """Table [wheel]: body A is a wheel with this profile and radius.
 
     Examples
     --------
@@ -94,7 +94,7 @@ class WheelTable(_ProfileTable):
 
 
 class RailTable(_ProfileTable):
-    """Body B is a rail with this profile.
+    """Table [rail]: body B is a rail with this profile, inclination and gauge.
 
     Examples
     --------

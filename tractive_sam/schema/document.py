@@ -60,5 +60,5 @@ class Document(Table):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Let relative paths in the tables start from a folder; return the tables."""
+        """Return tables whose relative paths start from a folder; unchanged unless overridden."""
         return tables

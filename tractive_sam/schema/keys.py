@@ -66,7 +66,7 @@ class KeyGroup:
 
 
 def split_key(key: str) -> list[str | int]:
-    """Return the names of a dotted key and the places in lists: ``duty[0].load.normal``."""
+    """Return the names and list indices in a dotted key, for example ``duty[0].load.normal``."""
     path: list[str | int] = []
     for part in key.split("."):
         name, *places = re.split(r"\[([0-9]+)\](?=\[|$)", part)
@@ -75,7 +75,7 @@ def split_key(key: str) -> list[str | int]:
 
 
 def join_key(path: Iterable[str | int]) -> str:
-    """Return the dotted key of names and places; the inverse of `split_key`."""
+    """Return the dotted key of names and list indices; the inverse of `split_key`."""
     parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in path)
     return "".join(parts).lstrip(".")
 

@@ -57,7 +57,7 @@ class NamedLaw:
 
 
 class LawTable(Table):
-    """Base class of tables that name a built-in law or a user-defined law class."""
+    """Base class of tables that name a law: built-in, or a user-defined class and parameters."""
 
     law_key: ClassVar[str] = "law"
     """Key that names the law."""
@@ -83,7 +83,7 @@ class LawTable(Table):
 
     @classmethod
     def find_parameter(cls, name: str) -> FieldInfo | None:
-        """Return a field for a further key, a parameter of a user-defined law; else None.
+        """Return a field for a further key, taken as a parameter of the law; None if misspelt.
 
         A name with the letters of a key of the table in another order is a spelling mistake.
         """
@@ -163,7 +163,7 @@ def build_law(
 
 
 def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
-    """Import and return the user-defined class that a scene names.
+    """Import and return the user-defined subclass of `base` that a scene names, or raise.
 
     Parameters
     ----------

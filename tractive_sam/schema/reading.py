@@ -185,7 +185,7 @@ def _describe_field(info: FieldInfo) -> str:
 
 
 def _is_table(value: Any, info: FieldInfo) -> bool:
-    """Return whether a value is to be read as a table, for fields that allow other values."""
+    """Return whether to read a value as a table: it is one, or its field allows nothing else."""
     return not info.description or isinstance(value, Mapping | TableBase)
 
 

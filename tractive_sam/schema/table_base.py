@@ -42,7 +42,7 @@ class TableBase(BaseModel):
 
     @classmethod
     def find_parameter(cls, name: str) -> FieldInfo | None:
-        """Return a field for a key that is not defined by the class; None if it is not allowed."""
+        """Return a field for a key outside the class definition, or None, as for the base class."""
         return None
 
     @staticmethod
@@ -51,7 +51,7 @@ class TableBase(BaseModel):
         return inner_table(info) or array_item(info)
 
     def entries(self) -> dict[str, Any]:
-        """Return the given entries without defaults, nested as in TOML."""
+        """Return the entries that were set, without defaults and None, nested as in TOML."""
         return {
             key: _to_plain(value, methodcaller("entries"))
             for key in type(self).model_fields
