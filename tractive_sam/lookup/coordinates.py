@@ -79,12 +79,12 @@ def creepages_by_coordinates(ratio: float, heading: float, tilt: float, u: float
 
 @dataclass(frozen=True, eq=False)
 class Coordinates:
-    """Coordinates of scaled creepages in a table.
+    """Scaled creepages times the signs that bring them into a table, with (heading, tilt, u).
 
     Attributes
     ----------
     w : ndarray, shape (3, P)
-        Given scaled creepages times `signs`; for full slip their direction.
+        Scaled creepages times `signs`; for full slip their direction.
     signs : ndarray, shape (3, P)
         Signs of (w_1, w_2, w_3) and of (Q_x, Q_y, M_z).
     r0 : ndarray, shape (P,)

@@ -83,7 +83,7 @@ def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]
 
 
 def _is_of_disk(error: Exception) -> bool:
-    """Return whether an error comes from the disk."""
+    """Return whether h5py's error comes from the disk: OSError, RuntimeError or an errno text."""
     return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 

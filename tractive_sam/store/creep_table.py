@@ -106,7 +106,7 @@ def _read_numbers(file: h5py.File, name: str) -> np.ndarray:
 
 
 def _read_attributes(file: h5py.File) -> dict[str, Any]:
-    """Return the checked attributes of the file by name."""
+    """Return the attributes of a table's file by name; ValueError unless they are valid."""
     # Attributes that are positive numbers; all except the first scale the table of a scene.
     positive = ("tolerance", "a", "b", "load", "mu", "shear")
     # Attributes that summarize the measured errors of gradients.

@@ -50,7 +50,7 @@ def create_rows(
     coordinate: str = "",
     **filters: str | int | bool,
 ) -> h5py.Dataset:
-    """Create a dataset with one row per record, which can grow; it starts with `rows` rows."""
+    """Create a dataset of one row per record that can grow; unknown values are nan or -1 (int)."""
     shape = tuple(len(scale) for scale in dimensions[1:])
     min_rows = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
     dataset = group.create_dataset(

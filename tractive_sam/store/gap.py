@@ -103,7 +103,7 @@ def _read(settings: scene.Gap) -> Gap:
 
 
 def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
-    """Return the gap in an HDF5 file, with units from its datasets."""
+    """Return the gap in the datasets x, y and separation of an HDF5 file, with their units."""
     with open_to_read(path) as file:
         missing = [name for name in NAMES if name not in file]
         if missing:
@@ -117,7 +117,7 @@ def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
 
 
 def _read_unit(path: Path, name: str, dataset: h5py.Dataset) -> str:
-    """Return the unit of a dataset, mm by default."""
+    """Return the unit of a dataset, mm by default; GapError unless it is a known length."""
     unit = dataset.attrs.get("units", "mm")
     unit = unit.decode() if isinstance(unit, bytes) else str(unit)
     if unit not in LENGTHS:
@@ -126,12 +126,12 @@ def _read_unit(path: Path, name: str, dataset: h5py.Dataset) -> str:
 
 
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
-    """Return the gap in an .npy file."""
+    """Return the gap in an .npy file: fields x, y, separation, or a matrix."""
     return _gap_from_array(path, settings, read_array(path))
 
 
 def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
-    """Read a gap from the named arrays, or the single array, of an .npz file."""
+    """Return the gap in an .npz file: x, y and separation (or height, z), or a single array."""
     # Names of the measured quantity in files.
     value_names = ("separation", "height", "z")
     arrays = read_archive(path)
@@ -151,7 +151,7 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
 
 
 def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
-    """Return the gap in a structured array or in a matrix."""
+    """Return the gap in an array with the fields x, y, separation, or in a matrix."""
     if array.dtype.names is not None:
         missing = [name for name in NAMES if name not in array.dtype.names]
         if missing:
@@ -171,7 +171,7 @@ def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
 
 
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
-    """Return the gap in a text table."""
+    """Return the gap in a text file: points, a profile, heights, or a matrix with x and y."""
     table = read_gap_text(path)
     named = dict(zip(table.names, table.units, strict=True))
     if "" in named.values() and set(named.values()) != {""}:

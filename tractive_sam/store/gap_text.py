@@ -38,7 +38,7 @@ class TextTable:
     units: tuple[str, ...] = ()
 
     def numbers(self, path: Path) -> np.ndarray:
-        """Return all cells as numbers, shape (rows, columns).
+        """Return all cells as numbers (rows, columns); GapError unless all are finite.
 
         Raises
         ------
@@ -57,7 +57,9 @@ class TextTable:
 
 
 def read_gap_text(path: Path, max_bytes: int = 2**30) -> TextTable:
-    """Return the cells of a text file; its separator and decimal sign are detected.
+    """Return the cells of a text file, with their line numbers and the header's names and units.
+
+    Separator and decimal sign are detected.
 
     Parameters
     ----------

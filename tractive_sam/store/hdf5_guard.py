@@ -19,7 +19,7 @@ _HEAD, _OBJECT, _SIGNATURE = 16, 16, b"GCOL"
 
 
 def get_member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
-    """Return a group or dataset by name; links to other files are refused.
+    """Return a group or dataset by name; ValueError for any link or data in another file.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def get_member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
 def check_claimed_size(
     group: h5py.Group, claimed: int, ratio: int = 1032, min_bytes: int = 2**26
 ) -> None:
-    """Raise an error if a file is too small for the amount of data that it claims to hold.
+    """Raise a ValueError if a file is too small for the amount of data that it claims to hold.
 
     Parameters
     ----------

@@ -145,7 +145,7 @@ def set_status(file: h5py.File, status: str, message: str) -> None:
 
 
 def set_scene(file: h5py.File, scene: Scene) -> None:
-    """Write the text of the scene into a results file, or replace it."""
+    """Write or replace a results file's scene: its text, checksum and Hertz solution."""
     # Attributes for other readers, texts of variable length: this package never reads them.
     description = ("units", "long_name")
     # Attributes for other readers: the Hertz solution of the unworn contact.
@@ -182,7 +182,7 @@ def set_versions(file: h5py.File, previous: Sequence[tuple[int, Mapping[str, str
 
 
 def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
-    """Create the datasets of columns, fields and stresses that records have and a file lacks."""
+    """Create the datasets of columns, fields, stress and fatigue of records that a file lacks."""
     created: set[str] = set()
     for record in records:
         if not record.columns.keys() <= created:
@@ -276,7 +276,7 @@ def _create_columns(
 def _create_plane(
     group: h5py.Group, grid: h5py.Group, plane: "PlaneStress", coordinate: Quantity
 ) -> None:
-    """Create the datasets for the stress on one plane."""
+    """Create the empty datasets for the stress on one plane, one row per record."""
     group.attrs["position"] = plane.position
     record = create_scale(group, "record", np.empty(0, int), ROW)
     create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
@@ -296,7 +296,7 @@ def _create_plane(
 def _create_cycle(
     group: h5py.Group, file: h5py.File, fatigue: BodyFatigue, coordinate: Quantity
 ) -> None:
-    """Create the datasets for the fatigue of one body."""
+    """Create the empty datasets for the fatigue of one body, one row per record."""
     record = create_scale(group, "record", np.empty(0, int), ROW)
     create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
     group["y"] = file["grid/y"]
@@ -330,7 +330,7 @@ def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> N
 
 
 def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
-    """Create the datasets of the given columns."""
+    """Create empty datasets of history columns, one row per record, and link the axis y."""
     create_scale(history, "record", np.empty(0, int), ROW)
     history["y"] = grid["y"]
     _create_columns(history, columns)
@@ -343,7 +343,7 @@ def _create_fields(
     coordinate: Quantity,
     quantities: Mapping[str, Quantity],
 ) -> None:
-    """Create the datasets of the given fields."""
+    """Create empty datasets of fields, one row per record, and link their axes."""
     record = create_scale(fields, "record", np.empty(0, int), ROW)
     axes = _link_axes(fields, grid, history)
     create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)

@@ -44,7 +44,7 @@ def update_scene_text(text: str) -> str:
 
 
 def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
-    """Return the fields after one of the last two records of an old file, by name.
+    """Return the fields after a record of an old file, by name; only the last two have them.
 
     Raises
     ------

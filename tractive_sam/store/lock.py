@@ -12,7 +12,9 @@ from tractive_sam.store.errors import FileInUseError
 
 @contextmanager
 def hold_lock(path: Path) -> Iterator[None]:
-    """Within the block, hold a lock file that excludes other processes and machines.
+    """Within the block, hold a lock file; raise a FileInUseError at once if it is locked.
+
+    The lock excludes other processes, also on other machines.
 
     A file system without locks is accepted: a results file then still has only one writer (see
     `HistoryWriter`), but a later writer takes over from an earlier one.

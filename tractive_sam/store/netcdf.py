@@ -45,7 +45,7 @@ def write_netcdf(
 
 
 def netcdf_format(path: str | PathLike[str]) -> str:
-    """Return the attribute "format" of a netCDF file; empty if there is none."""
+    """Return the attribute "format" of a netCDF file; "" if it has none or is unreadable."""
     try:
         with open_to_read(Path(path)) as file:
             name = file.attrs.get("format", "")

@@ -90,7 +90,7 @@ class ResultsFile:
         self.path, self._file = path, file
 
     def check_format(self) -> None:
-        """Raise an error unless this is a results file in a supported format."""
+        """Raise a ResultsError unless this is an undamaged results file in a known format."""
         kind = self.text("/", "format", "")
         if kind.startswith("creep-force"):
             cure = f"tractive-sam show {self.path}, or tractive-sam table {self.path} --figure"
@@ -167,7 +167,7 @@ class ResultsFile:
             return dataset[row]
 
     def check(self, name: str, shape: tuple[int, ...]) -> None:
-        """Raise an error unless a dataset is numeric and has at least the rows of a shape."""
+        """Raise a DamagedError unless a dataset has >= shape[0] rows of numbers of shape[1:]."""
         with self._report_damage(name):
             dataset = self._item(name)
             numbers = dataset.dtype.kind in "fiu" and dataset.maxshape[0] is None
@@ -206,7 +206,7 @@ class ResultsFile:
             return tuple(self._item(name).attrs.keys())
 
     def verify(self) -> None:
-        """Read all numbers, so that HDF5 checks every checksum; raise an error on damage."""
+        """Read all numbers, so that HDF5 checks every checksum; DamagedError at the first fault."""
         # Not by `visit`: it may end the process if a page of the file is lost (HDF5 2.0).
         pending, groups = ["/"], set()
         while pending:
@@ -233,7 +233,7 @@ class ResultsFile:
 
     @contextmanager
     def _report_damage(self, name: str) -> Iterator[None]:
-        """Within the block, turn any error of h5py into a DamagedError."""
+        """Within the block, turn all errors except MemoryError into a DamagedError."""
         try:
             yield
         except MemoryError:

@@ -66,7 +66,7 @@ def open_history(path: str | PathLike[str]) -> History:
 
 
 def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
-    """Return the arrays from which a run resumes after the record of a row, by name.
+    """Return the arrays from which a run resumes after a row, by name; ResultsError if not stored.
 
     Its names are listed in `FIELDS`, for a transient also in `BEFORE`, and by observers.
 

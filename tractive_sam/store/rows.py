@@ -34,7 +34,7 @@ AXES = ("block", "x", "y", "depth", "zeta")
 
 
 def append(file: h5py.File, records: Sequence[Record]) -> None:
-    """Append rows for records to all groups of a file."""
+    """Append a history row for each record, and rows to other groups for records with fields."""
     history, grid = file["history"], read_grid(file)
     before = len(history["record"])
     count = before + len(records)
@@ -90,7 +90,7 @@ def _append_group(
     values: Sequence[Mapping[str, np.ndarray]],
     outside: Mapping[str, float],
 ) -> None:
-    """Append one row for each record to the datasets of a group."""
+    """Append one row for each record to every dataset of a group, the fill value where unknown."""
     about = {"record": rows, records[0].coordinate.name: [record.at for record in records]}
     count = len(group["record"]) + len(rows)
     for name in (*about, *values[0]):
@@ -123,7 +123,7 @@ def _extend(dataset: h5py.h5d.DatasetID, first: int, count: int, values: np.ndar
 
 
 def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> None:
-    """Replace the arrays in a file from which a run resumes."""
+    """Replace the arrays in a file from which a run resumes, and the row that they follow."""
     group = file["state"]
     group.attrs["record"] = row
     # Some processes need no fields to continue, and the bound may follow from the pressure.
@@ -142,7 +142,7 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
 
 
 def drop_after_state(file: h5py.File) -> None:
-    """Remove the last records from a file if no run can resume from them."""
+    """Remove all records after the last one from which a run can resume."""
     history = file["history"]
     continues = history["converged"][:] > 0.0
     if "next_step" in history:  # a record between two steps has none
@@ -159,7 +159,7 @@ def drop_after_state(file: h5py.File) -> None:
 
 
 def widen(file: h5py.File, grid: "Grid") -> None:
-    """Change a results file to a wider mesh, with the present mesh at its centre."""
+    """Widen a file's mesh around its centre; new elements hold 0 or defaults, stress nan."""
     before = {"x": len(file["grid/x"]), "y": len(file["grid/y"])}
     after = {"x": len(grid.x), "y": len(grid.y)}
     if after == before:

@@ -175,7 +175,7 @@ def _open_volume(
 
 
 def check_volume(path: Path, overwrite: bool = False) -> None:
-    """Raise an error unless a volume file can be written, before it is computed.
+    """Raise a ResultsError unless a .vtkhdf file can be written, before it is computed.
 
     Raises
     ------
@@ -187,7 +187,7 @@ def check_volume(path: Path, overwrite: bool = False) -> None:
 
 
 def _check_suffix(path: Path) -> None:
-    """Raise an error unless a file has the suffix .vtkhdf, by which ParaView opens it."""
+    """Raise a ResultsError unless a file has the suffix .vtkhdf, by which ParaView opens it."""
     # Suffix by which ParaView recognizes the format.
     suffix = ".vtkhdf"
     if path.suffix != suffix:
@@ -197,7 +197,7 @@ def _check_suffix(path: Path) -> None:
 
 
 def _check_kind(path: Path) -> None:
-    """Raise an error unless an existing file is a volume of this package."""
+    """Raise a ResultsError unless an existing file is a volume of this package."""
     try:
         with open_to_read(path) as file:
             kind = decode_text(file.attrs.get("format", ""))

@@ -22,7 +22,7 @@ from tractive_sam.store.lock import hold_lock, is_locked
 
 @contextmanager
 def sole_writer(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> Iterator[None]:
-    """Within the block, hold the right to write a file, which excludes other processes.
+    """Within the block, lock a file for writing; FileInUseError at once if it is locked.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def lock_path(path: Path) -> Path:
 
 
 def check_writable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
-    """Raise an error unless a file can be written.
+    """Raise a ResultsError unless a file can be written, or replaced if it exists.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def resolve_target(path: Path) -> Path:
 
 
 def _check_replaceable(path: Path, overwrite: bool, check_kind: Callable[[Path], None]) -> None:
-    """Raise an error unless an existing file may be replaced."""
+    """Raise a ResultsError unless `overwrite` is set and a file is of the kind that is replaced."""
     if not overwrite:
         raise ResultsError(f"{path} exists; choose another name, or replace it with overwrite=True")
     try:

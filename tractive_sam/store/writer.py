@@ -92,7 +92,7 @@ class HistoryWriter:
         records: int | None = None,
         checkpoints: Checkpoints | None = None,
     ) -> Self:
-        """Return a writer that continues a results file after its last resumable record.
+        """Return a writer that drops records after the last resumable one and continues there.
 
         Parameters
         ----------
@@ -171,7 +171,7 @@ class HistoryWriter:
         grid: Grid | None = None,
         state: Mapping[str, np.ndarray] | None = None,
     ) -> None:
-        """Append a record, which is written to the disk at the next checkpoint.
+        """Append a record in memory; if a checkpoint is due, write all such records to the disk.
 
         Parameters
         ----------
@@ -223,7 +223,7 @@ class HistoryWriter:
         self._write((status, message))
 
     def _write(self, ended: tuple[str, str] | None = None) -> None:
-        """Write all pending records to a copy of the file that then replaces it."""
+        """Write pending records, resume state and status to a copy, which replaces the file."""
         with atomic_rewrite(self.path) as file:
             self._check_run(file)
             if self._grid is not None:
@@ -243,7 +243,7 @@ class HistoryWriter:
         self._state = None
 
     def _check_run(self, file: File) -> None:
-        """Raise an error if the file no longer belongs to this run."""
+        """Raise a ResultsError if another run has taken over the file."""
         if file.attrs.get(self.run) != self._run.encode():
             cure = "choose a separate file for each run"
             raise ResultsError(f"another run has taken over {self.path}; {cure}")
@@ -258,7 +258,7 @@ def _field_bytes(record: Record) -> int:
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
-    """Raise an error if a mesh is smaller than the last one, or a record has another mesh."""
+    """Raise a ValueError unless the mesh contains the last one and the record's arrays fit it."""
     widen_field(np.empty(before), mesh)
     for name, quantity in record.columns.items():
         if quantity.dims == ("y",):
@@ -283,7 +283,7 @@ def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
 
 
 def check_results(path: Path, overwrite: bool = False) -> None:
-    """Raise an error unless a results file can be written, before a long computation.
+    """Raise a ResultsError unless a results file can be written, before a long computation.
 
     Raises
     ------
@@ -294,7 +294,7 @@ def check_results(path: Path, overwrite: bool = False) -> None:
 
 
 def _check_kind(path: Path) -> None:
-    """Raise an error unless an existing file is a results file."""
+    """Raise a ResultsError unless an existing file is a results file."""
     with open_results(path):
         pass
 

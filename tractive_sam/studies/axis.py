@@ -235,7 +235,7 @@ class Latin(Table):
 
 @dataclass(frozen=True)
 class Dimension:
-    """Direction in which the cases of a study are counted, with the values of its keys.
+    """Axis or Latin hypercube of a study: a name, and equally long columns of values by key.
 
     Attributes
     ----------
@@ -266,7 +266,7 @@ class Dimension:
 def _spread_values(
     key: str, start: float, stop: float, spacing: Spacing, shares: np.ndarray
 ) -> tuple[float | int, ...]:
-    """Return values between start and stop at shares 0 to 1, on a linear or logarithmic scale."""
+    """Return values at shares 0 to 1 of a linear or logarithmic range; integers for such keys."""
     # Decimal digits of the values of a range: further digits are rounding.
     digits = 12
     if spacing == "logarithmic":

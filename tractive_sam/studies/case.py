@@ -65,7 +65,7 @@ class Case:
 
 
 def cases(study: Study) -> list[Case]:
-    """Return all cases of a study, with their scenes checked.
+    """Return all cases of a study; StudyError with the faults of all their scenes.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def _digest(scene: Scene, contents) -> str:
 
 @cache
 def _generation() -> str:
-    """Return a text with the versions of the methods and of the results format."""
+    """Return the text "major.minor format" of the package's methods and its results format."""
     first, second, *_ = (*versions()["tractive-sam"].split("."), "")
     return f"{first}.{second} {FORMAT_VERSION}"
 

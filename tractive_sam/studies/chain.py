@@ -20,7 +20,7 @@ def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
 def make_chains(
     tasks: Iterable[Task], single: Container[str] = (), *, longest: float = 2.0
 ) -> list[Chain]:
-    """Divide tasks into chains, which are computed one after another by one worker.
+    """Divide tasks into chains of <= `longest` s; tasks with a file or in `single` remain alone.
 
     Parameters
     ----------

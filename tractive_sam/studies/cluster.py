@@ -155,7 +155,7 @@ def _close_unused_clients() -> None:
 
 
 def _silence_worker(dask_worker: "Worker") -> None:
-    """Suppress a worker's messages about aborted cases and lost connections.
+    """Suppress a worker's messages on aborted cases and lost connections; close its status page.
 
     The client reports both; if a command ends while a worker reports to the scheduler, the worker
     would print a traceback.
@@ -274,7 +274,7 @@ def _report_workers(client: "Client", log: Callable[[str], None]) -> None:
 
 
 def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcome | None:
-    """Return a failure if a case made no progress before its worker died again; else None."""
+    """Store a case's records in `killed`; return a failure if they have not grown, else None."""
     before = killed.get(task.case.digest, 0)
     killed[task.case.digest] = records
     if records > before:
@@ -416,7 +416,7 @@ def computed(
 
 
 def _result(future: "Future") -> Any:
-    """Return the result of a finished call, or raise its error."""
+    """Return the result of an ended call, or raise its error; _DisconnectedError if it was lost."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":
@@ -430,7 +430,7 @@ def _result(future: "Future") -> Any:
 
 
 def check_installed() -> None:
-    """Raise an ImportError unless dask.distributed is installed.
+    """Raise a ResultsError unless dask.distributed is installed.
 
     Raises
     ------
@@ -448,7 +448,7 @@ def check_installed() -> None:
 
 
 def _worker_call(chain: Chain) -> tuple[Any, ...]:
-    """Return the function that a worker calls for a chain of tasks, with its arguments.
+    """Return (function, arguments ...) that a worker calls for a chain of tasks.
 
     A chain is a tuple of tasks that a worker receives together.
     """
@@ -459,7 +459,7 @@ def _worker_call(chain: Chain) -> tuple[Any, ...]:
 
 
 def _outcomes(future: "Future", number: int) -> Sequence[CaseOutcome | None]:
-    """Return the outcomes of the cases of a finished chain; None for each if its workers died."""
+    """Return a chain's outcomes: None for each if its workers died, FAILED after an error."""
     from distributed.scheduler import KilledWorker  # of an extra
 
     if future.status == "finished":

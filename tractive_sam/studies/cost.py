@@ -74,7 +74,7 @@ def estimates(cases: list[Case], with_files: bool = True) -> list[float]:
 
 
 def check_memory(cases: list[Case], workers: int) -> None:
-    """Raise an error unless the machine has memory for so many simultaneous cases.
+    """Raise a StudyError if so many simultaneous cases need more than the free memory.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def _estimate_times(
 
 
 def _pace(alike: list[Model]) -> float:
-    """Return the measured seconds of an elastic response per unit of work."""
+    """Return the measured seconds of an elastic response of the median model, per unit of work."""
     typical = sorted(alike, key=_work)[len(alike) // 2]
     return explain.seconds_per_application(typical) / _work(typical)
 

@@ -54,7 +54,7 @@ def _check_axes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
-    """Report entries of the scene that vary more than once."""
+    """Report keys that vary more than once, and tables that vary together with keys in them."""
     keys = Counter(
         key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns
     )
@@ -67,7 +67,7 @@ def _check_entries(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _parameters_have_a_law(entries: ValidEntries) -> Iterator[Fault]:
-    """Report unknown keys that are not parameters of a user-defined law."""
+    """Report unknown keys in a law's table, unless a user-defined law may have them."""
     keys = [key for dim in _dimensions(entries["axis"], entries["latin"]) for key in dim.columns]
     for key in keys:
         name, _, entry_name = key.partition(".")
@@ -257,7 +257,7 @@ def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
 
 
 def _check_keys(without: Iterable[str]) -> None:
-    """Raise an error unless scenes have all of these keys."""
+    """Raise a SceneError unless scenes have all of these keys."""
     for key in without:
         try:
             Scene.find_field(key)

@@ -24,7 +24,7 @@ DEFAULTS = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max
 
 
 class Tabulated(Protocol):
-    """Protocol of study results that figures use; see `StudyResults`."""
+    """Protocol of study results for figures: study, rows, quantities and `column`."""
 
     @property
     def study(self) -> Study:
@@ -111,7 +111,7 @@ def save_figures(
 
 
 def first_figure(results: Tabulated) -> Figure | None:
-    """Return a figure of the first quantity that varies, or None if there are too many axes."""
+    """Return a figure of the first varying quantity; None if none varies, or too many axes do."""
     try:
         index = _fix_axes(results, {})
         names = [name for name in DEFAULTS if name in results.quantities and _varies(results, name)]
@@ -129,7 +129,7 @@ def short_key(key: str, study: Study) -> str:
 
 
 def _fix_axes(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, ...]:
-    """Return an index into the cases, with some axes fixed and at most two left."""
+    """Return an index into the cases with the axes `at` fixed; ValueError if > 2 axes remain."""
     dimensions = results.study.dimensions
     names = [dim.name for dim in dimensions]
     unknown = [key for key in at if key not in names]
@@ -166,7 +166,7 @@ def _varies(results: Tabulated, name: str) -> bool:
 
 
 def _size(results: Tabulated, name: str) -> float:
-    """Return the magnitude of a quantity, by which its variation is judged."""
+    """Return the scale of a quantity: 1 for ratios, P times half width for Mz, else its maximum."""
     if name == "Mz":
         return float(np.nanmax(results.column("P") * results.column("half_width_x")))
     if name in ("Qx_over_P", "Qy_over_P", "stick_fraction"):
@@ -204,7 +204,7 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
 
 
 def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:
-    """Return the values of a key (default: the axis's own) as a variable of figures."""
+    """Return the values of a key (default: the axis's own), numbers or texts, for figures."""
     key = key or next(iter(columns))
     numbers = all(isinstance(value, int | float) for value in columns[key])
     values = np.array(columns[key] if numbers else distinct_texts(columns[key]))

@@ -48,7 +48,7 @@ class Folder:
 
     @contextmanager
     def lock(self, study: Study) -> Iterator[None]:
-        """Within the block, hold the folder for one client; create it if it is new.
+        """Within the block, lock the folder for one client; create it, and store the study in it.
 
         Raises
         ------
@@ -82,7 +82,7 @@ class Folder:
             yield
 
     def study(self) -> Study:
-        """Return the study that is stored in the folder.
+        """Return the study that is stored in the folder; ResultsError if there is none.
 
         Raises
         ------

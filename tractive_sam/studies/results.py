@@ -114,11 +114,11 @@ class StudyResults:
         return text_table("Study", self._summary())
 
     def _repr_html_(self) -> str:
-        """Return the summary as HTML, for notebooks."""
+        """Return the summary and a figure of the first varying quantity as HTML, for notebooks."""
         return html_table(self._summary(), self._picture())
 
     def _summary(self, max_columns: int = 8) -> dict[str, str]:
-        """Return title, state and the values that vary in a study as texts by label."""
+        """Return title, folder, cases by status and ranges of varied keys as texts by label."""
         counts = ", ".join(f"{n} {status}" for status, n in self.counts.items() if n)
         rows = {"study": self.study.title or self.study.scene.title or "no title"}
         rows |= {"folder": str(self.path), "cases": f"{len(self)}: {counts}"}
@@ -233,7 +233,7 @@ class StudyResults:
         return _as_array([row.case.changes[key] for row in self.rows])
 
     def dataset(self, revolution: int | None = None) -> "xarray.Dataset":
-        """Return all quantities over the axes of the study as an xarray Dataset.
+        """Return all quantities of the last record, or of a revolution, over the study's axes.
 
         The dimensions are the keys of the axes, and `SAMPLE` of a Latin hypercube; keys that vary
         together with another one are coordinates as well.
@@ -367,7 +367,7 @@ def _ends(column: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def _row(case: Case, file: Path, failure: str) -> CaseRow:
-    """Return the result of a case, read from its results file."""
+    """Return the status, message and last record of a case, from its results file if it exists."""
     running = is_written(file)
     if not file.exists():
         status = RUNNING if running else FAILED if failure else WAITING

@@ -219,7 +219,7 @@ def _run_tasks(
 def _run_in_process(
     tasks: list[Task], log: Callable[[str], None]
 ) -> Iterator[tuple[Task, CaseOutcome]]:
-    """Run tasks in this process; yield (task, outcome) as they end."""
+    """Run tasks in this process, waiting for locked ones; yield (task, outcome) as they end."""
     neighbours = SequentialRuns()
     for task in tasks:
         if task.file is None:

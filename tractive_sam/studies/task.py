@@ -64,7 +64,7 @@ class CaseOutcome:
 
 
 def summary(history: History, record: int = -1) -> dict[str, Any]:
-    """Return a record of a history as plain numbers by name, one for each body."""
+    """Return a record's scalars, those of bodies as "name A", and the history's totals, by name."""
     if not len(history):
         return {}
     row = {name: history[name][record].item() for name in history.of_dims()}

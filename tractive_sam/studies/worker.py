@@ -79,7 +79,7 @@ def _worker_name() -> str:
 
 
 def _outcome(compute: Callable[[], CaseOutcome]) -> CaseOutcome:
-    """Return the outcome of a computation; an error becomes a failed outcome."""
+    """Return the outcome of a computation; an error becomes FAILED, a file in use LOCKED."""
     began = perf_counter()
     try:
         outcome = compute()
@@ -92,7 +92,7 @@ def _outcome(compute: Callable[[], CaseOutcome]) -> CaseOutcome:
 
 
 def _compute_or_repeat(scene: Scene, file: Path) -> CaseOutcome:
-    """Compute a scene to a file, again from its beginning if the file is damaged."""
+    """Compute a scene to a file; if the file is damaged, rename it and compute again."""
     try:
         return _compute(scene, file)
     except DamagedError as error:

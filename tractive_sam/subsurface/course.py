@@ -58,7 +58,7 @@ class Course(ShortArrays):
     paths: int = 2**22
 
     def steps(self, away: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the rolling distances (m,) and the indices of the contacts (m,) there.
+        """Return (rolling distances, contact indices) of the sequence, extended by `away`.
 
         If the bodies roll, the last contact continues with its tractions, and with `steady` the
         first contact precedes with its tractions.
@@ -86,7 +86,7 @@ class Course(ShortArrays):
 
 
 def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """Return the fatigue of each body's material in a sequence of contacts, by body.
+    """Return by body (fatigue in a sequence of contacts, x of the worst point by row and depth).
 
     The sequence is one cycle of every point. The results are the largest utilisation and the
     largest ball of all points of a row and a depth.
@@ -212,7 +212,7 @@ def _paths(
 def _surface(
     course: Course, body: str
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return a mask of valid rows at the surface, and four fatigue results of each row.
+    """Return (valid rows, residual shear, radius, criterion, its position) at the surface.
 
     A stress at an edge is assigned to the nearest corner of elements.
 
@@ -263,7 +263,7 @@ def _surface(
 def _grouped(
     stress: np.ndarray, column: np.ndarray, unloaded: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Group stresses by the column of their point: return paths (6, m, columns), columns.
+    """Group stresses by column: (paths (6, m, columns) padded with their last stress, columns).
 
     Shorter paths end with their last stress again; all begin unloaded, if they are to.
     """

@@ -94,7 +94,7 @@ def fatigue(
 def cycle_fatigue(
     contacts: Sequence[State], depths: np.ndarray, laws: Sequence[Laws]
 ) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
-    """Return the fatigue of each body's material in passes of several contacts, by body.
+    """Return by body (fatigue in the passes of contacts, utilisation in each contact).
 
     The criterion applies to each pass separately. Residual stress is constant over all passes:
     shakedown refers to the path through all contacts.
@@ -197,7 +197,7 @@ def layer_cycles(
     half_width: float | None = None,
     spaces: int = 12,
 ) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Yield (x of the layer, x beyond it, stress paths of the bodies) for each depth.
+    """Yield (x of the layer, x outside it, stress paths) for each depth below the surface.
 
     Parameters
     ----------
@@ -298,7 +298,7 @@ def _surface_cycles(contact: State, laws: Laws) -> Iterator[tuple[str, np.ndarra
 
 
 def average_rows(values: np.ndarray, is_valid: np.ndarray, below: np.ndarray) -> np.ndarray:
-    """Return the mean of the valid neighbours of each row, or the value `below` without any."""
+    """Return the mean of the valid corner rows beside each row; `below` where neither is valid."""
     if values.size == below.size:  # a line
         return np.where(is_valid, values, below)
     count = np.zeros(below.size)

@@ -108,7 +108,7 @@ def elastic_energy(contact: State, laws: Laws | None = None) -> float:
 
 
 def _half_spaces(contact: State, body: str, laws: Laws | None) -> HalfSpaces:
-    """Return the bodies as half-spaces, for the displacement below their surface."""
+    """Return the bodies of a contact as HalfSpaces; ValueError for strips and other laws."""
     if body not in SIGNS:
         raise ValueError(f'a body is "A" or "B", not {body!r}')
     elasticity = (laws or Laws.of_contact(contact)).elasticity

@@ -20,7 +20,7 @@ def stress_layers(
     threads: int = 1,
     laws: Laws | None = None,
 ) -> Iterator[tuple[float, np.ndarray]]:
-    """Yield the stress at the element centres, layer by layer, without storing it.
+    """Yield (depth, stress (bodies, 6, n_x + 2 beyond, n_y)) at element centres, by depth.
 
     Along x a layer contains the stress path of the material at (y, depth) through the contact. The
     stress is computed by FFT, exactly for constant tractions on the elements. Two bodies cost

@@ -101,7 +101,7 @@ class LoadedBodies:
         return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:
-        """Return stresses of half-spaces (bodies, 6, ...) in the axes of the contact."""
+        """Change half-spaces' stresses (bodies, 6, ...), in place, to contact axes; return them."""
         for tensor, name in zip(stress, self.names, strict=True):
             tensor[4:] *= SIGNS[name]
         return stress

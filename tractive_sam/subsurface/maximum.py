@@ -124,7 +124,7 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
 
 
 def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tuple[float, Point]]:
-    """Return (value, position) of the largest stress below the surface of each body."""
+    """Return (value, position) of the largest stress below each body's surface; nan if none."""
     depths = _search_depths(levels)
     bound, floor = np.array(surface), float(depths[0])
     bodies, tops, values = _climb_to_maxima(levels, *_starts(levels, depths), floor, bound)
@@ -138,14 +138,14 @@ def _interior(levels: MultiLevel | StripLevels, surface: list[float]) -> list[tu
 
 
 def _search_depths(levels: MultiLevel | StripLevels) -> np.ndarray:
-    """Return the depths, mm, at which the search for the largest stress starts."""
+    """Return depths in geometric sequence, mm, of the layers in which the search starts."""
     first, deepest = _SEARCH.shallowest * levels.side, _SEARCH.deepest * levels.half_width
     count = max(3, int(np.ceil(np.log(deepest / first) / np.log(levels.growth))) + 1)
     return first * levels.growth ** np.arange(count)
 
 
 def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return bodies (n,) and points (n, 3) of the largest local maxima of stress layers."""
+    """Return bodies (n,) and points (n, 3) of each body's largest local maxima in stress layers."""
     layers = [levels.layer(depth) for depth in depths]
     none = np.empty((len(layers[0].values), 0, 0))
     values = [none, *(layer.values for layer in layers), none]

@@ -67,7 +67,7 @@ def stress_path(
     number: int = 401,
     reach: float = 4.0,
 ) -> dict[str, np.ndarray]:
-    """Return the stress path of a material point through the contact.
+    """Return x and six stresses, by name, of a material point on its path through the contact.
 
     It is exact for the constant tractions of the elements, as `stress_at`. At the surface give x
     within the elements: between elements with different tangential traction the stress is

@@ -28,7 +28,7 @@ class StressSource(Protocol):
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """Return stresses on the plane axis = position, at the element centres along it.
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z.
 
         The shape is (bodies, 6, n, k) at k depths, or (bodies, 6, n_x, n_y) for the axis z.
         """
@@ -54,7 +54,7 @@ def stress_source(
     grid: Grid,
     tractions: np.ndarray,
 ) -> StressSource:
-    """Return the stress solver for bodies with a kind of elastic law.
+    """Return the stress solver for the class of the first body; ValueError if none is registered.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class PatchStress:
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """Return stresses on the plane axis = position, at the element centres along it."""
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z."""
         if axis == "z":
             return next(self.layers([position]))
         loads = self._tractions, self._poisson, self._signs
@@ -146,7 +146,7 @@ class StripStress:
     def on_plane(
         self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
     ) -> np.ndarray:
-        """Return stresses on the plane axis = position, at the element centres along it."""
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, 1) if z."""
         if axis == "z":
             return next(self.layers([position]))
         if axis == "y":

@@ -150,7 +150,7 @@ def surface_points(
 def _surface_stresses(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return surface stresses at element corners and at edges of contact and of stick, MPa.
+    """Return (corner stresses, smooth corners, valid rows, edge stresses, their nearest corners).
 
     Parameters as for `surface_cycles`; `sliding` is a mask.
 

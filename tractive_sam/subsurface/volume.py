@@ -15,7 +15,7 @@ from tractive_sam.subsurface.loaded import Loading
 def stress_volume(
     contact: Loading, depths: ArrayLike, body: str = "A", threads: int = 1, laws: Laws | None = None
 ) -> Iterator[tuple[float, np.ndarray]]:
-    """Yield the stress at the element centres, layer by layer, without storing it.
+    """Yield (depth, stress (6, n_x, n_y)) at the element centres, one depth after another.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ def _default_name(key: str) -> str:
 
 
 def _check_positions(entries: ValidEntries) -> Iterator[Fault]:
-    """Report an axis with values that have no numeric positions."""
+    """Report an axis of a table whose values lack ascending numeric positions, one for each."""
     values, at = entries["values"], entries["at"]
     if values is None:  # a range of numbers
         return
@@ -63,7 +63,7 @@ def _is_number(value: object) -> bool:
 
 
 class TableAxis(Axis):
-    """Axis of a creep-force table: a key of the scene, with others that vary together with it.
+    """Axis of a creep-force table: keys that vary together; numbers are interpolated, files not.
 
     Numbers, and lists of them, are interpolated, and nodes are added between them. Other values,
     for example files of gaps, are discrete.
@@ -115,7 +115,7 @@ class TableAxis(Axis):
 
 
 def _is_interpolated(item: tuple[str, tuple[Any, ...]]) -> bool:
-    """Return whether the values of a key, (key, values), can be interpolated."""
+    """Return whether the values of a non-integer key are numbers, or number lists of one length."""
     key, column = item
     if Scene.find_field(key).annotation is int:
         return False

@@ -41,7 +41,7 @@ class TableBuilder:
         self.anywhere = qmc.Halton(len(self.axes), rng=np.random.default_rng(design.seed))
 
     def build(self) -> CreepTable:
-        """Refine the grid until errors are tolerated, and return the table."""
+        """Refine the grid until errors are tolerated (TableError at limits); return the table."""
         while True:
             table = self.make_table([np.zeros((max(len(a) - 1, 0), 3)) for a in self.axes])
             between = self.interval_errors(table)
@@ -92,7 +92,7 @@ class TableBuilder:
         return np.sort(np.concatenate([nodes, middles]))
 
     def _measure_errors(self, between: list[np.ndarray]) -> CreepTable:
-        """Return the table with its errors at new random check points."""
+        """Return the table with errors at random points, and bars widened to cover 97 % of them."""
         table = self.make_table(between)
         count = min(self.refinement.checks, table.nodes)
         points = self.points_at_shares(self.random.random((count, len(self.axes))))
@@ -168,7 +168,7 @@ class TableBuilder:
         about: Mapping[str, Any] | None = None,
         widening: float = 1.0,
     ) -> CreepTable:
-        """Return the table that interpolates the present nodes."""
+        """Solve nodes that are not solved yet; return the table that interpolates all nodes."""
         shape = tuple(map(len, self.axes))
         places = list(itertools.product(*map(range, shape)))
         points = [
@@ -211,7 +211,7 @@ class TableBuilder:
         ]  # fmt: skip
 
     def errors_at(self, table: CreepTable, points: list[Point]) -> np.ndarray:
-        """Solve contacts at points; return the errors of a table's forces there, (P, 3)."""
+        """Solve contacts at points; return the table's forces minus the solved ones, (P, 3)."""
         exact = self.contacts.forces(points, table.nodes)
         return table.law(list(np.array(points).T)).T - exact
 

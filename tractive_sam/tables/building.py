@@ -27,7 +27,7 @@ def build_table(
     workers: int = 0,
     say: Callable[[str], None] | None = None,
 ) -> CreepTable:
-    """Build a table of creep forces, or add missing error bars to one.
+    """Build a creep-force table from a design, or add gradient error bars to an old table.
 
     Parameters
     ----------

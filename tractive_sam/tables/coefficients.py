@@ -76,7 +76,7 @@ def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_ran
 
 
 def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
-    """Replace mixed derivatives by u at rest, in place, by derivatives of the exact slopes.
+    """Set mixed derivatives by u and table axes at u = 0, in place, from the exact slopes there.
 
     Derivatives by other axes are zero at rest: their differences along u are less accurate.
     """
@@ -86,7 +86,7 @@ def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
 
 
 def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[tuple]:
-    """Return indices of nodes, at rest or at a pole, where values follow from 1, cos and sin."""
+    """Return indices of nodes, at rest or at a pole, that follow from 1, cos and sin of `axis`."""
     every = [slice(None)] * dims
     places = []
     for end_axis, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):

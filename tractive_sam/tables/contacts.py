@@ -43,7 +43,7 @@ class Solved:
 
 
 def required_hertz(scene: Scene) -> HertzContact | HertzLine:
-    """Return the Hertz contact of a scene; raise an error without one, as tables need it."""
+    """Return the Hertz contact of a scene; raise a SceneError if its radii form none."""
     if scene.hertz is None:
         raise SceneError(
             [Fault("body", "radii without a closed contact", "radii that close in x and y")]
@@ -52,7 +52,7 @@ def required_hertz(scene: Scene) -> HertzContact | HertzLine:
 
 
 def required_friction(scene: Scene) -> Friction:
-    """Return the friction of a scene; raise an error without it, as tables need it."""
+    """Return the friction of a scene; raise a SceneError without [friction], as tables need it."""
     return required(scene.friction, "friction")
 
 
@@ -87,7 +87,7 @@ class Contacts:
     def solve(
         self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
     ) -> Solved:
-        """Solve at scaled creepages w on finer meshes until the error bars are small enough.
+        """Return forces, bars and gradient at w, on meshes refined until bars <= `wanted`.
 
         At rest there are no forces; the gradient is extrapolated there.
 
@@ -266,7 +266,7 @@ def with_mesh(
     margin: int = 2,
     longest: float = 2.0,
 ) -> Scene:
-    """Return a scene with a mesh of `elements` across the shorter side of its contact.
+    """Return the scene with a mesh of `elements` across the shorter of the contact's two sides.
 
     Parameters
     ----------

@@ -108,7 +108,7 @@ def _check_axes_without_scene(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a scene that is not a single steady contact."""
+    """Report a scene that is not one steady Hertz contact with friction and a normal load."""
     scene = entries["scene"]
     if scene is None:
         return
@@ -208,7 +208,7 @@ class TableDesign(Document):
 
     @property
     def first_nodes(self) -> list[np.ndarray]:
-        """First nodes along each of the axes `names`, before refinement."""
+        """First nodes of the axes `names`: ln(a/b) and Poisson's ratio (no scene), then others."""
         further = [axis.nodes for axis in self.axis]
         if self.scene is not None:
             return further
@@ -301,7 +301,7 @@ def _move_faults(error: SceneError) -> list[Fault]:
 
 
 def _is_mirror_symmetric(scene: Scene) -> bool:
-    """Return whether the contact of a scene is symmetric about y = 0."""
+    """Return whether friction, gap and laws of a scene are symmetric about y = 0."""
     friction = required_friction(scene)
     mu1, mu2 = friction.mu
     aligned = mu1 == mu2 or friction.angle % 90.0 == 0.0
@@ -310,7 +310,7 @@ def _is_mirror_symmetric(scene: Scene) -> bool:
 
 
 def _reverses_with_creepages(scene: Scene) -> bool:
-    """Return whether the forces of a scene reverse with reversed creepages."""
+    """Return whether forces reverse with creepages: no elastic coupling, no user-defined law."""
     return bool(scene.material.coupling == 0.0) and not _has_named_law(scene)
 
 

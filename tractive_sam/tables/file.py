@@ -48,7 +48,7 @@ Variable = tuple[tuple[str, ...], np.ndarray, dict[str, str]]
 
 
 def _variable(dims: tuple[str, ...], values: np.ndarray, meaning: str) -> Variable:
-    """Return a netCDF variable without a unit."""
+    """Return a dimensionless netCDF variable: (dims, values, attributes)."""
     return dims, values, {"long_name": meaning, "units": "1"}
 
 

@@ -84,7 +84,7 @@ def list_inputs(table: CreepTable) -> list[FmuVariable]:
 
 
 def list_outputs() -> list[FmuVariable]:
-    """Return the output variables of an FMU: forces, and their derivatives by creepages."""
+    """Return the output variables of an FMU: three forces, then their nine derivatives."""
     forces = (
         FmuVariable("Qx", "longitudinal force on body A", "N"),
         FmuVariable("Qy", "lateral force on body A", "N"),

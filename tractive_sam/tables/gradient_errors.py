@@ -34,7 +34,7 @@ class GradientChecks:
     bars: np.ndarray
 
     def errors(self, table: CreepTable) -> np.ndarray:
-        """Return the errors of a table's gradients, scaled by slopes at rest, (P, 3, 3)."""
+        """Return errors of a table's gradients (>= their bars) over slopes at rest, (P, 3, 3)."""
         where = Coordinates.of(self.w.T, self.ratio, table.whole)
         points = (*self.points.T[: len(table.names)], *where.points)
         gradients = np.moveaxis(table.gradient_at(points, where), -1, 0)

@@ -55,7 +55,7 @@ class CreepageGrid:
     def canonical(
         self, creepages: tuple[float, ...]
     ) -> tuple[tuple[float, float, float], np.ndarray]:
-        """Return the node to solve in place of one with symmetric forces, and the signs, (3,)."""
+        """Return (equivalent node that is solved, signs (3,) of its forces) for creepages."""
         heading, tilt, u = creepages
         # Digits of a heading, so that it does not depend on how it is mirrored or turned.
         digits, none = 12, np.ones(3)

@@ -88,7 +88,7 @@ def open_table(name: str | PathLike[str]) -> CreepTable:
 
 
 def _check_shapes(about: Mapping[str, Any], axes: int) -> None:
-    """Raise an error unless the arrays of check points and errors have fitting shapes."""
+    """Raise a ValueError unless arrays of check points and their errors have equal lengths."""
     places = about.get("check_points")
     for name, columns in (("check_points", axes), ("check_errors", 3), ("check_told", 3)):
         if places is not None and about[name].shape != (len(places), columns):

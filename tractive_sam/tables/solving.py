@@ -82,7 +82,7 @@ def _contacts_at(text: str, place: Place) -> tuple[TableDesign, Contacts]:
 
 
 def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequence[Job]]]:
-    """Divide jobs into groups of equal position; return (index of first job, group).
+    """Divide jobs into groups of at most `max_jobs` at one position: (first job's index, group).
 
     A part has at most that many jobs: a worker that dies loses them.
     """
@@ -97,7 +97,7 @@ def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequ
 
 
 def solve_here(design: TableDesign) -> Solve:
-    """Return a function that solves jobs in this process, batch by batch."""
+    """Return a function that solves jobs in this process and yields (first job's index, batch)."""
     text = design.to_toml()
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
@@ -110,7 +110,7 @@ def solve_here(design: TableDesign) -> Solve:
 def solve_on_workers(
     design: TableDesign, address: str, security: Any, log: Callable[[str], None]
 ) -> Solve:
-    """Return a function that solves jobs on the workers of a Dask scheduler."""
+    """Return a function that solves jobs on Dask workers and yields (first job's index, batch)."""
     text = design.to_toml()
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:

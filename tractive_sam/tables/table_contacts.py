@@ -92,7 +92,7 @@ class TableContacts:
         return _Node(self.job(place, creepages), signs)
 
     def job(self, place: Point, creepages: Point, gradient: bool = True) -> Job:
-        """Return the job of a contact: position along the axes, heading, tilt and u."""
+        """Return the job that solves the contact at a position of the axes, heading, tilt and u."""
         heading, tilt, u = creepages
         w = creepages_at(self.design.ratio(place), heading, tilt, min(u, self.refinement.last_u))
         return Job(place, (float(w[0]), float(w[1]), float(w[2])), gradient)
@@ -109,7 +109,7 @@ class TableContacts:
         return Solved(node.signs * solved.force, solved.bar, by)
 
     def solve(self, jobs: Iterable[Job], nodes: int) -> None:
-        """Solve those jobs that have no solution yet, and report the progress."""
+        """Solve jobs without solution, report progress; TableError if an error bar is too large."""
         new = dict.fromkeys(job for job in jobs if job not in self.solved)
         unsolved = sorted(new, key=lambda job: job.place)
         done = 0
@@ -123,7 +123,7 @@ class TableContacts:
                 self._check_bar(solved)
 
     def _check_bar(self, solved: Solved) -> None:
-        """Raise an error if the error bar of a contact exceeds the tolerance."""
+        """Raise a TableError if the error bar of a contact exceeds the tolerance of the design."""
         design = self.design
         if solved.bar.max() > design.tolerance:
             fault = Fault(
