@@ -14,7 +14,7 @@ from tractive_sam.compute.tiles import join_kernels
 
 
 class ArrayApi:
-    """The backend of a library that follows the array API standard, see `Backend`.
+    """Backend of a library that follows the array API standard (`xp`); see `Backend`.
 
     Parameters
     ----------
@@ -52,14 +52,14 @@ class ArrayApi:
         return out[:, :nx, :ny]
 
     def project(self, traction: Array, radius: Array) -> Array:
-        """Return tractions projected onto discs, see `kernels.friction.project`."""
+        """Return tractions (2, n_x, n_y), those longer than their radius shortened to it."""
         xp, size = self.xp, _size(self.xp, traction)
         radius = xp.maximum(radius, 0.0)
         outside = size > radius
         return xp.where(outside, radius / xp.where(outside, size, 1.0), 1.0) * traction
 
     def turn(self, slip: Array, contact: Array, ahead: float) -> Array:
-        """Return the slip that tractions oppose, see `kernels.friction.turn`."""
+        """Return slip with its size at the leading face and its direction at the element centre."""
         xp, centre = self.xp, self._centred(slip, contact, ahead)
         square = xp.sum(slip * slip + centre * centre, axis=0)
         nonzero = square >= 1e-200
@@ -73,7 +73,7 @@ class ArrayApi:
         return xp.where(turns, ratio * turned, slip)
 
     def _centred(self, slip: Array, contact: Array, ahead: float) -> Array:
-        """Return the slip at the centres of the elements, from the slip of the leading faces."""
+        """Return slip at element centres, interpolated from leading faces behind and ahead in x."""
         xp, concat = self.xp, self.xp.concat
         behind = concat((slip[:, :1, :], slip[:, :-1, :]), axis=1)
         front = concat((slip[:, 1:, :], slip[:, -1:, :]), axis=1)
@@ -89,7 +89,7 @@ class ArrayApi:
     def add_leading_response(
         self, slip: Array, traction: Array, places: Places, factor: np.ndarray, answer: np.ndarray
     ) -> Array:
-        """Return the slip with the response of leading elements, see `kernels.friction`."""
+        """Return slip times `factor` plus `answer` times traction at `places`; else unchanged."""
         factors, answers = np.ones(slip.shape[1:]), np.zeros((*slip.shape[1:], 2, 2))
         factors[places], answers[places] = factor, answer
         answers = self.xp.asarray(np.moveaxis(answers, (2, 3), (0, 1)))

@@ -41,12 +41,12 @@ class Backend(Protocol):
         """Return the convolution of fields (n, n_x, n_y) with `spectra`, a new array."""
 
     def project(self, traction: Array, radius: Array) -> Array:
-        """Return tractions projected onto discs, see `kernels.friction.project`."""
+        """Return tractions (2, n_x, n_y), those longer than their radius shortened to it."""
 
     def turn(self, slip: Array, contact: Array, ahead: float) -> Array:
-        """Return the slip that tractions oppose, see `kernels.friction.turn`."""
+        """Return slip with its size at the leading face and its direction at the element centre."""
 
     def add_leading_response(
         self, slip: Array, traction: Array, places: Places, factor: np.ndarray, answer: np.ndarray
     ) -> Array:
-        """Return the slip with the response of leading elements, see `kernels.friction`."""
+        """Return slip times `factor` plus `answer` times traction at `places`; else unchanged."""

@@ -11,7 +11,7 @@ from tractive_sam.kernels import friction, spectral
 
 
 class Host:
-    """The backend of NumPy, see `Backend`; it loses no time to the seam."""
+    """Backend of NumPy arrays: calls NumPy and compiled kernels directly; see `Backend`."""
 
     xp: Any = np
     products: ClassVar[dict[int, Product]] = {
@@ -50,13 +50,13 @@ class Host:
         return plan(fields, spectra, self.products[len(spectra[0])])
 
     def project(self, traction: np.ndarray, radius: np.ndarray) -> np.ndarray:
-        """Return tractions projected onto discs (`Backend.project`)."""
+        """Return tractions (2, n_x, n_y), those longer than their radius shortened to it."""
         out = np.empty_like(traction)
         friction.project(traction, radius, out)
         return out
 
     def turn(self, slip: np.ndarray, contact: np.ndarray, ahead: float) -> np.ndarray:
-        """Return the slip that tractions oppose (`Backend.turn`)."""
+        """Return slip with its size at the leading face and its direction at the element centre."""
         out = np.empty_like(slip)
         friction.turn(slip, contact, out, ahead)
         return out

@@ -18,7 +18,7 @@ def count_transform(fields: int, padded: tuple[int, int]) -> None:
 
 
 class ConvolutionMeter:
-    """Counter of the convolutions that this thread has done since the counter was created.
+    """Counter of convolution work of this thread, in applications of the tangential operator.
 
     The unit is one application of the tangential operator on a mesh: two fields forward and two
     backward. A transform of fewer fields, or on a part of the mesh, counts by its share of points,

@@ -10,7 +10,7 @@ from threadpoolctl import ThreadpoolController
 
 
 def threads_for_transform(padded: tuple[int, int], large: int = 2**19, max_threads: int = 4) -> int:
-    """Return the number of threads for an FFT: one, or several (at most 4) for a large array.
+    """Return the threads for an FFT: 1 if small, else OMP_NUM_THREADS or cores, at most 4.
 
     The environment variable OMP_NUM_THREADS limits it, as in most libraries.
 

@@ -63,7 +63,7 @@ def column_stride(px: int, gap: int = 4) -> int:
 
 
 def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> list[np.ndarray]:
-    """Divide spectra (entries, p_x, p_y/2 + 1) into contiguous arrays (entries, m), one a tile."""
+    """Return spectra (entries, p_x, p_y/2 + 1) as one contiguous array (entries, m) per tile."""
     edges = tile_edges(fields, padded)
     if len(edges) == 2:
         entries, px, half = spectra.shape
@@ -175,7 +175,7 @@ class ColumnBuffer(NamedTuple):
 
     @classmethod
     def create(cls, shape: tuple[int, int, int], single: bool) -> "ColumnBuffer":
-        """Allocate padded columns (fields, p_x, columns), and plan their transforms along x.
+        """Return a zero buffer (fields, p_x, columns), complex64 if `single`, with planned FFTs.
 
         `single` chooses complex64.
         """

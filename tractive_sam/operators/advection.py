@@ -61,7 +61,7 @@ class Advection:
         return self.elements + (2 if self.part else 0)
 
     def middle(self, parabola: np.ndarray) -> np.ndarray:
-        """Return the mean distance of each particle from its node during the step, in elements.
+        """Return the mean distance of particles from their node in the step, (n_x, n_y), elements.
 
         Spin makes the rigid slip linear along the path, so that its mean is its value in the
         middle. On a path that is interpolated by a straight line the rigid slip is so, too.
@@ -167,7 +167,7 @@ class Advection:
         return here + leaving(here, ahead, beyond) - leaving(before, here, ahead)
 
     def with_nodes_ahead(self, fields: np.ndarray, edge: bool = False) -> np.ndarray:
-        """Extend fields by `reach` nodes ahead of the mesh (+x), with zeros or its edge values.
+        """Append `reach` nodes ahead of the mesh (+x): zeros, or with `edge` the last row's values.
 
         Parameters
         ----------

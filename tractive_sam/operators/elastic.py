@@ -88,7 +88,7 @@ class Operators:
 
     @cached_property
     def along_x(self) -> np.ndarray:
-        """Fourier transform along x of the normal displacement, mm/MPa, shape (p_y, p_x/2 + 1)."""
+        """Half spectrum along x of normal displacement, for sums: over p_x, inner terms doubled."""
         px, _ = self.lattice.padded
         # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
         table = influence.displacement_table(self.lattice, self.elasticity, "zz")
@@ -236,7 +236,7 @@ def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:
 
 
 def _alternating(elements: int, ripples: int = 15) -> np.ndarray:
-    """Return weights that alternate in sign along 15 elements and sum to zero; [1] for one element.
+    """Return 15 weights of alternating sign, half at both ends; [1] for a mesh of one element.
 
     The ends count half; a single element is 1.
     """

@@ -49,7 +49,7 @@ def temperature_coefficients(
     lam: float,
     until: float = np.inf,
 ) -> np.ndarray:
-    """Return surface temperatures at points due to a unit flux into a moving element at the origin.
+    """Return surface temperatures (m, n) at points due to unit flux in an element at the origin.
 
     Parameters
     ----------

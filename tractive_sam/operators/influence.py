@@ -23,7 +23,7 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Number and side lengths of elements: the part of a grid that a convolution needs."""
+    """Shape (n_x, n_y) and side lengths of elements; the mesh data that a convolution needs."""
 
     shape: tuple[int, int]
     dx: float

@@ -97,19 +97,19 @@ class Kinematics(ABC):
         """
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
-        """Return the weight of slip relative to tractions in the friction law's iterations."""
+        """Return the weight of slip relative to tractions in iterations: 1 if not overridden."""
         return 1.0
 
     def slip_scale(self, block: int) -> float:
-        """Return the ratio of slip on elements `block` times as long to slip on these elements."""
+        """Return slip on elements `block` times as long over slip on these: 1 if not overridden."""
         return 1.0
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the kinematics on a mesh with elements that combine `block` of this one."""
+        """Return the kinematics for a mesh of merged elements: itself, if not overridden."""
         return self
 
     def within(self, box: Box) -> Self:
-        """Return the kinematics restricted to a rectangle (box) of the mesh."""
+        """Return the kinematics for a rectangle (box) of the mesh: itself, if not overridden."""
         return self
 
 
@@ -190,7 +190,7 @@ class RollingStep(Kinematics):
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """Return the `FrictionSlip` of a pressure, with the gap that particles close in the step.
+        """Return the friction slip of a step: its fixed gap is `entering`, the argument is unused.
 
         The gap that has closed is `entering`.
         """
@@ -223,14 +223,14 @@ class RollingStep(Kinematics):
         return self.far / (max(along, self.far) * max(first, second))
 
     def slip_scale(self, block: int) -> float:
-        """Return the ratio of slip on elements `block` times as long to slip on these elements.
+        """Return slip on elements `block` times as long over slip on these: 1/block.
 
         The unit of slip includes the length of an element.
         """
         return 1.0 / block
 
     def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the step on a mesh with elements that combine `block` of this one."""
+        """Return the step for a mesh of merged elements: mean gap, fewer elements rolled."""
         entering = block_mean(self.entering, block, "edge")
         return replace(self, entering=entering, length=self.length / block[0])
 

@@ -63,7 +63,7 @@ class Stencil:
         return 0.5 if self.staggered else 0.0
 
     def at_centres(self, slip: np.ndarray) -> np.ndarray:
-        """Return the slip at element centres, the mean of both faces, for wear and dissipation.
+        """Return slip at centres: the mean of both faces if staggered; unchanged if upwind.
 
         With the mean of both faces frictional work and energy law agree to rounding: the elastic
         part of the mean is a central difference, and its work on the tractions is zero by
@@ -135,7 +135,7 @@ def edge_turning(
 
 
 def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return distances of the contact edge to the centre ahead over those to the leading centre.
+    """Return (contact edge to centre ahead)/(edge to leading centre), distances; 0 to 1000.
 
     At the edge the squared pressure, linear from the element behind on, is zero.
     """
@@ -249,7 +249,7 @@ class FrictionSlip:
 
     @cached_property
     def _sticking_factors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Coefficients of slip and of tractions in `sticking` at the leading elements."""
+        """Return (1/(1 + k), that times the slip by traction), k = `_stiffness`, for `sticking`."""
         factor = 1.0 / (1.0 + self._stiffness)
         return factor, factor[:, None, None] * self._slip_by_traction
 
@@ -311,7 +311,7 @@ class FrictionSlip:
     def stretched(
         self, slip: np.ndarray, traction: np.ndarray, by: np.ndarray, unit: float
     ) -> np.ndarray:
-        """Return the change of `sticking` if the scales of the frame's axes change (friction).
+        """Return the change of `sticking` for relative changes `by` of the axes and `unit` of slip.
 
         Parameters
         ----------
@@ -342,7 +342,7 @@ class FrictionSlip:
 
     @property
     def stiffness(self) -> np.ndarray:
-        """Bound on the derivative of the corrected slip by the element's own traction, (n_x, n_y).
+        """Bound on d(corrected slip)/d(own traction), (n_x, n_y); 0 except in leading elements.
 
         Before the division; shape (n_x, n_y), zero but in leading elements.
         """

@@ -41,7 +41,7 @@ class LayerCache:
             return self._meshes[mesh].get(depth)
 
     def keep(self, mesh: Hashable, depth: float, transforms: np.ndarray) -> None:
-        """Store a copy of the transformed tables of a mesh at a depth, if there is room for it."""
+        """Store a copy of transformed tables if there is room, after old meshes are dropped."""
         with self._lock:
             of_mesh = self._meshes.setdefault(mesh, {})
             while self.size() + transforms.nbytes > self.max_bytes and len(self._meshes) > 1:

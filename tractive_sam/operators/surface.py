@@ -15,7 +15,7 @@ from tractive_sam.operators.influence import Lattice
 def surface_stress(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, signs: Sequence[float] = (1.0,)
 ) -> np.ndarray:
-    """Return the surface stress at the corners of elements, from differences of displacement.
+    """Return surface stress at inner corners (bodies, 6, n_x - 1, n_y - 1), by displacement.
 
     With tractions constant on elements the stress is infinite at every edge across which the
     tangential one jumps; the displacement is finite. Its differences between centres are means of

@@ -69,7 +69,7 @@ def _of_cycle(history: History, column: Quantity) -> Quantity:
 
 
 def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
-    """Return whether a position jumps to and fro, as between two peaks of about equal height.
+    """Return whether a position alternates: its path exceeds `travel` times its range.
 
     Parameters
     ----------

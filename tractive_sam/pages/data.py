@@ -145,12 +145,12 @@ class _Window:
         return np.swapaxes(values[..., x, y], -1, -2)
 
     def axes(self, state: ContactView) -> tuple[np.ndarray, np.ndarray]:
-        """Return x and y of the elements that the window shows, mm; y from the mesh's middle."""
+        """Return (x, y) of the drawn (every n-th) elements, mm; y from the middle of the mesh."""
         y = _on_bodies({"y": state.y}, "y")
         return state.x[self.x][:: self.every], y[self.y][:: self.every]
 
     def fields(self, states: Sequence[ContactView]) -> dict[str, Any]:
-        """Return axes and surface fields of all records as JSON data, shape (records, y, x)."""
+        """Return drawn surface fields of all records (records, y, x), axes, flags as JSON data."""
         x, y = self.axes(states[0])
         rows: dict[str, list[np.ndarray]] = {}
         for state in states:
@@ -174,7 +174,7 @@ class _Window:
 
 
 def _side(touched: np.ndarray, margin: float) -> slice:
-    """Return the slice of the touched elements along an axis, with a margin on both sides."""
+    """Return the slice around touched elements: half of `margin` times its length on each side."""
     inside = np.flatnonzero(touched)
     more = max(2, round(0.5 * margin * (inside[-1] - inside[0] + 1)))
     return slice(max(0, inside[0] - more), min(touched.size, inside[-1] + more + 1))
@@ -216,7 +216,7 @@ def _normalize(values: np.ndarray) -> np.ndarray:
 
 
 def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict[str, Any] | None:
-    """Return the wear depth profiles of both bodies across the track, micrometres, or None."""
+    """Return wear depths over y of each body or both, micrometres; None if unworn or a line."""
     if history.grid.directions == 1 or not rows:
         return None
     names = {"wear_profile_A": "A", "wear_profile_B": "B", "wear_profile": "both"}
@@ -233,7 +233,7 @@ def _profiles(history: History, rows: Sequence[int], limits: PageLimits) -> dict
 def _stress(
     blocks: Sequence[History], saved: np.ndarray, states: Sequence[ContactView], limits: PageLimits
 ) -> list[dict[str, Any]]:
-    """Return maps of stress on each stored plane, for all records, as JSON data.
+    """Return stress maps of all records for each stored plane, except mere lines, as JSON data.
 
     The depths of blocks differ, so the axes have the shape (records, axis).
     """

@@ -47,7 +47,7 @@ NOTHING = 1e-6
 
 
 def creep_force_findings(work: Work) -> Iterator[Finding]:
-    """Yield the statements of the paper on Fig. 6, each with the computed result."""
+    """Yield the statements and figures for Fig. 6 of the paper with the computed results."""
     yield from _isotropic(work)
     yield from _orthotropic(work)
 
@@ -243,7 +243,7 @@ def _creep_unit(scene: Scene) -> float:
 
 
 def _solve_curve(scene: Scene, xi: np.ndarray) -> np.ndarray:
-    """Solve a scene at creep parameters xi; return Q_x/(mu1 P), Q_y/(mu1 P), share of stick."""
+    """Solve a scene at creep parameters; return rows Q_x/(mu1 P), Q_y/(mu1 P), stick fraction."""
     unit, scale = _creep_unit(scene), friction_bound(scene)
     rows: list[tuple[float, float, float]] = []
     contact: State | None = None

@@ -23,7 +23,7 @@ Histories = Mapping[float, History]
 
 
 def disc_findings(work: Work) -> Iterator[Finding]:
-    """Yield the statements of the paper on the twin discs, each with the computed result."""
+    """Yield the statements, tables and figures on the twin discs, with the computed results."""
     histories = {
         angle: roll_into_file(work, discs(work.size, angle), f"twin-discs-{angle:.0f}")
         for angle in ANGLES
@@ -277,7 +277,7 @@ def _stack_column(histories: Histories, name: str) -> np.ndarray:
 
 
 def _saved_revolutions(histories: Histories) -> list[int]:
-    """Return the revolutions with stored fields, equal in all histories."""
+    """Return the revolutions with stored fields of the history for β = 0; all share them."""
     return histories[0.0].field_revolutions.tolist()
 
 

@@ -21,7 +21,7 @@ from tractive_sam.subsurface import stress_maximum, stress_on_plane
 
 
 def orthotropic_findings(work: Work) -> Iterator[Finding]:
-    """Yield the statements of the paper on Figs. 7 and 8, each with the computed result."""
+    """Yield statements, table and figures on orthotropic friction (Figs. 7, 8), as computed."""
     contacts = {}
     for angle in ANGLES:
         work.report(f"two spheres, β = {angle:g}°")
@@ -48,7 +48,7 @@ def orthotropic_findings(work: Work) -> Iterator[Finding]:
 
 
 def _lateral(contacts: dict[float, State]) -> Statement:
-    """Return the statement on the lateral traction p_y at each angle (Fig. 7)."""
+    """Return the statement that p_y is larger for β = 45° than for 0° and 90° (Fig. 7)."""
     p_y = [
         float(abs(contact.traction[1]).max() / hertz_of(contact.scene).p0)
         for contact in contacts.values()
@@ -96,7 +96,7 @@ def _inside_and_surface(
 
 
 def _sides(contacts: dict[float, State], symmetric: float = 1e-3) -> Statement:
-    """Return the statement on the asymmetry of the stress on the plane x = 0 (Fig. 8)."""
+    """Return the statement that only β = 45° makes stress on x = 0 asymmetric in y (Fig. 8)."""
     differences = []
     for contact in contacts.values():
         values = stress_on_plane(contact, "x=0", "A").von_mises

@@ -30,7 +30,7 @@ PLANES = {"y=0": "y = 0", "y=0.75a": "y = 0.75 a_0"}
 
 
 def sphere_findings(work: Work) -> Iterator[Finding]:
-    """Yield the statements of the paper on Fig. 5, each with the computed result."""
+    """Yield the statements and figures on two spheres (Fig. 5) with the computed results."""
     work.report("two spheres")
     contact = solve(spheres(work.size))
     yield _compare_with_hertz(contact)
@@ -77,7 +77,7 @@ def _compare_with_hertz(contact: State) -> Statement:
 
 
 def _compare_force(contact: State, expected: float = 0.657) -> Statement:
-    """Return the statement that compares Q_x/(mu P) with the paper's value."""
+    """Compare Q_x/(mu P), also solved with upwind slip, with the paper's value; a statement."""
     bound = friction_of(contact.scene).mu[0] * contact.P
     force = contact.Qx / bound
     upwind = solve(contact.scene.with_set(['solver.slip="upwind"'])).Qx / bound
@@ -131,7 +131,7 @@ class _SectionMaxima:
 
     @classmethod
     def from_contact(cls, contact: State, plane: str, body: str) -> Self:
-        """Compute the stress of a body on a plane of a contact, and find its maxima."""
+        """Return maxima of von Mises stress of a body on a plane, inside and surface; stick end."""
         hertz = hertz_of(contact.scene)
         p0, a = hertz.p0, hertz.a
         stress = stress_on_plane(contact, plane, body)

@@ -23,7 +23,7 @@ from tractive_sam.schema import required
 
 
 def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
-    """Yield the statements of the paper on Fig. 15, each with the computed result.
+    """Yield statement, figure and table on wear depth against GIWM (Fig. 15, Table 1).
 
     Depths within a relative distance of `good` agree well.
     """

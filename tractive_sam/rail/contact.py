@@ -44,7 +44,7 @@ class Clearance:
 
     @classmethod
     def measure(cls, wheel: Wheel, rail: Profile, s: Array) -> Clearance:
-        """Return the clearance at arc lengths of the wheel profile."""
+        """Return vertical gap (inf beside the rail) and angles at arc lengths of the wheel."""
         points, angles = wheel.silhouette(s)
         y = np.nan_to_num(points[:, 1], nan=1e9)
         rail_s = rail.locate(y, near=_top(rail))
@@ -320,7 +320,7 @@ def _overlaps(clearance: Clearance, wheel: Wheel, depth: float) -> list[_Overlap
 
 
 def _divide(overlap: Array, first: int, last: int, share: float = 0.5) -> list[slice]:
-    """Return slices that divide an overlap region at minima between its maxima.
+    """Return slices of an overlap, divided where its depth falls below `share` of both maxima.
 
     In Hertz contacts the surfaces touch in the area in which the undeformed bodies overlap by more
     than half of the approach. So two patches are separate if the overlap between them falls below

@@ -30,7 +30,7 @@ class ProfileError(ValueError):
 def read_profile(
     path: str | PathLike[str], kind: Kind, unit: str | None = None, smoothing: float | None = None
 ) -> Profile:
-    """Read a wheel or rail profile from a file.
+    """Read a wheel or rail profile, in any orientation; raise ProfileError if it is unusable.
 
     Lines that begin with two numbers, separated by blanks, tabs, commas or semicolons, are points:
     lateral position and height. Directions may be reversed: the flange shows which side of a wheel
@@ -69,7 +69,7 @@ def read_profile(
 
 
 def _read_points(text: str) -> Array:
-    """Return the numbers in the text of a profile file as points (n, 2)."""
+    """Return points (n, 2) from the text of a profile file; skip a heading without numbers."""
     block = re.search(r"point\.begin(.*?)point\.end", text, re.DOTALL)
     points = []
     for line in (block[1] if block else text).splitlines():

@@ -119,7 +119,7 @@ class ContactLocus:
         return scipy.interpolate.make_interp_spline(self.y, values, k=1).antiderivative()
 
     def extremes(self, amplitude: float) -> tuple[float, float]:
-        """Return the extreme lateral positions of a motion with this amplitude, mm."""
+        """Return (lowest, highest) y of a free motion, mm; ±amplitude if none is found."""
         potential = self._potential
 
         def excess(middle: float) -> float:
@@ -142,7 +142,7 @@ class ContactLocus:
             )
 
     def columns(self) -> dict[str, Array]:
-        """Return the locus as columns of a table by name, in degrees and mm."""
+        """Return the locus as table columns by name: lengths in mm, roll mrad, angles degrees."""
         sides: dict[str, Array] = {}
         for k, side in enumerate(("right", "left")):
             sides |= {
@@ -207,7 +207,7 @@ def find_locus(
 
 
 def _touch(placed: Wheel, rail: Profile, roll: float | None) -> tuple[float, list[Clearance]]:
-    """Return the roll of a wheelset at its position, rad, and the contact of both wheels."""
+    """Return (roll in rad, contacts of [right, left] wheel); a roll of None is found."""
     placed = replace(placed, roll=free_roll(placed, rail) if roll is None else roll)
     return placed.roll, [find_contact_points(side, rail) for side in (placed, placed.mirrored())]
 

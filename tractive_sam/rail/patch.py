@@ -68,7 +68,7 @@ class Patch:
 
     @cached_property
     def _lowered_wheel(self) -> Wheel:
-        """The wheel at its depth."""
+        """Wheel lowered to the depth of the patch."""
         return self.wheel.at_contact(self.depth)
 
     @cached_property
@@ -110,7 +110,7 @@ class Patch:
         return float(gap.min())
 
     def rail_profile(self, y: Array) -> tuple[Array, Array]:
-        """Return height over the patch's plane, mm, and arc length of the rail at y (n,)."""
+        """Return (rail height along the patch normal, rail arc length) at y (n,), mm."""
         s = self.rail.locate(y, self.origin[1:], self.angle, near=float(self.origin[1]))
         return (self.rail.at(s) - self.origin[1:]) @ self.normal[1:], s
 
@@ -128,7 +128,7 @@ class Patch:
         return float(np.ptp(0.5 * (wheel + self.rail.angle(self.rail_profile(y)[1]))))
 
     def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
-        """Return the distance of the undeformed surfaces normal to the patch, mm, (n_x, n_y).
+        """Return the undeformed gap normal to the patch, mm, (n, m), plus `apart` beside limits.
 
         Parameters
         ----------
@@ -146,7 +146,7 @@ class Patch:
         return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
 
     def wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
-        """Return height of the wheel over points of the patch's plane, and its arc lengths.
+        """Return (wheel distance along the patch normal, wheel arc length) at points (x, y).
 
         By Newton's method for the point of the wheel on the normal, exact for any yaw and roll.
         """

@@ -44,7 +44,7 @@ class Profile:
 
     @classmethod
     def from_pieces(cls, pieces: list[tuple[Array, Array]]) -> Profile:
-        """Return the profile that joins pieces (points, unit tangents) end to end."""
+        """Return the profile of connected pieces, each beginning at the end of the previous one."""
         points = np.concatenate([p[k > 0 :] for k, (p, _) in enumerate(pieces)])
         tangents = np.concatenate([t[k > 0 :] for k, (_, t) in enumerate(pieces)])
         return cls(arc_lengths(points, tangents), points, tangents)
@@ -125,7 +125,7 @@ class Profile:
         return np.asarray(s)
 
     def height(self, y: ArrayLike) -> Array:
-        """Return z at lateral positions, mm."""
+        """Return z at lateral positions, mm; beyond an end of the profile, z of the end."""
         return np.asarray(self.at(self.locate(y))[..., 1])
 
     def moved(self, angle: float, shift: ArrayLike) -> Profile:

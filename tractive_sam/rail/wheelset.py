@@ -109,7 +109,7 @@ class Wheel:
         return 0.5 * self.inner + self.tape_line
 
     def silhouette(self, s: Array) -> tuple[Array, Array]:
-        """Return the points of the wheel at which a straight rail can touch it, and angles.
+        """Return (points where a straight rail can touch, nan if too steep; contact angles).
 
         A prismatic rail can touch the wheel there only. On the circle of each point of the profile
         this is a linear equation in the cosine and sine of the angle around the axle.

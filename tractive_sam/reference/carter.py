@@ -44,7 +44,7 @@ class Carter:
 
     @classmethod
     def from_force_ratio(cls, hertz: HertzLine, mu: float, ratio: float) -> Carter:
-        """Return the solution that transmits `ratio` = Q/(mu P), from -1 to 1.
+        """Return the solution with force `ratio` = Q/(mu P); ValueError outside [-1, 1].
 
         Raises
         ------
