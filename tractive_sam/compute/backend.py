@@ -19,7 +19,7 @@ Places = tuple[np.ndarray, np.ndarray]
 
 
 class Backend(Protocol):
-    """What the solvers need of a library of arrays."""
+    """Operations of an array library for the solvers: convolution, projection, slip direction."""
 
     @property
     def xp(self) -> Any:
@@ -35,7 +35,7 @@ class Backend(Protocol):
         """Return arrays joined along their first axis."""
 
     def spectra(self, tiles: Sequence[np.ndarray], padded: tuple[int, int], kind: Any) -> Any:
-        """Return the spectra of `tiles.split_kernels` as `convolve` uses them for a data type."""
+        """Return `split_kernels` spectra in the form that `convolve` needs for the type `kind`."""
 
     def convolve(self, fields: Array, spectra: Any, padded: tuple[int, int]) -> Array:
         """Return the convolution of fields (n, n_x, n_y) with `spectra`, a new array."""

@@ -113,7 +113,7 @@ class PaddedTransform:
         return self.spectrum
 
     def backward(self) -> np.ndarray:
-        """Return the padded inverse transforms of `spectrum`, cropped, not divided by p_x p_y.
+        """Return the inverse transform of `spectrum`, cropped to (fields, n_x, n_y), times p_x p_y.
 
         The normalisation is left to the spectra of the kernel, which carry it at no cost.
         """

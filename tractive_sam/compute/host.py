@@ -69,7 +69,7 @@ class Host:
         factor: np.ndarray,
         answer: np.ndarray,
     ) -> np.ndarray:
-        """Return the slip with the response of leading elements (`Backend`)."""
+        """Return slip times `factor` plus `answer` times traction at `places`; else unchanged."""
         slip = slip.copy()
         friction.add_leading_response(slip, traction, *places, factor, answer)
         return slip

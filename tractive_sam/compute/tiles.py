@@ -175,10 +175,7 @@ class ColumnBuffer(NamedTuple):
 
     @classmethod
     def create(cls, shape: tuple[int, int, int], single: bool) -> "ColumnBuffer":
-        """Return a zero buffer (fields, p_x, columns), complex64 if `single`, with planned FFTs.
-
-        `single` chooses complex64.
-        """
+        """Return a zero buffer (fields, p_x, columns), complex64 if `single`, with planned FFTs."""
         columns = pyfftw.zeros_aligned(shape, dtype=_number_types(single)[1])
         directions = ("FFTW_FORWARD", "FFTW_BACKWARD")
         return cls(columns, *(plan(columns, columns, 1, each) for each in directions))

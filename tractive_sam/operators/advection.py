@@ -186,7 +186,7 @@ class Advection:
         return nodes
 
     def parabola_mask(self, contact: np.ndarray) -> np.ndarray:
-        """Return a mask of particles that came from between three nodes in contact, (n_x, n_y).
+        """Return a mask of particles from between nodes all in contact; all True for full steps.
 
         Parameters
         ----------

@@ -88,7 +88,7 @@ class Operators:
 
     @cached_property
     def along_x(self) -> np.ndarray:
-        """Half spectrum along x of normal displacement, for sums: over p_x, inner terms doubled."""
+        """Spectrum along x of normal displacement, mm/MPa, (p_y, p_x/2 + 1), weighted for sums."""
         px, _ = self.lattice.padded
         # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
         table = influence.displacement_table(self.lattice, self.elasticity, "zz")
@@ -236,10 +236,7 @@ def _on_part(lattice, elasticity, gap, slip, frame, shape) -> Operators:
 
 
 def _alternating(elements: int, ripples: int = 15) -> np.ndarray:
-    """Return 15 weights of alternating sign, half at both ends; [1] for a mesh of one element.
-
-    The ends count half; a single element is 1.
-    """
+    """Return 15 weights of alternating sign, half at both ends; [1] for a mesh of one element."""
     if elements == 1:
         return np.ones(1)
     signs = (-1.0) ** np.arange(ripples)

@@ -132,7 +132,7 @@ class HeatMemory:
         return np.zeros(self.shape)
 
     def steady_fields(self, flux: np.ndarray, changing: float = 1e-6) -> np.ndarray:
-        """Return the steady heat fields of a body under a constant flux, mW/mm², shape (n_x, n_y).
+        """Return the heat fields of a body under a constant flux, mW/mm²: steps until steady.
 
         Until what a step of as many elements as heat fades over changes of them, over the largest.
         """
@@ -145,7 +145,7 @@ class HeatMemory:
         return past
 
     def widen(self, past: np.ndarray) -> np.ndarray:
-        """Return heat fields of a smaller mesh, with equal elements, on this larger one.
+        """Return heat fields of a smaller mesh on this one: zero around, slower rates added.
 
         A wider mesh may have slower rates. As all lags so far are short for these, exp(-r tau) is
         linear between the slowest rate before and none.

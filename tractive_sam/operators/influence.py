@@ -69,7 +69,7 @@ def _coefficients(lattice: Lattice, elasticity: Elasticity, component: str) -> n
 def unfold_quadrant(
     table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], shift: int = 0
 ) -> np.ndarray:
-    """Extend a table of non-negative offsets to a periodic one by its parities in x and y."""
+    """Extend a table of offsets >= 0 to a periodic one, by its parities, moved by `shift`."""
     px, py = period
     i = np.arange(px)
     i = np.where(i > px // 2, i - px, i) + shift
@@ -86,7 +86,7 @@ def unfold_quadrant(
 def displacement_table(
     lattice: Lattice, elasticity: Elasticity, component: str, period: tuple[int, int] | None = None
 ) -> np.ndarray:
-    """Return the table of relative displacements u_A - u_B per unit traction on an element, mm/MPa.
+    """Return the periodic table (p_x, p_y) of u_A - u_B per unit traction on an element, mm/MPa.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def displacement_table(
 
 
 def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
-    """Return the slip -du/dx at the leading face of an element per unit traction (paper, eq. 28).
+    """Return the periodic table of slip -du/dx at the leading face per unit traction, 1/MPa.
 
     The difference of the displacements at the centres on both sides of the face. It is taken of
     the coefficients, once, so that an evaluation of the slip is a single convolution.

@@ -101,7 +101,7 @@ class Kinematics(ABC):
         return 1.0
 
     def slip_scale(self, block: int) -> float:
-        """Return slip on elements `block` times as long over slip on these: 1 if not overridden."""
+        """Return the factor of slip on elements `block` times as long: 1 if not overridden."""
         return 1.0
 
     def coarsened(self, block: tuple[int, int]) -> Self:
@@ -146,8 +146,6 @@ class SteadyRolling(Kinematics):
     ) -> Callable[[np.ndarray], np.ndarray]:
         """Return a preconditioner of the linearised friction conditions: the upwind sweep.
 
-        The map is the upwind sweep.
-
         Parameters as in `Kinematics.approximate_inverse`.
         """
         upwind_inverse = law.upwind_inverse(operators.self_influence, stiffness)
@@ -190,10 +188,7 @@ class RollingStep(Kinematics):
     def friction_slip(
         self, operators: Operators, pressure: np.ndarray, gap: np.ndarray
     ) -> FrictionSlip:
-        """Return the friction slip of a step: its fixed gap is `entering`, the argument is unused.
-
-        The gap that has closed is `entering`.
-        """
+        """Return the friction slip of a step: its gap is `entering`; the argument is unused."""
         lattice = operators.lattice
         i, j = np.nonzero((pressure > 0.0) & (self.entering > 0.0))
         back = min(self.length, 1.0) if self.stencil.staggered else 0.0
@@ -204,8 +199,6 @@ class RollingStep(Kinematics):
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
         """Return a preconditioner: the circulant inverse combined with the local friction terms.
-
-        The map combines the circulant inverse with the local terms.
 
         Parameters as in `Kinematics.approximate_inverse`.
         """
@@ -223,7 +216,7 @@ class RollingStep(Kinematics):
         return self.far / (max(along, self.far) * max(first, second))
 
     def slip_scale(self, block: int) -> float:
-        """Return slip on elements `block` times as long over slip on these: 1/block.
+        """Return the factor of slip on elements `block` times as long: 1/block.
 
         The unit of slip includes the length of an element.
         """

@@ -81,7 +81,7 @@ class Stencil:
         return mean
 
     def leading(self, bound: np.ndarray, gap: np.ndarray) -> Places:
-        """Return indices (i, j) of contact elements with an open gap ahead; none for `UPWIND`.
+        """Return (i, j) of contact elements with an open gap at the next in +x; none for upwind.
 
         Parameters
         ----------
@@ -120,7 +120,7 @@ def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) 
 def edge_turning(
     bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float
 ) -> np.ndarray:
-    """Return the change of `edge_angles` that a small change of the pressure causes, shape (m,)."""
+    """Return the first-order change of `edge_angles`, rad, for a change of pressure, (m,)."""
 
     def aside_and_fall(here, behind, left, right):
         return 0.5 * aspect * (left - right), np.where(falls, behind - here, 0.1 * here)
@@ -145,7 +145,7 @@ def entry_beyond(bound: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
 
 
 def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return the change of `entry_beyond` that a small change of pressure causes, shape (m,)."""
+    """Return the first-order change of `entry_beyond` for one of pressure, (m,); 0 if clipped."""
     here, behind, _, _ = _neighbour_values(bound, i, j)
     ratio = behind / here
     changed, changed_behind, _, _ = _neighbour_values(change, i, j)
@@ -154,7 +154,7 @@ def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.nda
 
 
 def _neighbour_values(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-    """Return a field's values at elements (i, j), behind them, and behind to the left and right."""
+    """Return a field (4, m) at (i, j), behind, and behind to left and right; 0 off the mesh."""
     rows, columns = np.add(i, [[0], [-1], [-1], [-1]]), np.add(j, [[0], [0], [-1], [1]])
     width = field.shape[1]
     inside = (rows >= 0) & (columns >= 0) & (columns < width)

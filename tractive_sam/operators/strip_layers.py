@@ -41,7 +41,7 @@ class StripLayers:
         self._loads = spectra[:, 0] / (np.pi * self._padded[1])
 
     def at(self, depth: float) -> np.ndarray:
-        """Return the stress tensors at the centres of the strips at one depth, MPa.
+        """Return stress tensors at centres of strips at one depth, MPa, shape (bodies, 6, n_x, 1).
 
         Parameters
         ----------

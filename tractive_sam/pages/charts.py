@@ -64,7 +64,7 @@ def _noise(history: History, name: str, share: float = 1e-6) -> float:
 
 
 def _of_cycle(history: History, column: Quantity) -> Quantity:
-    """Return the column of the duty cycle for a column of its blocks, or else this column."""
+    """Return the cycle's column for a block column (name with a prefix), or the column itself."""
     return history.columns.get(column.name.removeprefix(PREFIX), column)
 
 

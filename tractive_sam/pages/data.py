@@ -108,7 +108,7 @@ def _blocks(history: History) -> list[tuple[str, History]]:
 
 
 def _scale(history: History) -> dict[str, Any]:
-    """Return the half widths and the pressure by which the figures of the page divide."""
+    """Return the scales of figures {a, b, p}, None if not finite, and whether Hertz's, `hertz`."""
     scale = Scale.from_history(history)
     values = {"a": scale.a, "b": scale.b, "p": scale.p}
     return {name: value if np.isfinite(value) else None for name, value in values.items()} | {
@@ -181,7 +181,7 @@ def _side(touched: np.ndarray, margin: float) -> slice:
 
 
 def _surface(state: ContactView) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield (name on the page, values) of the surface fields of one contact."""
+    """Yield (name on the page, values) of surface fields; slip and wear extended outwards."""
     contact = state.contact
     yield "pressure", contact.pressure
     yield "px", contact.traction[0]

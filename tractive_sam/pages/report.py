@@ -110,7 +110,7 @@ def _unused(name: str) -> Html:
 
 
 def _plotly() -> tuple[str, dict[str, Any]]:
-    """Return the source of plotly's script, and the colour scales of the figures."""
+    """Return (source of plotly's script, plotly's colour scales by the names on the page)."""
     # Colour maps of the figures: names in plotly by names in the page.
     scales = {
         "Viridis": "Viridis",

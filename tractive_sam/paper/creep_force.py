@@ -86,7 +86,7 @@ def _isotropic(work: Work) -> Iterator[Finding]:
 
 
 def _compare_with_kalker(scene: Scene, xi: np.ndarray, Q_x: np.ndarray) -> Statement:
-    """Return the statement that compares Q_x with Kalker's simplified creep-force curve."""
+    """Return the statement comparing Q_x for xi < 1 with Kalker's simplified curve, eq. (42)."""
     partial = xi < 1
     deviation = Q_x[partial] / kalker_simplified(xi[partial]) - 1
     worst = abs(deviation).argmax()

@@ -249,7 +249,7 @@ def _compare_angles(histories: Histories) -> Iterator[Picture]:
 
 
 def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
-    """Yield figures of one angle of the friction axes each."""
+    """Yield figures of each angle: worn profiles, pressure, stress and wear, one angle each."""
     last = _last_revolution(histories)
     draws: tuple[tuple[str, Callable, str], ...] = (
         ("figs-09-14-profiles", plot.worn_profiles, "Figs. 9-14. Worn cross-sections"),

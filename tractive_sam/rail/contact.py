@@ -54,7 +54,7 @@ class Clearance:
         return cls(s, points, gap, np.stack((angles, rail.angle(rail_s))), rail_s)
 
     def refined(self, wheel: Wheel, rail: Profile, window: float, parts: int = 8) -> Clearance:
-        """Return the clearance at denser points where it is within `window` of its minimum."""
+        """Return the clearance at denser points within `window` of its minimum, and only there."""
         near = self.gap <= self.gap.min() + window
         near[1:] |= near[:-1]
         near[:-1] |= near[1:]
@@ -147,7 +147,7 @@ def _equal_angles(
 
 
 def lowest_gap(wheel: Wheel, rail: Profile) -> float:
-    """Return the least vertical distance of a wheel from the rail, mm."""
+    """Return the least vertical distance of a wheel from the rail, mm; error without contact."""
     return float(find_contact_points(wheel, rail).gap[0])
 
 

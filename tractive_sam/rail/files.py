@@ -124,7 +124,7 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
 
 
 def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
-    """Return a profile that interpolates points, or smooths them within a distance."""
+    """Return the spline profile through points, or at an rms distance `smoothing` from them."""
     if smoothing is None:
         curve = scipy.interpolate.CubicSpline(s, points)
         return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
@@ -159,7 +159,7 @@ def _outward(points: Array, kind: Kind) -> Array:
 
 
 def _check_size(points: Array, kind: Kind) -> None:
-    """Raise a ProfileError if the size of a profile suggests another unit."""
+    """Raise a ValueError if the width of a profile is implausible in mm, and name the unit."""
     width, limits = float(np.ptp(points[:, 0])), {"wheel": (60.0, 200.0), "rail": (25.0, 120.0)}
     lower, upper = limits[kind]
     if not lower <= width <= upper:
@@ -169,7 +169,7 @@ def _check_size(points: Array, kind: Kind) -> None:
 
 
 def _check_crossing(points: Array) -> None:
-    """Raise a ProfileError if a profile crosses itself."""
+    """Raise a ValueError with the place if a profile crosses itself."""
     if (np.diff(points[:, 0]) > 0.0).all():
         return  # a graph over y
     a, d = points[:-1], np.diff(points, axis=0)

@@ -92,7 +92,7 @@ class Profile:
         angle: float = 0.0,
         near: float | None = None,
     ) -> Array:
-        """Return the arc lengths at positions v along an inclined axis.
+        """Return arc lengths at positions v along an inclined axis, clipped to the profile's ends.
 
         Parameters
         ----------

@@ -41,6 +41,8 @@ def creep_parameter(
 def vermeulen_johnson(xi: ArrayLike) -> NDArray[np.float64]:
     """Return Q/(mu P) = 1 - (1 - xi)³, ±1 beyond |xi| = 1, odd; Vermeulen & Johnson (1964).
 
+    Eq. (41) of the paper.
+
     Examples
     --------
     >>> vermeulen_johnson([0.0, 0.5, 1.0])
@@ -73,6 +75,8 @@ def vermeulen_johnson_inverse(ratio: ArrayLike) -> NDArray[np.float64]:
 
 def kalker_simplified(xi: ArrayLike) -> NDArray[np.float64]:
     """Return Q/(mu P) of Kalker's simplified theory (1967), eq. (42); odd, ±1 from |xi| = 1.
+
+    Q/(mu P) = 3/2 xi arccos(xi) + 1 - (1 + xi²/2) sqrt(1 - xi²) for 0 <= xi <= 1.
 
     A simplified theory, 5-6 % below the half-space solution at small creepage; the two meet at
     full slip, xi = 1.

@@ -43,7 +43,7 @@ def giwm(
     intensity: float,
     revolutions: int,
 ) -> GlobalWear:
-    """Return the wear of twin discs, of which disc A wears, by GIWM (uniform pressure).
+    """Return the wear of twin discs by GIWM, with a uniform pressure; only disc A wears.
 
     Juliá & Rodríguez-Tembleque (2025), Table 1, after Hegadekatte, Kurzenhäuser, Huber & Kraft,
     Tribol. Int. 41 (2008) 1020-1031. Disc A wears; its radius shrinks with the depth.
