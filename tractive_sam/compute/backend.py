@@ -23,10 +23,10 @@ class Backend(Protocol):
 
     @property
     def xp(self) -> Any:
-        """Functions of the array API standard."""
+        """Namespace of the array API functions of the library, such as `numpy`."""
 
     def to_numpy(self, array: Array) -> np.ndarray:
-        """Return an array as an array of NumPy."""
+        """Return an array of the library as an array of NumPy."""
 
     def dot(self, first: Array, second: Array) -> float:
         """Return the sum of the products of all elements of two arrays."""

@@ -9,7 +9,7 @@ from tractive_sam.compute.backend import Array, Backend
 
 
 def backend_of(array: Array) -> Backend:
-    """Return the backend to which an array belongs."""
+    """Return the backend of an array: of NumPy, or of its library by the array API standard."""
     return _host() if isinstance(array, np.ndarray) else _array_api(array.__array_namespace__())
 
 

@@ -207,7 +207,7 @@ class Worker:
         self._columns = {n: ColumnBuffer.create(shape, single) for n, shape in shapes.items()}
 
     def transform_rows(self, fields: np.ndarray) -> None:
-        """Transform the rows of this thread along y; `fields` has the shape (fields * n_x, n_y)."""
+        """Transform this thread's rows of fields (fields * n_x, n_y) along y into its spectra."""
         for a, b in self._blocks:
             buffer = self._rows[b - a]
             buffer.inputs[:, : fields.shape[1]] = fields[a:b]

@@ -75,7 +75,7 @@ class Advection:
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
 
     def previous_values(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
-        """Interpolate a field of before the step at the former places of the particles at nodes.
+        """Return a field before the step at the old positions of particles that are now at nodes.
 
         Parameters
         ----------
@@ -119,7 +119,7 @@ class Advection:
         return nodes
 
     def after(self, nodes: np.ndarray) -> np.ndarray:
-        """Interpolate a field after the step where the particles that began at the nodes are then.
+        """Return a field after the step at the new positions of particles that began at nodes.
 
         By a straight line between nodes; behind the mesh as at its end.
 

@@ -154,7 +154,7 @@ class Operators:
 
     @cached_property
     def ripple_compliance(self) -> float:
-        """Normal displacement by a unit pressure that alternates in sign between elements."""
+        """Dimensionless normal displacement by a unit pressure alternating between elements."""
         first, second = (_alternating(n) for n in self.lattice.shape)
         signs = np.outer(first, second)
         response = self.on(self.lattice.with_shape(signs.shape)).normal(signs[None])[0]

@@ -224,7 +224,7 @@ class HeatStep:
         self.temperature = memory.on_mesh(self.rise)
 
     def _carried(self, weights: np.ndarray) -> np.ndarray:
-        """Return a weighted sum of the heat fields after the step, if no heat enters during it."""
+        """Return a weighted sum of heat fields after conduction in the step, without new heat."""
         plan = transform(1, self._memory.shape[1:], self._padded)
         plan.forward(np.tensordot(weights * self._decay, self._past, 1)[None])[0] *= self._spread
         return plan.backward()[0] / np.prod(self._padded)

@@ -59,15 +59,15 @@ class Kinematics(ABC):
 
     @abstractmethod
     def tangential(self, operators: Operators) -> Convolution:
-        """Return the operator from tangential tractions to slip."""
+        """Return the operator from tangential tractions to slip (step: displacement over dx)."""
 
     @abstractmethod
     def coupled(self, operators: Operators) -> Convolution:
-        """Return the operator from pressure and tangential tractions to gap and slip."""
+        """Return the operator from pressure and tractions to gap and slip (step: displacement)."""
 
     @abstractmethod
     def self_influence(self, operators: Operators) -> Entries:
-        """Return the slip of an element due to its own traction, entries (11, 12, 22)."""
+        """Return slip (step: displacement over dx) by an element's own traction, (11, 12, 22)."""
 
     @abstractmethod
     def friction_slip(
@@ -182,7 +182,7 @@ class RollingStep(Kinematics):
         return operators.coupled_displacement
 
     def self_influence(self, operators: Operators) -> Entries:
-        """Return the displacement of an element due to its own traction, entries (11, 12, 22)."""
+        """Return the displacement over dx by an element's own traction, entries (11, 12, 22)."""
         return operators.self_displacement
 
     def friction_slip(

@@ -249,7 +249,7 @@ class FrictionSlip:
 
     @cached_property
     def _sticking_factors(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return (1/(1 + k), that times the slip by traction), k = `_stiffness`, for `sticking`."""
+        """Return (1/(1 + k), slip by traction/(1 + k)), k = `_stiffness`: factors in `sticking`."""
         factor = 1.0 / (1.0 + self._stiffness)
         return factor, factor[:, None, None] * self._slip_by_traction
 

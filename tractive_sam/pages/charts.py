@@ -17,7 +17,7 @@ HIDDEN = {"stress_max", "stress_max_at", "stress_max_error", COORDINATE}
 
 
 def charts(history: History, measured: Measurements | None = None) -> list[dict[str, Any]]:
-    """Return the charts of a history's columns over its course, as JSON data for the page.
+    """Return charts of a history's columns that change or were measured, as JSON data.
 
     Columns that neither change nor were measured are omitted: the table of numbers contains them.
     For a duty cycle a chart has the columns of the cycle and of its blocks.

@@ -98,13 +98,13 @@ def _page(history: History, measured: Measurements | None) -> str:
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
-        unused=[_unused(name) for name in set(re.findall(guarded_style, script))],
+        unused=[_empty_style(name) for name in set(re.findall(guarded_style, script))],
         data=Html(json_text),
         script=Html(parts["report.js"]),
     )
 
 
-def _unused(name: str) -> Html:
+def _empty_style(name: str) -> Html:
     """Return an empty style element with the id that plotly would otherwise add to the page."""
     return fill('<style id="$name"></style>', name=name)
 

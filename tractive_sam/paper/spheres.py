@@ -77,7 +77,7 @@ def _compare_with_hertz(contact: State) -> Statement:
 
 
 def _compare_force(contact: State, expected: float = 0.657) -> Statement:
-    """Compare Q_x/(mu P), also solved with upwind slip, with the paper's value; a statement."""
+    """Return the statement that compares Q_x/(mu P), also by upwind slip, with the paper."""
     bound = friction_of(contact.scene).mu[0] * contact.P
     force = contact.Qx / bound
     upwind = solve(contact.scene.with_set(['solver.slip="upwind"'])).Qx / bound

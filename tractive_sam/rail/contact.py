@@ -71,7 +71,7 @@ def _top(rail: Profile) -> float:
 
 
 def find_contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
-    """Return the clearance at the points of first touch, and within `window` of them.
+    """Return the clearance at local minima of the gap, least first, up to `window` above it.
 
     Parameters
     ----------

@@ -145,7 +145,7 @@ def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
 
 
 def _outward(points: Array, kind: Kind) -> Array:
-    """Return points in the standard orientation, y outward and z down."""
+    """Return points in the standard orientation: y outward, in increasing order, z down."""
     middle = np.median(points[:, 1])
     above, below = points[:, 1].max() - middle, middle - points[:, 1].min()
     down = above > below  # flange or flanks reach farther from the tread than anything else

@@ -158,7 +158,7 @@ class ContactLocus:
 def find_locus(
     wheel: Wheel, rail: Profile, positions: Sequence[float], roll: float | None = None
 ) -> ContactLocus:
-    """Return the contact locus of a wheelset over lateral positions, mm.
+    """Return the contact points, roll and radii of a wheelset at sorted lateral positions.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def find_locus(
 
 
 def _touch(placed: Wheel, rail: Profile, roll: float | None) -> tuple[float, list[Clearance]]:
-    """Return (roll in rad, contacts of [right, left] wheel); a roll of None is found."""
+    """Return (roll, rad, contacts of [right, left] wheel); roll = None frees the wheelset."""
     placed = replace(placed, roll=free_roll(placed, rail) if roll is None else roll)
     return placed.roll, [find_contact_points(side, rail) for side in (placed, placed.mirrored())]
 

@@ -50,7 +50,7 @@ class Patch:
     depth: float = 0.0
 
     def lowered(self, depth: float) -> Self:
-        """Return the patch with the wheel at a depth below its first touch, mm.
+        """Return the patch with its depth below first touch set to `depth`, mm.
 
         In the inclined plane the wheel moves not only towards the rail, but also along the plane.
         """
@@ -146,7 +146,7 @@ class Patch:
         return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
 
     def wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
-        """Return (wheel distance along the patch normal, wheel arc length) at points (x, y).
+        """Return (height of the wheel normal to the patch, its profile arc length) at (x, y), mm.
 
         By Newton's method for the point of the wheel on the normal, exact for any yaw and roll.
         """

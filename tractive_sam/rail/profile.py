@@ -51,7 +51,7 @@ class Profile:
 
     @classmethod
     def from_curve(cls, curve: Callable[[Array, int], Array], s: Array) -> Profile:
-        """Return the profile along a parametric curve, given its derivatives.
+        """Return the profile along curve(s, order): points for order 0, derivatives for order 1.
 
         Parameters
         ----------
@@ -125,7 +125,7 @@ class Profile:
         return np.asarray(s)
 
     def height(self, y: ArrayLike) -> Array:
-        """Return z at lateral positions, mm; beyond an end of the profile, z of the end."""
+        """Return z at lateral positions, mm; beyond the ends, z of the nearest end."""
         return np.asarray(self.at(self.locate(y))[..., 1])
 
     def moved(self, angle: float, shift: ArrayLike) -> Profile:

@@ -18,7 +18,7 @@ Stress = NDArray[np.float64]
 
 
 def hertz_axis_stress(z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
-    """Return the stresses on the z axis below a Hertz pressure on a circle of radius a.
+    """Return stresses (6, ...) on the z axis below a Hertz pressure on a circle of radius a.
 
     With s = z/a: sigma_zz = -p0 / (1 + s²) and
     sigma_xx = sigma_yy = -p0 ((1 + nu) (1 - s atan(1/s)) - 1 / (2 (1 + s²))).
@@ -40,7 +40,7 @@ def hertz_axis_stress(z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
 def circle_pressure_stress(
     x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float, p0: float, nu: float
 ) -> Stress:
-    """Return the stresses below the pressure p0 sqrt(1 - r²/a²) on the circle of radius a.
+    """Return stresses (6, ...) below the pressure p0 sqrt(1 - r²/a²) on the circle of radius a.
 
     Boussinesq, Love: 2 pi sigma_ij = -S_ijz + (1 - 2 nu) (A - psi_xx, psi_xx, 0, -psi_xy, 0, 0)
     with the moments of the load and A = (S_xxz + S_yyz + S_zzz) / 3.
@@ -68,7 +68,7 @@ def circle_pressure_stress(
 def circle_shear_stress(
     x: ArrayLike, y: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float
 ) -> Stress:
-    """Return the stresses below the shear q0 sqrt(1 - r²/a²) along +x on the circle of radius a.
+    """Return stresses (6, ...) below the shear q0 sqrt(1 - r²/a²) along +x on a circle.
 
     Cerruti: 2 pi sigma_ij = -S_ijx + (1 - 2 nu) (chi_xyy, P - chi_xyy, 0, -chi_xxy, 0, 0) with the
     moments of the load and P = (S_xxx + S_xyy + S_xzz) / 3. In full sliding under the pressure p0,

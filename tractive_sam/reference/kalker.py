@@ -91,7 +91,7 @@ def linear_creep_forces(
     xi_y: float = 0.0,
     spin: float = 0.0,
 ) -> CreepForces:
-    """Return the creep forces of Kalker's linear theory, for vanishing slip.
+    """Return force (N) and moment (N mm) on body A by Kalker's linear theory, without sliding.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _log_coefficients() -> CubicSpline:
 
 
 def _parabola_weights(poisson: float) -> list[float]:
-    """Return weights that interpolate between the tabulated Poisson's ratios."""
+    """Return the weights of the three tabulated Poisson's ratios in a parabola through them."""
     return [
         math.prod((poisson - ratio) / (node - ratio) for ratio in POISSON_RATIOS if ratio != node)
         for node in POISSON_RATIOS

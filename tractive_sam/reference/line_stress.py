@@ -18,7 +18,7 @@ Stress = NDArray[np.float64]
 
 
 def line_pressure_stress(x: ArrayLike, z: ArrayLike, a: float, p0: float, nu: float) -> Stress:
-    """Return the plane-strain stresses below the pressure p0 sqrt(1 - x²/a²) on a strip.
+    """Return plane-strain stresses (6, ...) below the pressure p0 sqrt(1 - x²/a²) on a strip.
 
     With (m + i n)² = a² + (z + i x)² and f = (z² + n²) / (m² + n²):
 
@@ -41,7 +41,7 @@ def line_pressure_stress(x: ArrayLike, z: ArrayLike, a: float, p0: float, nu: fl
 
 
 def line_shear_stress(x: ArrayLike, z: ArrayLike, a: float, q0: float, nu: float) -> Stress:
-    """Return the plane-strain stresses below the shear q0 sqrt(1 - x²/a²) on a strip.
+    """Return plane-strain stresses (6, ...) below the shear q0 sqrt(1 - x²/a²) on a strip.
 
     With m, n of `line_pressure_stress`: sigma_zz and sigma_xz are the sigma_xz and sigma_xx of the
     pressure q0, and sigma_xx = (q0/a) (n (2 - (z² - m²) / (m² + n²)) - 2 x).
