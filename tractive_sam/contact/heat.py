@@ -179,7 +179,7 @@ def _solve_division(
 
 
 def with_heat(model: Model, contact: State) -> State:
-    """Return a contact with its temperatures; they are computed if the scene has [heat]."""
+    """Return a contact with temperatures, computed if the scene has [heat] and they are missing."""
     if model.scene.heat is None or contact.heat is not None:
         return contact
     return replace(contact, heat=temperatures_of(model, contact))
@@ -188,7 +188,7 @@ def with_heat(model: Model, contact: State) -> State:
 def wear_conditions(
     model: Model, contact: State, depth: np.ndarray | None = None
 ) -> WearConditions:
-    """Return depth, revolution and temperature of a contact, for wear laws that depend on them."""
+    """Return depth (default: the entering one), revolution and temperature, for a wear law."""
     heat = with_heat(model, contact).heat
     temperature = None if heat is None else heat.temperature["A"]  # equal to B's in contact
     entering = contact.wear[-1] if depth is None else depth

@@ -50,7 +50,7 @@ from tractive_sam.solvers import Iterate, Problem, System, gmres, needed
 
 @dataclass(frozen=True)
 class LinearSolver:
-    """Settings of GMRES for the linear system of one column of a Jacobian.
+    """GMRES with its settings for one column of a Jacobian; nan if it does not converge.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class LinearSolver:
     rounds: int = 4
 
     def solve(self, system: System, rhs: np.ndarray) -> np.ndarray:
-        """Return the solution of a linear system; nan if GMRES does not converge."""
+        """Return the solution of a linear system; nan if GMRES is far from convergence."""
         size = np.linalg.norm(rhs)
         vector, residual, missed = np.zeros_like(rhs), rhs, size
         for _ in range(self.rounds):
@@ -160,7 +160,7 @@ class _Systems:
 
     @cached_property
     def tangential(self) -> "_Linearised":
-        """Linearised problem whose unknowns are the tractions; all fields for dissimilar bodies."""
+        """Linearised problem for the tractions at fixed pressure; of dissimilar bodies for both."""
         if self.model.elasticity.coupled:
             return self.all_fields
         pressure = needed(dimensionless_start(self.model, self.contact).pressure, "start.pressure")

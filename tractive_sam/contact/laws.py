@@ -105,7 +105,7 @@ class Laws:
 
     @classmethod
     def of_package(cls, scene: Scene) -> "Laws":
-        """Return the laws of a scene that this package defines, without importing others.
+        """Return the laws of a scene that this package defines, in place of others None.
 
         In place of a law of another package there is none, or homogeneous bodies.
         """
@@ -149,7 +149,7 @@ class Laws:
         return Laws.of(block).replace(**replaced)
 
     def differences_from(self, scene: Scene) -> dict[str, LawRecord]:
-        """Return records of the laws that differ from those of a scene, by attribute.
+        """Return records, by attribute, of laws that this package does not make from the scene.
 
         They replaced laws of the scene, or the scene names laws of other packages.
         """
@@ -192,7 +192,7 @@ def _named_elasticity(scene: Scene) -> Elasticity | None:
 
 
 def _named_friction(scene: Scene) -> FrictionLaw | None:
-    """Return the friction law of another package that a scene names; else None.
+    """Return the friction law of another package that a scene names, or None; check its frame.
 
     Raises
     ------
@@ -244,7 +244,7 @@ _NAMED = {
 
 
 def _friction(scene: Scene) -> Coulomb | None:
-    """Return the friction law of this package, or None if the scene has another law or none."""
+    """Return the friction law of a scene; None if it has none or one of another package."""
     table = scene.friction
     if table is None or table.named_law:
         return None
@@ -267,7 +267,7 @@ def _friction(scene: Scene) -> Coulomb | None:
 
 
 def _wear(scene: Scene) -> WearLaw | None:
-    """Return the wear law of this package that the scene names, or None."""
+    """Return the wear law of a scene; None if it has none or one of another package."""
     table = scene.wear
     if table is None or table.named_law:
         return None

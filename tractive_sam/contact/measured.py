@@ -25,7 +25,7 @@ def gap_across(measured: Gap, grid: Grid) -> np.ndarray:
 
 
 def lowest_separation(
-    measured: Gap, grid: Grid, taken: np.ndarray, radii: tuple[float, float]
+    measured: Gap, grid: Grid, resampled: np.ndarray, radii: tuple[float, float]
 ) -> float:
     """Return the least sum of the gap of radii and the measured gap, also between samples, mm.
 
@@ -38,12 +38,12 @@ def lowest_separation(
         The measured separation.
     grid : Grid
         The mesh.
-    taken : ndarray, shape (n_x, n_y)
-        The gap as it is `resample` there, mm.
+    resampled : ndarray, shape (n_x, n_y)
+        The gap at the elements, from `resample`, mm.
     radii : tuple of float
         R_x and R_y of both bodies together, mm.
     """
-    starts = _part_on_mesh(measured, grid), (grid.x, grid.y, taken)
+    starts = _part_on_mesh(measured, grid), (grid.x, grid.y, resampled)
     return min(_lowest_around(measured, grid, radii, start) for start in starts)
 
 
@@ -110,7 +110,7 @@ def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
 
 
 def standing_roughness(measured: Gap, grid: Grid) -> float:
-    """Return the rms roughness along x after subtraction of the form, mm; 0 if only rounding."""
+    """Return the rms height along x about a fitted polynomial, mm; 0 if negligible."""
     # Degree of the polynomial in x that is taken for the form of a body, which stays as it turns.
     degree = 4
     x, _, separation = _part_on_mesh(measured, grid)

@@ -138,7 +138,7 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
 def _line_extent(
     scene: Scene, measured: Gap | None, length: tuple[float, ...] | None, finer: float
 ) -> tuple[tuple[float, ...], int]:
-    """Return half length and number of elements of a line contact; a given `length` is retained."""
+    """Return (half_length,) and the elements of a line contact; a set `length` is retained."""
     # Elements across a line contact; they cost next to nothing.
     across_line = 512
     if scene.hertz is None:  # flat bodies with a profile along x

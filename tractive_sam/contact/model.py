@@ -370,7 +370,7 @@ class Model:
         return Problem(normal, self.scaled_rigid_slip, friction, self.forces, wear, kinematics)
 
     def creepages(self, computed: np.ndarray | None) -> tuple[float, float, float]:
-        """Return (xi_x, xi_y, spin), with the `computed` creepages if forces are prescribed."""
+        """Return (xi_x, xi_y, spin), with scaled `computed` ones where forces are prescribed."""
         longitudinal, lateral, spin = self._motion
         values = [longitudinal, lateral]
         if computed is not None:

@@ -28,7 +28,7 @@ from tractive_sam.schema import required
 
 @dataclass(frozen=True)
 class UnresolvedPart:
-    """Rms height and slope of the part of a map, along one axis, that a mesh does not resolve.
+    """Samples of a map per element, and the rms height and slope that the mesh does not resolve.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Roughness:
     def _along(
         self, axis: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
     ) -> UnresolvedPart:
-        """Return rms height and slope, along the first axis, that points `at` do not resolve."""
+        """Return rms height and slope along the first axis that points `at` miss; 0 if few."""
         samples = side * samples_per_length(axis)
         if self.travels if travels is None else travels:
             at = np.arange(axis[0], axis[-1] + side, side)

@@ -30,7 +30,7 @@ def equilibrium(
     tolerance: float | None = None,
     check_resolution: bool = True,
 ) -> State:
-    """Solve the steady rolling contact of a model, for the largest patch of a wheel.
+    """Solve steady rolling of a model, of a wheel its largest patch; return it, converged or not.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def solve_patches(
 def solve_patches_on_fitted_mesh(
     model: Model, start: State | None = None, load_tolerance: float = 1e-6
 ) -> tuple[Model, tuple[State, ...]]:
-    """Solve all patches of a wheel on a mesh that is enlarged until it contains them.
+    """Solve all patches of a wheel on a mesh enlarged to contain them; return model and contacts.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def _equilibrium(
 
 
 def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
-    """Solve the contact of each block before rolling, on a mesh enlarged until it contains them.
+    """Solve each block's contact before rolling, on a mesh that contains all; return both.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]
 
 
 def solve_on_fitted_mesh(model: Model) -> tuple[Model, State]:
-    """Solve the only contact of a model on a mesh that is enlarged until it contains it."""
+    """Solve a model's only contact on a mesh enlarged to contain it; return model and contact."""
     model, (contact,) = solve_blocks_on_fitted_mesh(model)
     return model, contact
 

@@ -78,7 +78,7 @@ class Stepper:
         earlier: StepResult | None = None,
         ratio: float = 0.0,
     ) -> StepResult:
-        """Solve one time step, and return its contact, work and wear.
+        """Solve one time step; return its contact, converged or not, with its work and wear.
 
         Parameters
         ----------
@@ -184,7 +184,7 @@ class Stepper:
         return replace(result, contact=contact)
 
     def _law(self, before: StepResult, inputs: StepInput, advection: Advection) -> FrictionLaw:
-        """Return the friction law of a step, with the past friction of its particles.
+        """Return the friction law of a step, with past friction if it falls; raise for a shift.
 
         Raises
         ------
@@ -290,7 +290,7 @@ class Stepper:
         earlier: StepResult | None,
         ratio: float,
     ) -> Start:
-        """Return the initial guess of a step, extrapolated linearly from the two steps before."""
+        """Return the initial guess of a step: extrapolated from two steps, or the last step."""
         model, units = self.model, self.model.units
         first, share = (before, 0.0) if earlier is None else (earlier, ratio)
 
@@ -372,7 +372,7 @@ class Stepper:
     def _particles(
         self, before: StepResult, inputs: StepInput, result: StepResult, motion: ParticleMotion
     ) -> tuple[Particles, ...]:
-        """Return groups of particles with the tractions and motion that do the work of a step."""
+        """Return particles that do the work of a step: one mean group, or two, before and after."""
         advection, curved, past = motion.advection, motion.curved, before.contact
         columns, fields = self.model.grid.elements[0], self.model.scaled_fields(past)
         change = result.displacement[:, :columns] - motion.displacement

@@ -94,7 +94,7 @@ class StepResult:
     deep: float = 0.0
 
     def on(self, grid: Grid) -> "StepResult":
-        """Return the result on a wider mesh of equal elements; the gap outside is not yet known.
+        """Return the result on a wider mesh: depths continue behind, displacement is empty.
 
         Behind the former mesh the depths equal the depth at its end.
         """
@@ -105,7 +105,7 @@ class StepResult:
         return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":
-        """Return the part of this step after `earlier`, a shorter step from the same state."""
+        """Return this step less the work, distance and wear of `earlier`, a shorter step."""
         if earlier is None:
             return self
         return replace(

@@ -75,7 +75,7 @@ class StepWear:
         return replace(result, contact=contact, worn=worn, gained=gained, deep=deep)
 
     def _with_last_traction(self, result: StepResult, particles: Particles) -> Particles:
-        """Return the particles of a shift, their traction scaled from its end to their pressure.
+        """Return particles with the last traction of the shift, scaled to the pressure of each.
 
         They slip with that traction. If it turned in the shift, the mean traction does not oppose
         the slip.
@@ -101,7 +101,7 @@ class StepWear:
         return distance * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
 
     def _relative_depth(self, pressure: np.ndarray, gained: np.ndarray) -> float:
-        """Return the depth worn in a step over the largest stable depth; ripples grow above 1.
+        """Return the largest ratio of a step's wear to its stable limit; ripples grow above 1.
 
         The gap of a step contains the wear w' = 2 w_1 - w_2 that is extrapolated from one (w_1) and
         two (w_2) steps before. Pressure responds to a ripple of it by its stiffness. The mean

@@ -92,7 +92,7 @@ class StepWork:
         return self._slip * float((fields[-2:] * moved[-2:]).sum())
 
     def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
-        """Return the work of the pressure on normal displacements, N mm; 0 without pressure."""
+        """Return the work of the pressure, N mm; 0 if `fields` are tractions only."""
         return self._gap * float((fields[:-2] * moved[:-2]).sum())
 
     def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:

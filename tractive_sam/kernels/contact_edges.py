@@ -30,7 +30,7 @@ def edge_place(here, before):
 
 @compiled
 def find_ends(pressure, out):
-    """Set `out` to the distances of edges beyond elements, towards larger first indices; else nan.
+    """Set `out` to how far contact reaches beyond each last element along i; elsewhere to nan.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def find_ends(pressure, out):
 
 @compiled
 def find_extent(pressure):
-    """Return the coordinates of the first and last contact edge along the first axis, in elements.
+    """Return first and last contact edge along the first axis, in elements; (inf, -inf) if none.
 
     Without contact the first place is larger than the last.
 
@@ -74,7 +74,7 @@ def find_extent(pressure):
 
 @compiled(inner=True)
 def _side(pressure, i, j, di, dj):
-    """Return the length in contact of the side between two neighbouring element centres, 0 to 1.
+    """Return how far contact reaches between two element centres, 0 to 1; 0 if both or none touch.
 
     In lengths of the side, from its corner in contact; 0 if both corners are in contact or none.
     The elements before and behind the side exist.

@@ -41,7 +41,7 @@ def evaluate_plane(path, normal, sum_k, product_k, room, enough=-math.inf):
 
 @compiled(inner=True)
 def _stress_factors(look, normal):
-    """Set `look` to the factors of stress components in normal and shear stresses on a plane."""
+    """Set `look` (6, 6) to factors for stresses nn, en, fn, ee, ef, ff on a plane of normal n."""
     n = normal[0], normal[1], normal[2]
     e, f = _perpendicular_axes(n)
     for k, (u, v) in enumerate(((n, n), (e, n), (f, n), (e, e), (e, f), (f, f))):
@@ -154,7 +154,7 @@ def _first_cells():
 
 @compiled(inner=True)
 def _cell_normal(normal, cell):
-    """Set the normal at the middle of a cell; return the squared angle to its farthest corner.
+    """Set the normal at the middle of a cell; return a bound of the squared angle to its corners.
 
     Across a face of the cube normals are (1, tan u, tan v): the sides of a cell are great circles,
     so no point is farther than a corner, and of these it is one on the longer diagonal.

@@ -25,7 +25,7 @@ PARITY = {
 def displacement_quadrant(
     offsets: tuple[int, int], dx: float, dy: float, depth: float, poisson: float
 ) -> dict[str, np.ndarray]:
-    """Return the displacements times the shear modulus due to a unit traction on a rectangle.
+    """Return the displacements at a depth, times shear modulus, by unit tractions on a rectangle.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def displacement_quadrant(
 def _antiderivatives(
     x: np.ndarray, y: np.ndarray, z: float, poisson: float
 ) -> dict[str, np.ndarray]:
-    """Return the antiderivatives of the displacement components at corners (x, y), not 0."""
+    """Return the antiderivative of each displacement component by name, at corners x, y != 0."""
     m, R = 1.0 - 2.0 * poisson, np.sqrt(x**2 + y**2 + z**2)
     log_x, log_y = _log_sum(x, R, y, z), _log_sum(y, R, x, z)  # ln(R + x), ln(R + y)
     solid_angle = np.arctan2(x * y, z * R)

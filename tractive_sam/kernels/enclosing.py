@@ -68,7 +68,7 @@ def enclosing_ball(centre, support, weights, points, squares, begun=0):
 
 @compiled(inner=True)
 def _squared_distance(points, i, j):
-    """Return the squared distance of points i and j."""
+    """Return the squared distance between the points in columns i and j of `points`."""
     square = 0.0
     for k in range(len(points)):
         square += (points[k, i] - points[k, j]) ** 2
@@ -144,7 +144,7 @@ def _move_weights(weights, target, count, dependent):
 
 @compiled(inner=True)
 def _equidistant_weights(target, support, count, points, matrix, right):
-    """Set weights of the point equally far from all support points; return if they are dependent.
+    """Set `target` to weights of the circumcentre, or, returning True, to a change if dependent.
 
     Return True if the last point lies in the space of the others. The weights are then set to the
     change of all weights that leaves the mean unchanged, with 1 for the last point.
@@ -194,7 +194,7 @@ def _back_substitute(out, matrix, right, count):
 
 @compiled
 def enclosing_circle(support, weights, points, squares, enough=0.0):
-    """Find the smallest circle around points in a plane; return support size and squared radius.
+    """Find the smallest circle, or one not above `enough`; return support size and squared radius.
 
     Two points hold it, or three that make an acute triangle: the farthest point outside replaces
     one of them (Elzinga & Hearn, Transp. Sci. 6 (1972) 379). The search begins with the first two
@@ -247,7 +247,7 @@ def _replaced_point(support, points, centre, far):
 
 @compiled(inner=True)
 def _centre_of_three(support, weights, points):
-    """Set weights of the centre of the smallest circle of three points; return its support."""
+    """Set weights and support of the smallest circle of three points; return 2 or 3 points."""
     for j in range(3):
         a, b, c = support[j], support[(j + 1) % 3], support[(j + 2) % 3]
         bx, by = points[0, b] - points[0, a], points[1, b] - points[1, a]

@@ -19,7 +19,7 @@ OPEN, STICK, SLIP = 0, 1, 2
 
 @compiled(inner=True)
 def _onto_disc(a, b, g, w0, w1):
-    """Return the point z of a disc of radius g nearest to (a, b), and l in (1 + l w) z = (a, b).
+    """Return (z0, z1, l): z, the point of a disc of radius g nearest to (a, b) = (1 + l w) z.
 
     Squares of distances are weighted by 1/w. If w are the squares of the scale factors, z is the
     nearest point of the ellipse that the disc is in unscaled tractions (`Frame`). The root l of |z|
@@ -92,7 +92,7 @@ def _centre_slip(slip, contact, i, ahead, m0, m1):
 
 @compiled
 def centre(slip, contact, out, ahead=1.0):
-    """Set `out` to the slip at the centres of elements in contact, from the slip of leading faces.
+    """Set `out` to the slip at centres in contact, from leading faces; elsewhere copy `slip`.
 
     The faces lie `ahead` / 2 elements before the centres.
     """
@@ -108,7 +108,7 @@ def centre(slip, contact, out, ahead=1.0):
 
 @compiled
 def add_leading_response(slip, traction, rows, columns, factor, answer):
-    """Multiply the slip of leading elements by a factor, and add their response to the tractions.
+    """Set the slip of leading elements to factor * slip + answer . traction, in place.
 
     Parameters
     ----------
@@ -159,8 +159,8 @@ def change_of_bound(by_share, by_slip, retained, slip, out):
 
 
 @compiled(inner=True)
-def _share(a0, a1, m0, m1):
-    """Return the centre's share in the opposed direction, 2 a.m/(a² + m²), and a² + m²."""
+def _centre_weight(a0, a1, m0, m1):
+    """Return the centre's weight 2 g - 1/2 in [0, 1], g = 2 a.m/(a² + m²), and a² + m²."""
     square = a0 * a0 + a1 * a1 + m0 * m0 + m1 * m1
     nonzero = square >= 1e-200
     square = square if nonzero else 1.0
@@ -170,8 +170,8 @@ def _share(a0, a1, m0, m1):
 
 @compiled(inner=True)
 def _turn_slip(a0, a1, m0, m1):
-    """Return the slip (s0, s1) that traction opposes, and the factor by which it was scaled."""
-    share, _, _ = _share(a0, a1, m0, m1)
+    """Return (s0, s1, factor): the slip that traction opposes, (a0, a1) turned towards (m0, m1)."""
+    share, _, _ = _centre_weight(a0, a1, m0, m1)
     d0, d1 = a0 + share * (m0 - a0), a1 + share * (m1 - a1)
     square = d0 * d0 + d1 * d1
     turns = share > 0.0 and square >= 1e-200
@@ -212,7 +212,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
     a0, a1 = slip[0, i, j], slip[1, i, j]
     share, agreement, square, grown = 0.0, 0.0, 1.0, 0.0
     if staggered:
-        share, agreement, square = _share(a0, a1, m0, m1)
+        share, agreement, square = _centre_weight(a0, a1, m0, m1)
         size = sqrt(a0 * a0 + a1 * a1)
         if share > 0.0 and size > 1e-100:
             # d(s) = |s| d(u), u = d/|d|: only what of a change of d is across u turns s. Its part
@@ -235,7 +235,7 @@ def _respond(slip, m0, m1, staggered, s0, s1, ratio, t0, t1, i, j, across):
 
 @compiled(inner=True)
 def _set_sticking(direction, kappa, across, i, j):
-    """Set the factors of an element that does not slip.
+    """Set `kappa` to 1, and `direction` and `across` to 0, in an element that does not slip.
 
     `tangent_row` multiplies by all of them: numbers that happen to be in memory may be denormal,
     which takes four times as long.

@@ -11,7 +11,7 @@ from tractive_sam.kernels.friction import OPEN, SLIP, STICK
 
 @compiled
 def prepare_sweep(state, direction, kappa, stiffness, D, share, elastic, local):
-    """Set the factors of the upwind-sweep preconditioner (`divide_rows`, `sweep_upwind`).
+    """Set `share`, `elastic` and `local`, the row factors of the upwind-sweep preconditioner.
 
     A local term gamma competes with the elastic one, of the size of the element's slip of itself,
     d = t.D t: of leading elements half the bound w (``stiffness``) on their response to the opening
@@ -46,7 +46,7 @@ def prepare_sweep(state, direction, kappa, stiffness, D, share, elastic, local):
 
 @compiled
 def divide_rows(state, direction, share, D, row, smooth):
-    """Set the part of a residual that the circulant inverse takes, ``smooth`` (`prepare_sweep`).
+    """Set `smooth` to share times row; for slip elements to D t times the part along t.
 
     The row of an element that slips is one number, D one of 2 x 2: as a vector the row goes along
     D t, what a traction along t makes of slip. Along t itself its part in the weaker direction of
@@ -105,7 +105,7 @@ def sweep_upwind(state, direction, elastic, local, D, row, smooth, out):
 def prepare_step(
     state, direction, kappa, across, contact, stiffness, D, ahead, rough, share, behind, front, up
 ):
-    """Set the factors of the approximate inverse for a time step (`share_out`, `gather`).
+    """Set `rough`, `share`, `behind`, `front` and `up`, factors of the inverse for a time step.
 
     As in `prepare_sweep`, for rows in the displacement itself. A local term gamma competes with d,
     the displacement of an element under its own traction. An approximate inverse of A + gamma is
@@ -171,7 +171,7 @@ def prepare_step(
 
 @compiled
 def share_out(state, direction, kappa, stiffness, share, behind, front, up, row, along, smooth):
-    """Set `smooth` to the part of a residual of a time step that the circulant inverse solves.
+    """Set `smooth`, which the circulant inverse takes of a residual, and `along`, rows of slip.
 
     ``smooth`` is set to the part of the circulant inverse, and ``along`` to the rows over kappa,
     of elements that slip along t and as slip of the leading faces (`prepare_step`).
@@ -209,7 +209,7 @@ def share_out(state, direction, kappa, stiffness, share, behind, front, up, row,
 
 @compiled
 def gather(state, direction, share, rough, row, smooth, out):
-    """Set `out` to the solution for a time step: the smooth part combined with local terms.
+    """Set `out` to share smooth + rough row if stuck, and along t if slipping; the rest to `row`.
 
     The part along its direction, and all of an open one, is what ``row`` says.
     """

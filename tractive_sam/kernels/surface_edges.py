@@ -181,7 +181,7 @@ def _smooth(stress, pressure, i, j, nu, dx, dy):
 
 @compiled(inner=True)
 def _steps_to_stick(kinds, i, j, a, b):
-    """Return the number of steps along (a, b) from a slipping to a sticking corner; 0 if none."""
+    """Return the steps along (a, b) from a slipping corner to two sticking ones; 0 if not found."""
     for step in range(1, WIDEST + 1):
         kind = kinds[i + step * a, j + step * b]
         if kind == SLIPS:
@@ -193,7 +193,7 @@ def _steps_to_stick(kinds, i, j, a, b):
 
 @compiled(inner=True)
 def _set_at_border(out, stress, i, j, a, b, apart):
-    """Set stresses (6, bodies) midway between a slipping and a sticking corner, extrapolated."""
+    """Set stresses midway between slip and stick: xx, yy, xy from stick, others from slip."""
     for component in range(6):
         if component in (0, 1, 3):
             k, h, m, n = i + apart * a, j + apart * b, a, b

@@ -19,7 +19,7 @@ _STENCIL = np.concatenate((np.zeros((1, 3)), _AXES, -_AXES, 1.0 - _AXES, _AXES -
 
 @compiled
 def find_tops(values, above, below):
-    """Return the local maxima of fields in a layer, with positions between points, shape (n, 5).
+    """Return local maxima of fields, (n, 5): field, value, i, j and position between layers.
 
     Layers cover one rectangle, each by equal steps in x and in y.
 
@@ -184,7 +184,7 @@ def _follows(at, values, of, fates, m):
 
 @compiled(inner=True)
 def _step(at, v, floor):
-    """Move a point to the maximum of a quadratic through stencil values; return the gain."""
+    """Move a point by a limited Newton step uphill, not above depth `floor`; return its gain."""
     # Longest step of a way over the depth.
     longest = 0.5
     step, gradient, hessian = np.empty(3), np.empty(3), np.empty((3, 3))

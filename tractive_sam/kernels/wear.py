@@ -7,7 +7,7 @@ from tractive_sam.kernels.compiled import compiled
 
 @compiled
 def sweep_wear(entering, rate, dx):
-    """Return the wear depth (n_x, n_y), mm: the rate integrated from the leading edge (paper).
+    """Return the depth (n_x, n_y), mm: entering depth plus rate summed from the leading edge.
 
     Paper, eq. (32): w_I = w_entering + sum of rate_J dx over J from I up to the leading edge.
 

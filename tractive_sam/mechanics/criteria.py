@@ -10,7 +10,7 @@ from tractive_sam.mechanics.law import Law
 
 
 class Criterion(Law, ABC):
-    """Base class of criteria for a state of stress and for a stress cycle."""
+    """Base class of criteria for stresses or cycles; a subclass adds name, symbol, long name."""
 
     name: str
     symbol: str
@@ -64,7 +64,7 @@ class StressCriterion(Criterion):
 
 
 class CycleCriterion(Criterion):
-    """Criterion of a stress cycle: an equivalent amplitude, compared with a limit of the material.
+    """Base class of criteria of a cycle: an equivalent amplitude, compared with a fatigue limit.
 
     Attributes
     ----------

@@ -23,7 +23,7 @@ COMPONENTS = ("xx", "xy", "yy", "zz", "xz", "yz")
 
 @renamed_attributes(alone="single_body")
 class Elasticity(Law, ABC):
-    """Base class of the elastic response of both bodies; a subclass defines `coefficients`.
+    """Base class of elastic bodies: a subclass adds `coefficients`, and the stress if it knows it.
 
     Examples
     --------
@@ -40,7 +40,7 @@ class Elasticity(Law, ABC):
 
     @property
     def coupled(self) -> bool:
-        """Whether pressure causes tangential displacement, and traction normal displacement.
+        """Whether pressure causes tangential and traction normal displacement; default False.
 
         The default is False: "xz" and "yz" of `coefficients` are not used.
         """
@@ -134,7 +134,7 @@ class Elasticity(Law, ABC):
         return self
 
     def single_body(self, body: str) -> "Elasticity":
-        """Return the elasticity of one body, "A" or "B", against a rigid one, for the stress in it.
+        """Return the elasticity of body "A" or "B" against a rigid one; default: ValueError.
 
         Raises
         ------
@@ -152,7 +152,7 @@ class HalfSpaces(Elasticity):
     """Elasticity of two isotropic half-spaces.
 
     A subclass with other `coefficients` is not homogeneous: the stress in its bodies is known only
-    if it defines `alone` as well.
+    if it defines `single_body` as well.
 
     Juliá & Rodríguez-Tembleque (2025), eqs. (43) and (45); the signs of the coupling terms belong
     to a z-axis that points into body A.

@@ -26,7 +26,7 @@ from tractive_sam.mechanics.friction import Bound, Coulomb, PreviousShare, Slope
 
 
 class SlidingShare(ABC):
-    """Friction coefficient over its value at rest, as a function of the sliding speed.
+    """Base class of mu(speed)/mu(0); a subclass adds `at`, with the derivative, and `least`.
 
     Examples
     --------
@@ -129,13 +129,13 @@ class ConstantShare(SlidingShare):
 
     @property
     def least(self) -> float:
-        """Limit of the share at high speed (`SlidingShare.least`)."""
+        """Limit of mu(speed)/mu(0) at high speed: 1 (`SlidingShare.least`)."""
         return 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class TemperatureFactor:
-    """Factor on the friction coefficients due to the surface temperature of each element.
+    """Factor on friction due to the surface temperature, by element, and of entering material.
 
     Attributes
     ----------
@@ -266,14 +266,14 @@ class FallingCoulomb(Coulomb):
         return replace(self, speed=ratio * self.speed)
 
     def weakened(self, factor: float) -> "FallingCoulomb":
-        """Return the law with its friction coefficients multiplied by a factor.
+        """Return the law with its friction coefficients, not its strength, times a factor.
 
         The factor does not apply to the strength.
         """
         return self if factor == 1.0 else FallingCoulombInStep(**vars(self), factor=factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulomb":
-        """Return the law for a step of a transient, with a memory of the friction before it.
+        """Return the law with past friction if it has a memory, else this law; raise if strength.
 
         Raises
         ------
@@ -332,7 +332,7 @@ class FallingCoulomb(Coulomb):
         return replace(bound, slope=Slope(by_share, by_slip, retained, by_factor))
 
     def by_mu(self, bound: Bound, change: np.ndarray) -> np.ndarray:
-        """Return the derivative of the scaled bound (n_x, n_y) along a change of mu1 and mu2.
+        """Return the derivative of the scaled bound by a change of mu; 0 unless strength caps it.
 
         Pressure and slip are constant.
 
@@ -402,7 +402,7 @@ class FallingCoulomb(Coulomb):
     def _retained_share(
         self, size: np.ndarray, distance: float, second: bool
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the part of mu/mu(0) retained over a rolling distance, mm, and its derivative."""
+        """Return the fraction of mu/mu(0) retained over a distance, mm, and its slip derivative."""
         time = distance / self.speed
         slides = self.speed * size > self.background
         slid = time * np.maximum(self.speed * size, self.background) / self.memory
@@ -442,7 +442,7 @@ class FallingCoulombInStep(FallingCoulomb):
     past: PreviousShare | None = None
 
     def weakened(self, factor: float) -> "FallingCoulombInStep":
-        """Return the law with its friction coefficients multiplied by a factor."""
+        """Return the law with its friction coefficients, not its strength, times a factor."""
         return replace(self, factor=factor * self.factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulombInStep":

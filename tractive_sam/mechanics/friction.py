@@ -82,7 +82,7 @@ class Slope(ShortArrays):
     by_temperature_factor: np.ndarray | None = None
 
     def change(self, slip: np.ndarray) -> np.ndarray:
-        """Return the change of the friction bound for a change of the slip at centres."""
+        """Return the change of the bound by that of slip at centres, with memory along x."""
         out = np.empty_like(self.by_share)
         friction.change_of_bound(self.by_share, self.by_slip, self.kept, slip, out)
         return out
@@ -144,7 +144,7 @@ class FrictionLaw(Law, ABC):
 
     @abstractmethod
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
-        """Return the traction bound: the radius of the disc that contains the scaled traction.
+        """Return the bound of the scaled traction, the radius of a disc, and its slope by pressure.
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ class FrictionLaw(Law, ABC):
 
     @staticmethod
     def slip_at_centres(slip: np.ndarray, contact: np.ndarray, staggered: float) -> np.ndarray:
-        """Return the slip at element centres from that of leading faces; see `opposed_slip`."""
+        """Return slip at element centres from leading faces; unchanged if `staggered` is 0."""
         if not staggered:
             return slip
         out = np.empty_like(slip)
@@ -597,5 +597,5 @@ class SlipDependence:
     staggered: float
 
     def change(self, slip: np.ndarray, contact: np.ndarray) -> np.ndarray:
-        """Return the change of the friction bound for a change of the slip of leading faces."""
+        """Return the change of the bound by that of slip at leading faces, with memory along x."""
         return self.slope.change(FrictionLaw.slip_at_centres(slip, contact, self.staggered))

@@ -40,7 +40,7 @@ class FrictionOnMesh:
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, contact: np.ndarray, staggered: float
     ) -> Bound:
-        """Return the traction bound under the scaled slip of the leading faces, dimensionless."""
+        """Return the bound and slope under scaled slip of leading faces, dimensionless."""
         frame = self.law.frame
         centred = self.law.slip_at_centres(slip, contact, staggered)
         bound = self.law.bound_sliding(

@@ -37,7 +37,7 @@ class InterfacialLayer(Elasticity):
 
     @property
     def coupled(self) -> bool:
-        """Whether pressure causes tangential displacement, and traction normal displacement.
+        """Whether pressure moves the bodies tangentially; the layer does not change it.
 
         The answer is the one for the bodies: the layer does not change it.
         """
@@ -64,18 +64,18 @@ class InterfacialLayer(Elasticity):
         return table
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return the scale of gaps over the scale of pressures, mm/MPa, of the bodies.
+        """Return the unit of gap over that of pressure, mm/MPa, of the bodies without layer.
 
         Parameters as in `Elasticity.gap_per_pressure`.
         """
         return self.bodies.gap_per_pressure(length, dx, dy)
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """Return the scale of slips over the scale of tractions, 1/MPa, with that of the layer."""
+        """Return the unit of slip over that of traction, 1/MPa: bodies plus compliance/dx."""
         return self.bodies.slip_per_traction(dx, dy) + self.compliance / dx
 
     def opening(self, normal: np.ndarray, dx: float, dy: float) -> np.ndarray:
-        """Return the displacement by traction over that by pressure, just ahead of a contact edge.
+        """Return displacement by traction over that by pressure ahead of an edge; no layer.
 
         There is no layer outside the contact.
 

@@ -131,7 +131,7 @@ class SpectralHalfSpaces(HalfSpaces):
 def _waves(
     count: int, side: float, length: float, height: float, odd: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return wave numbers along an axis, 1/mm, and the displacement at the offsets by each of them.
+    """Return wave numbers (m,), 1/mm, and weighted cosines (sines if odd) at offsets, (count, m).
 
     The shortest wave has exp(-k length) = 1e-8, or a length of an eighth of an element: the mean
     over an element of shorter waves is negligible. The period of the quadrature is at least 32

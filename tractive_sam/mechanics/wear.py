@@ -40,7 +40,7 @@ class WearConditions(ShortArrays):
 
 
 class WearLaw(Law, ABC):
-    """Base class of wear laws: the depth that a contact wears in one pass.
+    """Base class of wear laws: a subclass defines `rate`, the worn depth per rolling distance.
 
     Examples
     --------
@@ -78,7 +78,7 @@ class WearLaw(Law, ABC):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the wear depth (2, n_y), or None if the scene gives them.
+        """Return shares of A and B in the wear of each row (2, n_y); default None: the scene's.
 
         Parameters as in `rate`. None, the default: the shares of the scene, from hardness or
         coefficients, hold everywhere.
@@ -126,7 +126,7 @@ class WearLaw(Law, ABC):
         return self
 
     def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
-        """Return a text if conditions exceed the experiments behind the coefficients; else ""."""
+        """Return a text if conditions exceed those of the experiments; by default always ""."""
         return ""
 
     def depth(
@@ -153,7 +153,7 @@ class WearLaw(Law, ABC):
 
 @dataclass(frozen=True)
 class Archard(WearLaw):
-    """Archard's law: depth per sliding distance p_n |s|_i, from pressure and slip (paper, eq. 16).
+    """Archard's law: depth per rolling distance is pressure times slip weighted by intensities.
 
     Parameters
     ----------
@@ -192,14 +192,14 @@ class TemperatureScaledWear(WearLaw):
     factor: np.ndarray
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the wear depth per rolling distance of both bodies together, dimensionless.
+        """Return the law's wear depth per rolling distance times the factor, dimensionless.
 
         Parameters as in `WearLaw.rate`.
         """
         return self.factor * self.law.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
+        """Return the factor times the law's derivative of the wear rate by the pressure, 1/MPa.
 
         Parameters as in `WearLaw.per_load`.
         """
@@ -208,7 +208,7 @@ class TemperatureScaledWear(WearLaw):
     def shares(
         self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray
     ) -> np.ndarray | None:
-        """Return the shares of A and B in the wear depth (2, n_y), or None, from the scaled law.
+        """Return the shares of A and B in wear (2, n_y), or None, of the law without factor.
 
         Parameters as in `WearLaw.shares`.
         """

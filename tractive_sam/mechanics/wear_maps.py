@@ -52,7 +52,7 @@ class TGammaPerArea(WearLaw):
         return per_mass * self.regimes.at(mean) / mean * work if mean else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of wear rate by pressure, T-gamma of the contact constant, 1/MPa.
 
         At constant load T-gamma of the contact hardly changes.
 
@@ -113,7 +113,7 @@ class TGammaTotal(WearLaw):
         return self.per_section * self.regimes.at(total) / total * work if total else work
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
+        """Return rate/pressure, the derivative at constant T-gamma, 1/MPa; 0 outside contact.
 
         At constant load T-gamma of the contact hardly changes.
 
@@ -162,7 +162,7 @@ class WearMap(WearLaw):
         return k * unit.rate(pressure, traction, slip)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
+        """Return rate/pressure, the derivative in unchanged regimes, 1/MPa; 0 outside contact.
 
         The regime of each element is assumed not to change.
 
@@ -178,7 +178,7 @@ class WearMap(WearLaw):
 
 @dataclass(frozen=True)
 class PerBody(WearLaw):
-    """Wear law that consists of a separate law for each body.
+    """Wear law made of a separate law for each body; a body without a law does not wear.
 
     Parameters
     ----------
@@ -217,14 +217,14 @@ class PerBody(WearLaw):
         return self._of_bodies("rate", pressure, traction, slip).sum(axis=0)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
+        """Return the derivative of the wear rate by the pressure, the sum over both bodies, 1/MPa.
 
         Parameters as in `WearLaw.per_load`.
         """
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the shares of A and B in the wear depth of each row, shape (2, n_y).
+        """Return shares of A and B in the wear of each row (2, n_y), of the contact if 0.
 
         Rows without wear have the shares of the contact.
 
@@ -244,7 +244,7 @@ class PerBody(WearLaw):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """Return the wear depth of each body per rolling distance, shape (2, n_x, n_y).
+        """Return each body's depth per rolling distance by its law, (2, n_x, n_y); not by `share`.
 
         Each body has its law; `share` is not used.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Regimes:
-    """A wear rate that is a piecewise linear function of the frictional work.
+    """A wear rate, piecewise linear in the frictional work; a call returns rates and slopes.
 
     Attributes
     ----------
