@@ -57,7 +57,7 @@ def divide_heat(
     before: Mapping[str, np.ndarray | float],
     time: float = np.inf,
 ) -> FlashTemperature:
-    """Divide frictional heat between the bodies so that both are equally warm where they touch.
+    """Return surface temperatures, with heat divided so that bodies are equally warm in contact.
 
     Parameters
     ----------

@@ -183,7 +183,7 @@ def _with_layer(bodies: Elasticity, scene: Scene) -> Elasticity:
 
 
 def _named_elasticity(scene: Scene) -> Elasticity | None:
-    """Return the elastic law of another package that a scene names; else None."""
+    """Return the elastic law of another package that a scene names, with its layer; else None."""
     table = scene.elasticity
     if table is None or table.named_law is None:
         return None
@@ -277,7 +277,7 @@ def _wear(scene: Scene) -> WearLaw | None:
 
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
-    """Return the law "energy" or "archard" with the given wear intensities along both axes."""
+    """Return Energy, Archard (for upwind slip) or ArchardByWork with intensities of both axes."""
     friction, frame = _friction(scene), required(scene.friction, "friction").frame
     mu, angle = frame.mu, frame.angle
     if law == "energy":
@@ -311,7 +311,7 @@ def _of_body(scene: Scene, name: str) -> WearLaw | None:
 
 
 def _fatigue(scene: Scene) -> CycleCriterion | None:
-    """Return the fatigue criterion of this package, or None without a fatigue limit."""
+    """Return the fatigue criterion of a scene; None without limit or if of another package."""
     table = scene.fatigue
     if table is None or table.limit is None or table.named_law:
         return None

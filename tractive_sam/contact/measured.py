@@ -99,7 +99,7 @@ def _clip_to_gap(measured: Gap, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarra
 
 
 def uncovered_axes(measured: Gap, grid: Grid) -> list[str]:
-    """Return the axes ("x", "y") along which a mesh reaches beyond the measured gap."""
+    """Return the axes ("x", "y") along which a mesh exceeds the measured gap by over an element."""
     x, y, _ = measured
     sides = (("x", x, grid.x, grid.dx), ("y", y, grid.y, grid.dy))
     return [

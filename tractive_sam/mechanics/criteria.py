@@ -18,7 +18,7 @@ class Criterion(Law, ABC):
 
 
 class StressCriterion(Criterion):
-    r"""Equivalent stress: a number from the six stress components (xx, yy, zz, xy, xz, yz).
+    r"""Base class of equivalent stresses: a number from stresses xx, yy, zz, xy, xz, yz.
 
     Attributes
     ----------

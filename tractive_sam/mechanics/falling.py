@@ -251,7 +251,7 @@ class FallingCoulomb(Coulomb):
 
     @property
     def falls(self) -> bool:
-        """Whether the bound depends on the slip; then `bound` gives the largest one, at rest."""
+        """Whether the bound depends on slip: with `sliding`, at a positive, finite speed."""
         return self.sliding is not None and 0.0 < self.speed < np.inf
 
     def on_rows(self, y: np.ndarray) -> "FallingCoulomb":

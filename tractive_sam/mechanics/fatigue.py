@@ -312,7 +312,7 @@ class Woehler(Law):
     """Upper limit of the damage of a cycle, to avoid overflow: failure is in the first cycle."""
 
     def damage(self, utilisation: np.ndarray) -> np.ndarray:
-        """Return the damage per cycle at utilisations (stress over limit)."""
+        """Return damage per cycle at utilisations, limited to `max_per_cycle`; 0 below a knee."""
         loaded = utilisation > (1.0 if self.knee else 0.0)
         log = np.log(np.where(loaded, utilisation, 1.0))
         damage = self.exponent * log - np.log(self.cycles)

@@ -162,7 +162,7 @@ class FrictionLaw(Law, ABC):
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
     ) -> Bound:
-        """Return the traction bound under a slip, with its derivative by the slip (`Slope`).
+        """Return the bound under a slip, with its `Slope`; by default the bound at rest.
 
         Parameters
         ----------
@@ -176,7 +176,7 @@ class FrictionLaw(Law, ABC):
         return self.bound(pressure, x, y)
 
     def at_speed_ratio(self, ratio: float) -> "FrictionLaw":
-        """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law."""
+        """Return the law at `ratio` times the rolling speed, 0: static; default: this law."""
         return self
 
     def on_rows(self, y: np.ndarray) -> "FrictionLaw":

@@ -157,7 +157,7 @@ def _raised(
     dy: float,
     height: float,
 ) -> np.ndarray:
-    """Return influence coefficients of (c_f - c_s) exp(-k height), by quadrature."""
+    """Return coefficients of (response below - at surface) exp(-k height), by quadrature."""
     points, weights = np.polynomial.legendre.leggauss(6)  # 1e-9 at a height of two elements
     table = np.zeros(offsets)
     x, y = (side * np.arange(n) for side, n in zip((dx, dy), offsets, strict=True))

@@ -67,7 +67,7 @@ class WearLaw(Law, ABC):
         """
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the derivative of the wear rate by the pressure at constant traction ratio, 1/MPa.
+        """Return d(rate)/d(pressure), 1/MPa; by default for a law proportional to p_n, p_t.
 
         Parameters as in `rate`. The default holds for a law proportional to both.
         """
@@ -167,7 +167,7 @@ class Archard(WearLaw):
     angle: float
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the wear depth per rolling distance of both bodies together, dimensionless.
+        """Return the depth per rolling distance of both bodies, from pressure and slip only.
 
         It does not depend on the traction.
 

@@ -40,7 +40,7 @@ class TGammaPerArea(WearLaw):
     recorded_name = "ByWork"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the wear depth per rolling distance of both bodies together, dimensionless.
+        """Return the depth per rolling distance, by T-gamma/A of each element or of the contact.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -104,7 +104,7 @@ class TGammaTotal(WearLaw):
         return replace(self, element_area=element_area)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the wear depth per rolling distance of both bodies together, dimensionless.
+        """Return the depth per rolling distance: that of the total T-gamma, distributed by work.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -150,7 +150,7 @@ class WearMap(WearLaw):
     recorded_name = "ByChart"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the wear depth per rolling distance of both bodies together, dimensionless.
+        """Return the depth per rolling distance, by the chart's coefficient at each element.
 
         Parameters as in `WearLaw.rate`.
         """
@@ -199,7 +199,7 @@ class PerBody(WearLaw):
     recorded_name = "EachBody"
 
     def map_laws(self, function: Callable[[WearLaw], WearLaw]) -> "PerBody":
-        """Return the pair of laws with a function applied to each of them."""
+        """Return the pair with a function applied to each law; a missing law remains None."""
         return PerBody(*(None if law is None else function(law) for law in (self.A, self.B)))
 
     def _of_bodies(self, quantity: str, *fields: np.ndarray) -> np.ndarray:
@@ -210,7 +210,7 @@ class PerBody(WearLaw):
         )
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return the wear depth per rolling distance of both bodies together, dimensionless.
+        """Return the depth per rolling distance, dimensionless: the sum of both bodies' laws.
 
         Parameters as in `WearLaw.rate`.
         """
