@@ -11,7 +11,7 @@ from tractive_sam.compute.tiles import split_kernels
 
 
 class Convolution:
-    """Linear map ``fields -> K * fields`` on a mesh, by zero-padded FFT (DC-FFT).
+    """Convolution of 1 to 3 fields on a mesh with a matrix of kernels, by zero-padded FFT.
 
     Discrete convolution and FFT as in Liu, Wang & Liu (2000), Wear 243, 101-111.
 

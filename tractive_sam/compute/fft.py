@@ -135,7 +135,7 @@ _PLANNING, _QUEUE = Lock(), Lock()
 
 
 def _wait_for_planner() -> None:
-    """Acquire the lock of FFTW's planner; a fork of the process that waits goes first."""
+    """Acquire the planner's lock; a fork of the process that waits for it comes first."""
     with _QUEUE:
         _PLANNING.acquire()
 

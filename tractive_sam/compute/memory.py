@@ -19,7 +19,7 @@ def available_memory() -> float:
 
 
 def _free_memory() -> float:
-    """Return the free memory of the machine, including caches, bytes."""
+    """Return the memory available on the machine, bytes; if unknown, its total memory, or inf."""
     with suppress(OSError, ValueError):
         for line in Path("/proc/meminfo").read_text().splitlines():
             if line.startswith("MemAvailable:"):
@@ -54,7 +54,7 @@ def memory_of_groups(
 
 
 def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
-    """Return the memory, in bytes, that one control group still allows; inf if unlimited."""
+    """Return the bytes that a control group still allows, cache included; inf if unlimited."""
     try:
         limit_bytes, used = (float((group / name).read_text()) for name in (limit, usage))
     except (OSError, ValueError):  # no control group, or "max"

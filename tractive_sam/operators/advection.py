@@ -133,7 +133,7 @@ class Advection:
         return (1.0 - self.part) * here + self.part * behind
 
     def move_depths(self, nodes: np.ndarray) -> np.ndarray:
-        """Move depths with the material by one step; none turns negative, their sum is unchanged.
+        """Return depths moved with the material by one step, conservative and never negative.
 
         A part of an element moves as a flux from node to node, with slopes that make no new
         extremes (van Leer 1974, J. Comput. Phys. 14, 361-370). Like the parabola it is of second

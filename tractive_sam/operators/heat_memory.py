@@ -25,7 +25,7 @@ from tractive_sam.results import Grid, widen_field
 
 @dataclass(frozen=True, eq=False)
 class Exponentials:
-    """Sum of exponentials that approximates 1/sqrt(t).
+    """Weights and rates of a sum of exponentials that approximates 1/sqrt(t).
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class HeatMemory:
         self.fade[:fading, 0], self.fade[-fading:, 0] = ramp, ramp[::-1]
 
     def cold_fields(self) -> np.ndarray:
-        """Return heat fields of zero: a body that was never warmed."""
+        """Return heat fields of zero, with the margin: a body that was never warmed."""
         return np.zeros(self.shape)
 
     def steady_fields(self, flux: np.ndarray, changing: float = 1e-6) -> np.ndarray:
@@ -160,7 +160,7 @@ class HeatMemory:
         return past + widen_field(heat, self.shape[1:])
 
     def stored_heat(self, past: np.ndarray) -> float:
-        """Return the heat contained in heat fields, with the margin, mJ (line contact: mJ/mm)."""
+        """Return the heat in the last of the heat fields, margin included, mJ (line: mJ/mm)."""
         return float(past[-1].sum() * self.grid.element_area)
 
     def on_mesh(self, field: np.ndarray) -> np.ndarray:

@@ -49,7 +49,7 @@ class Lattice:
 
     @property
     def coarsening(self) -> tuple[int, int]:
-        """Elements in x and y that one of the next coarser lattice replaces: 2, or 1 of a row."""
+        """Elements (x, y) that one element of the next coarser lattice covers: 2, or 1 of a row."""
         return min(2, self.shape[0]), min(2, self.shape[1])
 
     def coarsened(self) -> "Lattice":

@@ -59,7 +59,7 @@ class Stencil:
 
     @property
     def rigid_ahead(self) -> float:
-        """Distance ahead of the centre at which the rigid slip is evaluated: 0.5 or 0 elements."""
+        """Distance of the rigid slip ahead of the centre, elements: 0.5 if staggered, else 0."""
         return 0.5 if self.staggered else 0.0
 
     def at_centres(self, slip: np.ndarray) -> np.ndarray:

@@ -295,7 +295,7 @@ def _on_bodies(axes: Mapping[str, np.ndarray], name: str) -> np.ndarray:
 
 
 def _visible_range(name: str, states: Sequence[ContactView], size: int, margin: float) -> slice:
-    """Return the slice of an axis of a stress plane that the page shows."""
+    """Return the slice shown of a stress plane's axis: all depths; x, y around the contact."""
     if name == "depth":
         return slice(0, size)
     touching = np.any([state.contact.touching for state in states], axis=0)

@@ -267,7 +267,7 @@ def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
 
 
 def _section_at(revolution: int) -> Callable:
-    """Return a function that draws the stress section of a history at a given revolution."""
+    """Return a function that draws von Mises on x = 0 of a history at a revolution."""
     return lambda history: plot.von_mises_sections(history, "x=0", revolution=revolution)
 
 

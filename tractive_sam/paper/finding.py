@@ -15,7 +15,7 @@ from tractive_sam.paper.size import Size
 
 
 class Verdict(StrEnum):
-    """Degree to which the results agree with a statement of the paper."""
+    """Agreement with a statement of the paper: agrees, in part, differs, cannot be decided."""
 
     AGREES = "agrees"
     PARTLY = "agrees in part"

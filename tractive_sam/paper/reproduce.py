@@ -32,7 +32,7 @@ def reproduce(
     format: str = "png",
     progress: Callable[[int, str], None] = lambda done, line: None,
 ) -> Path:
-    """Compute every figure and table of the paper, and compare its statements with the results.
+    """Compute all figures and verdicts of the paper into a folder; return the path of the page.
 
     Parameters
     ----------

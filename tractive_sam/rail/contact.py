@@ -195,7 +195,7 @@ def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) 
 
 
 def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> list[Patch]:
-    """Return the contact patches of a wheel under a vertical load, the largest load first.
+    """Return patches of a loaded wheel, largest first; NoContactError beyond 0.5 mm of depth.
 
     Patches are the separate regions in which the undeformed bodies overlap if they approach each
     other as far as the load requires, estimated from the areas of overlap as for Hertz contacts.
@@ -262,7 +262,7 @@ class _Overlap:
         return np.asarray(weights / weights.sum())
 
     def _mean(self, values: Array) -> float:
-        """Return the mean of values at all points, weighted by the squared overlap."""
+        """Return the mean over the overlap of clearance values, weighted by the squared depth."""
         return float(self._weights @ values[self.part])
 
     @cached_property

@@ -84,7 +84,7 @@ def _read_points(text: str) -> Array:
 
 
 def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) -> Profile:
-    """Return the smooth profile through measured points, or near them with `smoothing`.
+    """Return the profile through measured points in any orientation; near them if smoothed.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _check_crossing(points: Array) -> None:
 
 
 def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:
-    """Write a profile to a file: SIMPACK format (.prw, .prr), or two columns.
+    """Write a profile: .prw or .prr as SIMPACK with z upwards, others as columns, z downwards.
 
     Parameters
     ----------

@@ -219,7 +219,7 @@ def _jumps_between(
     ends: list[tuple[float, Array]],
     halvings: int = 5,
 ) -> bool:
-    """Return whether a contact point jumps between two positions, or only moves fast.
+    """Return whether the larger movement of a contact persists as the interval is halved.
 
     Half of the interval is retained, the one with the larger movement. At a jump, the movement
     stays; otherwise it falls with the interval.

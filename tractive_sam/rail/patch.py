@@ -115,7 +115,7 @@ class Patch:
         return (self.rail.at(s) - self.origin[1:]) @ self.normal[1:], s
 
     def wheel_profile(self, y: Array) -> tuple[Array, Array]:
-        """Return height over the patch's plane, mm, and arc length of the wheel at x = 0 and y."""
+        """Return (wheel height along the patch normal, profile arc length) at x = 0 and y, mm."""
         height, s = self.wheel_at(np.zeros((1, 1)), np.asarray(y)[None, :])
         return height[0], s[0]
 

@@ -75,7 +75,7 @@ class Profile:
         return np.asarray(self._curve(s, order))
 
     def angle(self, s: ArrayLike) -> Array:
-        """Return the angle of the tangent at arc lengths s, rad."""
+        """Return the angle of the tangent at arc lengths s, rad; positive if z grows with y."""
         tangent = self.at(s, 1)
         return np.arctan2(tangent[..., 1], tangent[..., 0])
 
@@ -142,7 +142,7 @@ class Profile:
         return Profile(self.s, self.points @ turn + np.asarray(shift), self.tangents @ turn)
 
     def worn(self, depth: ArrayLike, outward: float) -> Profile:
-        """Return the profile after removal of a depth along its normal at each node.
+        """Return the profile worn by depths normal to it; `outward` is 1 for wheels, -1 for rails.
 
         Parameters
         ----------

@@ -20,7 +20,7 @@ from .profile import Array, Profile
 def place_rail(
     rail: Profile, inclination: float, gauge: float, gauge_depth: float = 14.0
 ) -> Profile:
-    """Return the right rail's profile placed in the track frame: inclined, at the gauge.
+    """Return the right rail in the track frame: inclined, gauge face at gauge/2, top at z = 0.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Wheel:
     z: float = 0.0
 
     def mirrored(self) -> Self:
-        """Return the left wheel of the wheelset, mirrored to a right one."""
+        """Return the left wheel mirrored to a right one: y, yaw and roll change their sign."""
         return replace(self, y=-self.y, yaw=-self.yaw, roll=-self.roll)
 
     @cached_property

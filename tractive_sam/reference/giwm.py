@@ -9,7 +9,7 @@ from tractive_sam.description import ShortArrays
 
 @dataclass(frozen=True, eq=False, repr=False)
 class GlobalWear(ShortArrays):
-    """Wear depth and half width over the revolutions by the global incremental wear model.
+    """Wear depth, half widths and pressure at revolutions 0 to n: global incremental wear model.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ def giwm(
     intensity: float,
     revolutions: int,
 ) -> GlobalWear:
-    """Return the wear of twin discs by GIWM, with a uniform pressure; only disc A wears.
+    """Return the wear of twin discs by the global incremental wear model; only disc A wears.
 
     Juliá & Rodríguez-Tembleque (2025), Table 1, after Hegadekatte, Kurzenhäuser, Huber & Kraft,
     Tribol. Int. 41 (2008) 1020-1031. Disc A wears; its radius shrinks with the depth.
