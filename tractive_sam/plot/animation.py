@@ -22,7 +22,7 @@ from tractive_sam.results import History
 
 @apply_style
 def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
-    """Draw pressure and worn profile at the stored revolutions as an animated GIF; return its path.
+    """Draw pressure and wear, or traction of a [transient], as an animated GIF; return its path.
 
     For a [transient] it shows the traction and the edge of stick at the stored distances.
 

@@ -173,7 +173,7 @@ def utilisation(history: History, body: str = "A", at: float | None = None, **na
 
 @history_figure("damage-{body}", columns=["damage"], cure="fatigue.limit", each=_each_damaged_body)
 def damage(history: History, body: str = "A", *, most: int = 4, decades: float = 6.0) -> Figure:
-    """Maps of a body's damage over y and depth, for up to `most` stored records with damage.
+    """Maps of a body's damage over y and depth, for up to four stored records with damage.
 
     A line is the worn surface: the material above it is removed. The scale is logarithmic.
 

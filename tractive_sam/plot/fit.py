@@ -148,7 +148,7 @@ def confidence_ellipses(
     title: str = "",
     most: int = 5,
 ) -> Figure:
-    """Draw the 68 and 95 % ellipses of each pair of the first `most` fitted parameters.
+    """Draw the 68 and 95 % ellipses of each pair of fitted parameters, up to the fifth one.
 
     Parameters
     ----------

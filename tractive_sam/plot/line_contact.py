@@ -66,7 +66,7 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
 
 @contact_figure("slip", needs=[SINGLE_ROW], shown=has_traction)
 def line_slip(view: ContactView) -> Figure:
-    """Slip of A over B in a line contact over x: over the rolling speed, or of a shift in the step.
+    """Slip of A over B in a line contact over x: over rolling speed, or in a shift's step.
 
     Examples
     --------

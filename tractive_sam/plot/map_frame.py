@@ -72,7 +72,7 @@ class MapFrame:
         longest: float = 5.5,
         shortest: float = 0.85,
     ) -> Self:
-        """Return the frame between given sides, for maps of this width, inches.
+        """Return the frame between four sides, at most this wide on paper, inches.
 
         Parameters
         ----------

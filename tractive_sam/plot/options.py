@@ -58,7 +58,7 @@ def current_options() -> FigureOptions:
 
 @contextmanager
 def change_options(**changes: Any) -> Iterator[None]:
-    """Within the block, draw with changed figure options."""
+    """Return a context in which figures are drawn with changed options."""
     token = _CURRENT.set(replace(current_options(), **changes))
     try:
         yield
@@ -68,7 +68,7 @@ def change_options(**changes: Any) -> Iterator[None]:
 
 @contextmanager
 def units(name: Literal["hertz", "si-mm"]) -> Iterator[None]:
-    """Within the block, draw with units "hertz" (relative) or "si-mm" (mm, MPa).
+    """Return a context in which figures use units "hertz" (relative) or "si-mm" (mm, MPa).
 
     Parameters
     ----------

@@ -145,7 +145,7 @@ class Drawing:
     --------
     >>> drawing = plot.list_figures(history)[0]
     >>> drawing.name, drawing.caption
-    ('pressure-0', 'Map of the pressure.')
+    ('pressure-0', 'Map of the contact pressure p_n.')
     """
 
     name: str

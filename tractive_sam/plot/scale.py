@@ -40,7 +40,7 @@ class Scale:
 
     @classmethod
     def from_contact(cls, contact: State) -> Self:
-        """Return the scale of a contact: Hertz's values, or its own."""
+        """Return the scale of a contact: half widths and pressure by Hertz, or else its values."""
         hertz = contact.scene.hertz
         if hertz is not None:
             return cls(hertz.a, hertz.b, hertz.p0, hertz=True)

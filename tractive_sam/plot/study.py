@@ -119,7 +119,7 @@ class Variable:
 def study_curves(
     x: Variable, y: Variable, over: Variable | None = None, *, title: str = "", most: int = 10
 ) -> Figure:
-    """Draw a quantity over one key, one curve for each of up to `most` values of another key.
+    """Draw a quantity over one key, one curve for each of up to ten values of another key.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from tractive_sam.plot.style import LOOK, new_figure, set_title
 
 @contact_figure("traction-sections", needs=[WIDE], shown=has_traction)
 def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
-    """Tractions on body A along y = 0 and at `offset` half widths, between their bounds.
+    """Tractions on body A along y = 0 and y = 0.75 half widths, between their bounds.
 
     The second line is at y = 0.75 a, or 0.75 b if the half width b is less than a or more than
     three times a. The bounds are the largest values of one component: the extent of the friction

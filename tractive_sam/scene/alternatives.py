@@ -22,7 +22,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
 
 
 def excluded_keys(key: str) -> tuple[str, ...]:
-    """Return the keys that a scene cannot have beside a given key, as they are alternatives."""
+    """Return the keys that a scene cannot have beside a key, as they are alternatives to it."""
     excluded = tuple(
         alternative
         for groups in _ALTERNATIVES

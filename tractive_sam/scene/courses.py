@@ -119,6 +119,6 @@ class Profiles(Table):
 
     @property
     def by_table(self) -> dict[str, Gap]:
-        """Moving profiles that are given, by the names of their tables."""
+        """Moving profiles of the bodies that have one, by the names of their tables."""
         profiles = {f"transient.profile.{body}": getattr(self, body) for body in "AB"}
         return {table: profile for table, profile in profiles.items() if profile is not None}

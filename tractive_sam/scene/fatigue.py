@@ -209,12 +209,12 @@ class Fatigue(LawTable):
 
     @property
     def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, from the given yield stress or k, or None."""
+        """Yield stress in tension, MPa, as set or sqrt(3) times k; None if neither is set."""
         if self.yield_strength is not None:
             return self.yield_strength
         return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
 
     @property
     def shear_yield_stress(self) -> float | None:
-        """Yield stress in shear k, MPa, from k or the given yield stress, or None."""
+        """Yield stress in shear k, MPa, as set or from tension over sqrt(3); None without both."""
         return None if self.yield_stress is None else self.yield_stress / math.sqrt(3.0)

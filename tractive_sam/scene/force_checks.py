@@ -59,7 +59,7 @@ def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def constant_quantities(entries: ValidEntries) -> dict[str, float | None]:
-    """Return the loads, forces and friction that [load] and [friction] give, by dotted key."""
+    """Return loads, forces and friction of [load] and [friction] by dotted key; None if not set."""
     keys = ("load.approach", "load.force_x", "load.force_y")
     values: dict[str, float | None] = {key: entries[key] for key in keys}
     return values | {"load.normal": _normal_load(entries), "friction.mu": entries["friction.mu"][0]}

@@ -43,7 +43,7 @@ _MAY_BE_MISSING = ContextVar("gap files may be missing", default=False)
 
 @contextmanager
 def allow_missing_files() -> Iterator[None]:
-    """Within the block, accept scenes that name missing files, as a gap file."""
+    """Return a context in which scenes may name missing files, for example a gap file."""
     before = _MAY_BE_MISSING.set(True)
     try:
         yield

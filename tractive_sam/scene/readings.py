@@ -164,7 +164,7 @@ def read_creepages(scene: Any) -> Iterator[Reading]:
 
 
 def read_friction(scene: Any) -> Iterator[Reading]:
-    """Yield the larger one of both friction coefficients."""
+    """Yield the larger of the friction coefficients mu1 and mu2."""
     yield Reading("friction.mu", max(scene.friction.mu))
 
 

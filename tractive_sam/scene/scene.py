@@ -269,7 +269,7 @@ class Scene(Document):
 
     @property
     def normal_load(self) -> float | None:
-        """Normal load, N, or N/mm for a line contact; None if the approach is given."""
+        """Normal load, N, or N/mm for a line contact; None if an approach is prescribed."""
         return self.body.normal_load(self.load)
 
     @property

@@ -242,7 +242,7 @@ class Mesh(Table):
 
     @property
     def origin(self) -> str:
-        """Text that says which part of the mesh is given, and which is chosen."""
+        """Text that says whether domain and elements are set, or chosen from the contact."""
         if self.half_length is None:
             return "given, the domain chosen from the contact"
         return "given" if self.elements else "chosen from the contact, the domain given"

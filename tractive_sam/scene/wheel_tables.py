@@ -121,7 +121,7 @@ class RailTable(_ProfileTable):
 
     @property
     def curve(self) -> Profile:
-        """Profile of the right rail, placed in the track frame."""
+        """Profile of the right rail in the track frame, with inclination and gauge."""
         return _placed(self.unplaced_curve, self.inclination, self.gauge)
 
     @property
@@ -131,7 +131,7 @@ class RailTable(_ProfileTable):
 
     @property
     def unplaced_curve(self) -> Profile:
-        """Profile of the rail in its own frame."""
+        """Profile of the rail in the frame of its file, without inclination and gauge."""
         return self._read(self.profile, "rail")
 
     def describe(self, scene: Any) -> Iterator[Row]:

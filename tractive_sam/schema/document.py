@@ -44,7 +44,7 @@ class Document(Table):
         return cls(**toml.parse(text))
 
     def to_toml(self) -> str:
-        """Return the given entries as TOML, without defaults; `from_toml_text` reads them."""
+        """Return the entries that were set as TOML, without defaults, for `from_toml_text`."""
         return toml.emit(self.entries())
 
     @staticmethod

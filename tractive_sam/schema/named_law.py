@@ -99,11 +99,11 @@ class LawTable(Table):
         return law if isinstance(law, NamedLaw) else None
 
     def entries(self) -> dict[str, Any]:
-        """Return the given entries, with the parameters of a user-defined law."""
+        """Return the entries that were set, with the parameters of a user-defined law."""
         return self._with_parameters(super().entries())
 
     def settings(self) -> dict[str, Any]:
-        """Return all entries with defaults, with the parameters of a user-defined law."""
+        """Return all entries with defaults, and the parameters of a user-defined law."""
         return self._with_parameters(super().settings())
 
     def _with_parameters(self, entries: dict[str, Any]) -> dict[str, Any]:

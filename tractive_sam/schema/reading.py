@@ -91,7 +91,7 @@ def read_entries(table: type[TableBase], entries: Mapping[Any, Any]) -> TableRea
 
 
 def _read_default(reading: TableReading, key: str, info: FieldInfo) -> None:
-    """Store the default of a key that is not given, or a fault if it is required."""
+    """Store the default of a key that was not set, or add a fault if the key is required."""
     if info.is_required():
         reading.faults.append(Fault(key, "nothing", _describe_field(info)))
         return
