@@ -37,10 +37,23 @@ SURE = (
 
 @pytest.fixture(scope="module")
 def reproduced(tmp_path_factory):
-    """Reproduce the paper at its reduced size; return folder, page and printed text."""
+    """Reproduce the paper at its reduced size; return folder, page and printed text.
+
+    Of figures that are alike for each angle of the friction axes, the picture of one is drawn.
+    """
     folder = tmp_path_factory.mktemp("paper") / "reproduced"
     arguments = ["reproduce", "-o", str(folder), "--reduced", "--format", "svg"]
-    result = CliRunner().invoke(app, arguments)
+    draw, drawn = Picture.svg.func, {}
+
+    def draw_one_angle(picture):
+        kind = re.sub(r"-(0|45|90)$", "", picture.name)
+        if kind not in drawn:
+            drawn[kind] = draw(picture)
+        return drawn[kind]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Picture, "svg", property(draw_one_angle))
+        result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
     html = (folder / "index.html").read_text("utf-8")
     return SimpleNamespace(folder=folder, html=html, printed=result.stdout)

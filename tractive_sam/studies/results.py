@@ -4,7 +4,7 @@ import csv
 import math
 import warnings
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import StringIO
@@ -215,9 +215,7 @@ class StudyResults:
         """
         if name not in self._names:
             raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(self._names))}")
-        if revolution is None:
-            return np.array([row.last.get(name, math.nan) for row in self.rows])
-        return np.array([_value_at(row, name, revolution) for row in self.rows])
+        return _column(name, [_read_record(row, revolution) for row in self.rows])
 
     def values(self, key: str) -> np.ndarray:
         """Return the values of a key of the scene in all cases: numbers, or else texts.
@@ -251,10 +249,11 @@ class StudyResults:
             for dim in study.dimensions
             for key, column in dim.columns.items()
         }
+        records = [_read_record(row, revolution) for row in self.rows]
         variables: dict[str, tuple[Any, ...]] = {
             name: (
                 dims,
-                self.column(name, revolution).reshape(shape),
+                _column(name, records).reshape(shape),
                 {"units": quantity.unit, "long_name": quantity.long_name},
             )
             for name, quantity in self.quantities.items()
@@ -386,14 +385,20 @@ def _row(case: Case, file: Path, failure: str) -> CaseRow:
     return CaseRow(case, INTERRUPTED, "", *result)
 
 
-def _value_at(row: CaseRow, name: str, revolution: int) -> float:
-    """Return the value of a quantity of a case at a revolution; nan if it is unknown."""
+def _read_record(row: CaseRow, revolution: int | None) -> Mapping[str, float]:
+    """Return the quantities of a case at a revolution or in its last record; empty if unknown."""
+    if revolution is None or row.last.get("revolution") == revolution:
+        return row.last
     if row.file is None:
-        values = row.last if row.last.get("revolution") == revolution else {}
-        return values.get(name, math.nan)
+        return {}
     history = open_history(row.file)
     matches = np.flatnonzero(history["revolution"] == revolution)
-    return float(summary(history, matches[-1]).get(name, math.nan)) if matches.size else math.nan
+    return summary(history, matches[-1]) if matches.size else {}
+
+
+def _column(name: str, records: Sequence[Mapping[str, float]]) -> np.ndarray:
+    """Return a quantity of the records of all cases; nan if it is unknown."""
+    return np.array([record.get(name, math.nan) for record in records])
 
 
 def _as_array(values: Sequence[Any]) -> np.ndarray:
