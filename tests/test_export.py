@@ -85,7 +85,7 @@ def test_what_cannot_be_exported_is_reported(contact, tmp_path):
     with pytest.raises(ValueError, match="elements"):
         ts.export_volume(contact, path, elements=1)
     apart = replace(contact, pressure=0.0 * contact.pressure)
-    with pytest.raises(ValueError, match="do not touch"):
+    with pytest.raises(ValueError, match="touch"):
         ts.export_volume(apart, path)
     with pytest.raises(ts.ResultsError, match="suffix"):
         ts.export_volume(contact, tmp_path / "v.h5")
@@ -113,6 +113,6 @@ def test_the_surface_has_a_step_for_each_stored_record(contact, tmp_path):
 
 def test_what_has_no_surface_to_export(tmp_path):
     line = ts.solve(ts.Scene.builtin("cylinders"))
-    with pytest.raises(ValueError, match="line contact"):
+    with pytest.raises(ValueError, match="line"):
         ts.export_surface(line, tmp_path / "s.vtkhdf")
     assert not list(tmp_path.iterdir())

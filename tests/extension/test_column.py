@@ -141,7 +141,7 @@ def test_what_is_no_quantity_is_refused():
 
 
 def test_a_value_of_another_shape_is_reported():
-    with pytest.raises(ValueError, match="column rows"):
+    with pytest.raises(ValueError, match="rows"):
         ts.roll(DISCS, columns=[new("rows", of=lambda contact: contact.pressure)])
 
 

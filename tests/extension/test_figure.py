@@ -75,7 +75,7 @@ def test_it_is_among_the_figures_of_a_history_that_has_its_column(history):
 def test_a_call_where_it_does_not_apply_says_what_is_needed():
     plain = ts.roll(DISCS)
     for draw in (mean_pressure, pressure_over_mean):
-        with pytest.raises(ValueError, match=rf"{draw.__name__}.*column p_mean"):
+        with pytest.raises(ValueError, match=rf"{draw.__name__}.*p_mean"):
             draw(plain)
 
 

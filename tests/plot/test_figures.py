@@ -200,7 +200,7 @@ def test_creep_force_curve():
 
 
 def test_without_contact_the_reason_is_reported():
-    with pytest.raises(ValueError, match="do not touch"):
+    with pytest.raises(ValueError, match="touch"):
         plot.pressure(strips.contact(pressure=np.zeros((31, 33))))
 
 

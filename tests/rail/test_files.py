@@ -102,7 +102,7 @@ def test_points_that_are_no_profile_are_reported(wheel, change, message):
 def test_a_profile_that_crosses_itself_is_reported():
     angles = np.linspace(0.0, 3.5 * np.pi, 200)
     loop = np.stack((angles * 6.0 - 30.0 * np.sin(angles), 20.0 * np.cos(angles)), axis=1)
-    with pytest.raises(ValueError, match="crosses itself"):
+    with pytest.raises(ValueError, match="crosses"):
         from_measurement(loop, "wheel")
 
 
@@ -129,7 +129,7 @@ def test_files_that_are_no_profiles_are_reported(tmp_path, content, message):
 
 def test_a_missing_file_and_a_folder_are_reported(tmp_path):
     for path in (tmp_path / "none.prw", tmp_path):
-        with pytest.raises(ProfileError, match="cannot be read"):
+        with pytest.raises(ProfileError, match=path.name):
             read_profile(path, "wheel")
 
 

@@ -163,7 +163,7 @@ def test_flat_pair_has_an_infinite_radius(radii):
     ],
 )
 def test_impossible_contact(wrong):
-    with pytest.raises(ValueError, match=r"positive|exactly one"):
+    with pytest.raises(ValueError, match=r"positive|one"):
         hertz(**({"e_star": 1.0, "radius_x": 1.0, "radius_y": 1.0} | wrong))
 
 

@@ -133,7 +133,7 @@ def test_its_text_holds_the_blocks(loads):
 
 
 def test_levels_that_change_the_work_are_noted(loads):
-    with pytest.warns(PlausibilityWarning, match="load x creepage"):
+    with pytest.warns(PlausibilityWarning, match="creepage"):
         DISCS.replace(load_history={"file": str(loads), "levels": 1})
 
 
@@ -170,7 +170,7 @@ def test_faults_of_the_table_are_listed_with_others(loads, given, key):
 )
 def test_a_line_that_cannot_be_read_is_reported(loads, rows, reported):
     loads.write_text(rows)
-    with pytest.raises(ts.SceneError, match=f"load_history.file: given loads.csv.*{reported}"):
+    with pytest.raises(ts.SceneError, match=rf"load_history\.file.*loads\.csv.*{reported}"):
         DISCS.replace(load_history={"file": str(loads)})
 
 

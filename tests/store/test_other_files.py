@@ -181,11 +181,11 @@ def test_only_regular_files_are_inputs(tmp_path, suffix, kind):
     path = tmp_path / f"a{suffix}"
     {"device": lambda: path.symlink_to("/dev/zero"), "pipe": lambda: os.mkfifo(path),
      "folder": path.mkdir}[kind]()  # fmt: skip
-    with pytest.raises(GapError, match="regular file"):
+    with pytest.raises(GapError, match="regular"):
         read_gap(path)
     with pytest.raises((SceneError, ValueError)):
         ts.blocks_of(path, levels=2)
-    with pytest.raises(SceneError, match="regular file"):
+    with pytest.raises(SceneError, match="regular"):
         ts.Scene.from_toml(path)
     with pytest.raises(ResultsError):
         open_history(path)

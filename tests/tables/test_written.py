@@ -113,7 +113,7 @@ def test_errors_are_plotted(tmp_path):
     table = of_any()
     table.about.update(checks | {"held_out_inside": 0.97})
     table_errors(table).savefig(tmp_path / "errors.png")
-    with pytest.raises(ValueError, match="check points"):
+    with pytest.raises(ValueError, match="points"):
         table_errors(of_a_scene())
 
 
@@ -315,7 +315,7 @@ def test_directional_derivatives_of_fmus(fmi, tmp_path):
 @needs_cc
 def test_fmus_refuse(tmp_path, monkeypatch):
     fmpy = pytest.importorskip("fmpy", reason="it is of the extra fmu")
-    with pytest.raises(ValueError, match="name in C"):
+    with pytest.raises(ValueError, match="'1'"):
         write_fmu(of_any(), tmp_path / "1.fmu")
     with pytest.raises(ValueError, match="2 or 3"):
         write_fmu(of_any(), tmp_path / "law.fmu", 4)
