@@ -29,7 +29,7 @@ def printable_text(text: str, max_length: int | None = 2000) -> str:
 
 
 def csv_cell(value: object) -> object:
-    """Return a CSV cell that neither controls a terminal nor is a formula in a spreadsheet.
+    """Return a CSV cell without control characters, with ' before text that is a formula.
 
     Numbers, also as text, do not change. An apostrophe is put before a text that a spreadsheet
     would compute: spreadsheets then treat it as text.

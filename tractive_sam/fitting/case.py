@@ -94,7 +94,7 @@ class Reply:
         return not self.answer.numbers
 
     def at(self, name: str, places: Sequence[float]) -> np.ndarray:
-        """Return a column at revolutions or distances of the case; all alike for one record.
+        """Return a column at requested revolutions or distances; a lone record serves all.
 
         Parameters
         ----------

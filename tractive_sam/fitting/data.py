@@ -113,7 +113,7 @@ def _source(data: Data) -> str:
 
 
 def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measured:
-    """Return the measurements of a data set from its columns of numbers."""
+    """Return the measurements from columns of numbers; FitError for invalid noise or places."""
     names = (DEPTH,) if data.profile else data.observe
     observed = np.stack([numbers[name] for name in names], axis=1)
     noise = _noise_of(data.uncertainty, observed, numbers)
@@ -157,7 +157,7 @@ def _numbers(cells: Sequence[Any]) -> tuple[np.ndarray, list[tuple[int, Any]]]:
 
 
 def _columns_of(data: Data) -> Mapping[str, Sequence[Any]]:
-    """Return the unchecked columns of a data set by name, from its file or its values."""
+    """Return the columns of a data set by name, of equal length, with unchecked cells."""
     if data.values is not None:
         columns = {
             name: np.atleast_1d(np.asarray(values, dtype=object)).tolist()

@@ -63,7 +63,7 @@ def derivatives_of(
 
 
 def exact_columns(scene: Scene, columns: tuple[str, ...], keys: tuple[str, ...]) -> dict[str, str]:
-    """Return Jacobian columns by exactly derived key; {} if a requested column has no formula."""
+    """Return the Jacobian column of keys with exact derivatives; {} if a column has no formula."""
     # Columns of the Jacobian by the keys of their parameters.
     columns_of = {
         "creepage.longitudinal": "xi_x",

@@ -31,7 +31,7 @@ def value_of(scene: Scene, key: str) -> Any:
 
 
 def start_of(scene: Scene, key: str, start: float | None) -> float:
-    """Return the first value of a free key: `start`, or else the value in the scene.
+    """Return the first value of a free key: `start`, or that in the scene; SceneError if neither.
 
     Raises
     ------

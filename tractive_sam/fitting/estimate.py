@@ -134,7 +134,7 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False)
 class Directions:
-    """Directions in the space of the coordinates that data determine, and those they do not.
+    """Directions of the coordinates that data determine, how strongly, and undetermined ones.
 
     Attributes
     ----------

@@ -20,7 +20,7 @@ Compute = Callable[[Sequence[FitCase]], Iterator[tuple[int, Answer]]]
 
 
 class InProcess:
-    """Computes cases in this process, each contact from the last one of the same `seat`.
+    """Computes cases in this process; a contact starts from the last one of its `seat`.
 
     Attributes
     ----------

@@ -108,7 +108,7 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
 
 
 def _curve_between(result: FitResult, number: int, name: str) -> np.ndarray | None:
-    """Return (x, prediction, its deviation) between the measured points, or None if not stored."""
+    """Return (x, prediction, standard deviation) between measured points; None if not stored."""
     if "curve" not in result.dataset:
         return None
     numbers = result.dataset["curve"].values

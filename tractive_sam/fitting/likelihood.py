@@ -41,7 +41,7 @@ class ProfileLikelihood:
     steps: int = 4
 
     def interval(self) -> tuple[float, float, np.ndarray]:
-        """Return the ends of the interval of the parameter, and the points of the curve.
+        """Return low and high end of the interval, and (value, chi-square rise) of the curve.
 
         Twice the rise of the cost is chi-square distributed with one degree of freedom: the
         interval ends at the square of the quantile.

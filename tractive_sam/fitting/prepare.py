@@ -152,7 +152,7 @@ def on_finer_mesh(scene: Scene) -> Scene:
 
 
 def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
-    """Return the revolutions that adaptive stepping solves, and its last mesh."""
+    """Return (revolutions, last mesh) of a roll with adaptive steps, computed once and stored."""
     numbers = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
     (x, y), (n_x, n_y) = numbers["half_length"].tolist(), numbers["elements"].tolist()
     steps = tuple(round(n) for n in numbers["steps"])

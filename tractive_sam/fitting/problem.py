@@ -94,7 +94,7 @@ class FitProblem:
         return np.concatenate([slopes / self.noise[:, None], self.prior_jacobian(u)])
 
     def prior_residuals(self, u: np.ndarray) -> np.ndarray:
-        """Return the deviations of values from their prior means, over the standard deviations."""
+        """Return (value - mean) / standard deviation of each parameter that has a prior."""
         mean, sd = self.parameters.prior.T
         residuals = (self.parameters.values(u) - mean) / sd
         return residuals[np.isfinite(mean)]
@@ -122,7 +122,7 @@ class FitProblem:
         return self._collect(replies, "", u)
 
     def jacobian(self, u: np.ndarray) -> np.ndarray:
-        """Return derivatives of the predicted values by the coordinates, shape (points, size).
+        """Return derivatives of predictions by coordinates, (points, size); FitError if one fails.
 
         Raises
         ------

@@ -211,7 +211,7 @@ class FitResult:
             return scene.replace(**changes_of(scene, self.values))
 
     def next_tests(self) -> list[dict[str, Any]]:
-        """Return the candidate tests with their gains, the best one first.
+        """Return the candidate tests with their gains, the best one first; empty if not ranked.
 
         Returns
         -------

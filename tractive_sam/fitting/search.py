@@ -76,7 +76,7 @@ class Search:
         return list(starts)
 
     def minimise(self, u: np.ndarray, fixed: int | None = None) -> Estimate:
-        """Return the minimum found from one start, perhaps with one coordinate fixed.
+        """Return the minimum found from one start, with at most one coordinate fixed.
 
         Parameters
         ----------

@@ -34,7 +34,7 @@ class SteadyBalance:
 
     @property
     def energy(self) -> np.ndarray:
-        """Ratio of dissipated to supplied work in each record, shape (n,).
+        """Ratio of dissipated to supplied work in each record, shape (n,); nan without work.
 
         It is 1 without numerical error, and nan without friction, or if no work is supplied.
         """
@@ -46,7 +46,7 @@ class SteadyBalance:
 
     @property
     def wear(self) -> np.ndarray:
-        """Ratio of the wear in each record to the wear expected from the frictional work, (n,)."""
+        """Ratio of wear to the wear expected from frictional work, (n,); nan if unknown."""
         history = self.history
         largest = history["wear_max"] * 2.0 * history.grid.half_length[1]
         return self._worn_by_work(history["worn_area"], history["dissipation"], largest)
@@ -110,7 +110,7 @@ class StepBalance(SteadyBalance):
 
     @property
     def wear(self) -> np.ndarray:
-        """Ratio of the wear in each step to the wear expected from the frictional work, (n,)."""
+        """Ratio of wear in each step to the wear expected from its work, (n,); nan if unknown."""
         history = self.history
         if "step_worn" not in history.columns:
             return np.full(len(history), np.nan)

@@ -25,7 +25,7 @@ def _over_load(force: str, contact: State) -> float:
 
 
 def _deepest(contact: State) -> float:
-    """Return the largest wear depth of a contact, mm."""
+    """Return the largest wear depth of both bodies together, mm."""
     return float(contact.wear.max())
 
 

@@ -244,7 +244,7 @@ class History:
 
     @property
     def energy_balance(self) -> np.ndarray:
-        """Work that friction dissipates over the supplied work, in each record, shape (n,).
+        """Dissipated over supplied work in each record, shape (n,): 1 if exact, nan without work.
 
         The exact value is 1 for any friction law, profile and mesh. With the paper's upwind slip it
         is in error by some per cent, at small creepage by much more, and the wear is in error by as
@@ -406,7 +406,7 @@ class History:
         return int(rows[-1])
 
     def state(self, at: float | None = None, **named: float | None) -> State:
-        """Return the contact of one stored record, as `solve` returns it.
+        """Return the contact of one stored record, as `solve` returns it; not of a duty cycle.
 
         Files of the first format have neither the gap, which then is nan, nor the sliding elements,
         which then follow from the traction.

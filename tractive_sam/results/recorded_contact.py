@@ -69,5 +69,5 @@ def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:
 
 
 def _reason(ended: str) -> Status:
-    """Return the `Status` of an unsolved contact, taken from the status of its history."""
+    """Return the `Status` of an unsolved contact from its history, or else out of iterations."""
     return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS

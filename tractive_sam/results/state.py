@@ -370,7 +370,7 @@ class State:
 
     @cached_property
     def stick_fraction(self) -> float:
-        """Share of the contact area that sticks.
+        """Share of the contact area that sticks; 0 without contact.
 
         At the end of stick the distance of the traction from its bound falls to zero, as the
         pressure does at the edge of the contact. So both areas end between the centres of elements.
