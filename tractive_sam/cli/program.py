@@ -112,5 +112,5 @@ _Version = typer.Option(
 
 @app.callback()
 def _options(version: Annotated[bool, _Version] = False) -> None:
-    """Accept the options of the program itself."""
+    """Accept options of the program before a command (--version); do nothing else."""
     pass

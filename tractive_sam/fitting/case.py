@@ -132,7 +132,7 @@ def is_steady(scene: Scene) -> bool:
 
 @single_blas_thread()
 def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | None]:
-    """Solve or roll the scene of a case; return its answer, and the contact if it is only one.
+    """Solve or roll the scene of a case; return (answer, contact), None for a roll or failure.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | 
 
 
 def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
-    """Solve the single contact of a case; return its answer, and the contact or None."""
+    """Solve the single contact of a case; return (answer, contact), None instead if it failed."""
     model, contact = solve_from_nearby(Model(case.scene, read_measured_gap(case.scene)), start)
     if not contact.converged:
         return Answer({}, 1, 0, contact.cost.convolutions, contact.message), None

@@ -60,7 +60,7 @@ def is_integer(scene: Scene, key: str) -> bool:
 
 
 def changes_of(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
-    """Return scene entries that give free keys these values; a pair becomes one entry."""
+    """Return scene entries that set keys to values: integers rounded, a pair in one entry."""
     changes: dict[str, Any] = {}
     for key, value in values.items():
         base = base_of(key)

@@ -51,7 +51,7 @@ def compute_in_turn(cases: Sequence[FitCase]) -> list[Answer]:
 
 @dataclass
 class InWorkers:
-    """Computes cases in worker processes of this machine, if they take long enough to be worth it.
+    """Computes cases in worker processes of this machine, short ones in this process.
 
     A worker computes all contacts of one seat, so that each but the first starts from another.
 

@@ -15,7 +15,7 @@ COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class PlaneStress(ShortArrays):
-    """Stress of one body on one plane.
+    """Full stress (six components) of one body at the points of a section plane, MPa.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class PlaneStress(ShortArrays):
 
     @cached_property
     def von_mises(self) -> np.ndarray:
-        """Equivalent stress of von Mises, MPa."""
+        """Equivalent stress of von Mises at each point of the plane, MPa."""
         return von_mises(self._tensor)
 
     @cached_property

@@ -112,7 +112,7 @@ class Record:
 
     @property
     def at(self) -> float:
-        """Value of the coordinate in this record."""
+        """Revolution, time or distance of this record, the value of its coordinate."""
         return self.values[self.coordinate.name]
 
     @property
