@@ -181,7 +181,7 @@ class History:
 
     @property
     def coordinate(self) -> Quantity:
-        """Column along which the records are ordered: "revolution", time, or distance."""
+        """Column by which the records are ordered: "revolution", "distance" or user-defined."""
         return self.of_role(COORDINATE)
 
     @property

@@ -112,7 +112,7 @@ class Record:
 
     @property
     def at(self) -> float:
-        """Revolution, time or distance of this record, the value of its coordinate."""
+        """Value of the coordinate in this record, as its revolution or distance."""
         return self.values[self.coordinate.name]
 
     @property
