@@ -157,7 +157,7 @@ class _TwoStepFormula:
     def with_new_rows(
         self, response: np.ndarray, open_: np.ndarray, profile: np.ndarray, rate: np.ndarray
     ) -> "_TwoStepFormula":
-        """Return the formula with separate coefficients for rows that come into contact.
+        """Return the formula with separate coefficients for rows new in contact, if any.
 
         Their gaps close at a constant rate. Once they touch, the closing gap would wear them at a
         rate that grows from zero if they did not wear; on average they wear at half the last rate.

@@ -77,10 +77,7 @@ class Damage(Observer):
             yield Row("jumps", f"{missed}, by its estimate; all together damage_error")
 
     def begin(self, passage: Passage, model: Model) -> Self:
-        """Return the observer as it is after the first step of a process.
-
-        The bodies are undamaged and make their first pass.
-        """
+        """Return the observer of undamaged bodies, with the utilisation of their first pass."""
         longest = max(passage.contacts, key=lambda contact: semi_axes(contact)[0])
         turns, bodies = passage.turns[0], {}
         for body, (cycle, used) in _cycle_fatigue(passage, model, cycle_depths(longest)).items():
@@ -106,10 +103,7 @@ class Damage(Observer):
         return replace(self, revolution=passage.revolution, earlier=self.revolution, bodies=bodies)
 
     def missed(self, model: Model) -> float:
-        """Return the observer's error in the last step over the error that the scene tolerates.
-
-        This is the error of the largest damage by the last jump.
-        """
+        """Return the error of the largest damage in the last jump over the tolerated one."""
         largest = max(damage.missed for damage in self.bodies.values())
         tolerance = required(model.scene.fatigue, "fatigue").tolerance
         return largest / (self.share_of_jump * tolerance)
@@ -137,7 +131,7 @@ class Damage(Observer):
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Arrays, by name, from which `restore` makes the observer again (1-d or more)."""
+        """Damage, utilisation and their depths, by name with body ("damage_A"), for `restore`."""
         return {
             f"{name}_{body}": values
             for body, damage in self.bodies.items()
@@ -152,7 +146,7 @@ class Damage(Observer):
         }
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the values of the observer's columns, by name, for the record of a step.
+        """Return all fatigue columns by name, with error bars from the recorded ones of the mesh.
 
         Error bars of jumps and of the mesh are added.
         """
@@ -175,14 +169,14 @@ class Damage(Observer):
         return columns
 
     def record_block(self, block: int) -> dict[str, Any]:
-        """Return the values, by name, of the columns that each block of a duty cycle has."""
+        """Return the columns of the largest utilisation in a block, by name and body."""
         each = self.bodies.items()
         return utilisation_columns(
             {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
         )
 
     def restore(self, passage: Passage, stored: StoredStep) -> Self:
-        """Return the observer as it was after a stored step, to resume from."""
+        """Return the observer with the stored damage of each body, to resume from."""
         history, row, state = stored.history, stored.row, stored.state_of(self)
         unknown = np.full((len(history), len(BODIES)), np.nan)  # without a limit
         by_body = history.values.get("initiation", unknown)[row]

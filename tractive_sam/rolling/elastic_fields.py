@@ -44,7 +44,7 @@ class ElasticFields(Observer):
     )
 
     def begin(self, step: Any, model: Model) -> Self:
-        """Return the observer as it is after the first step of a process."""
+        """Return the observer with the contacts of the first step."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> Self:
@@ -56,12 +56,12 @@ class ElasticFields(Observer):
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the values of the observer's columns, by name, for the record of a step."""
+        """Return the column `stored_energy`, the weighted sum over blocks, by name."""
         each = zip(self.weights, self.contacts, strict=True)
         return {"stored_energy": sum(w * elastic_energy(contact) for w, contact in each if w)}
 
     def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
-        """Return the observer's `fields` in the contact of a block, by name, (n_x, n_y)."""
+        """Return the displacements of both bodies at `depth`, by name, (n_x, n_y)."""
         return {
             f"displacement_{axis}_{body}": values
             for body in BODIES

@@ -79,7 +79,7 @@ class Forecast:
 
     @property
     def remaining_seconds(self) -> float:
-        """Return the estimated remaining time, from the time per contact of the last records."""
+        """Return the estimated remaining time, s, from the last records; 0 without records."""
         if not self._spent:
             return 0.0
         first = 1 if 1 < len(self._spent) < self.recent else 0

@@ -56,9 +56,9 @@ class TransientHeat(Observer):
     past: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory, in bytes, that the observer needs besides its stored records.
+        """Return the memory, bytes, of the heat memories of both bodies during a step.
 
-        It counts fields of both bodies before, after and during a step.
+        It counts fields before, after and during the step.
         """
         return 8.0 * 3 * sum(math.prod(memory.shape) for memory in heat_memories(model).values())
 
@@ -106,7 +106,7 @@ class TransientHeat(Observer):
         return replace(self, heat=heat, past=past)
 
     def restore(self, step: Any, stored: Any) -> "TransientHeat":
-        """Return the observer as it was after a stored step, to resume from."""
+        """Return the observer with stored temperatures and heat memories, to resume from."""
         state, contact = stored.state_of(self), step.result.contact
         past = {body: state[body] for body in BODIES}
         temperature = state["temperature"]
@@ -118,7 +118,7 @@ class TransientHeat(Observer):
         return TransientHeat(FlashTemperature(contact.grid, contact.touching, warmth, none), past)
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block with results of the observer added, to be recorded.
+        """Return the contact with the surface temperatures after the last step.
 
         Its columns and fields of temperature read this heat.
         """
@@ -126,7 +126,7 @@ class TransientHeat(Observer):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, from which `restore` makes the observer again (1-d or more).
+        """Temperatures and heat memories by name, for `restore`; empty before the first step.
 
         Fields of the past have a margin around the mesh.
         """

@@ -140,7 +140,7 @@ class Passage(Step):
         return StepRecord(contact, values)
 
     def on(self, grid: Grid) -> "Passage":
-        """Return the passage on a wider mesh of equal elements."""
+        """Return the passage on a wider mesh; its new rows have only the initial wear."""
         before = self.grid
         course = tuple(point.on(grid.elements[1]) for point in self.course)
         if self.began is not None:  # the initial wear is also defined outside the mesh
@@ -174,7 +174,7 @@ class Passage(Step):
 
     @property
     def worn(self) -> np.ndarray:
-        """Depth that one pass wears off both bodies (mean of a cycle), shape (n_y,), mm."""
+        """Depth that one pass wears off both bodies, weighted mean of blocks, (n_y,), mm."""
         return _weighted_mean(self.weights, map(_depth_of_pass, self.contacts))
 
     @property
@@ -199,7 +199,7 @@ class Passage(Step):
         )
 
     def _initial_depth(self, body: str | None = None) -> np.ndarray | float:
-        """Return the wear depth with which the roll began, of one body or of both, mm."""
+        """Return the wear depth with which the roll began, of one body or both, mm; or 0."""
         if self.began is None:
             return 0.0
         both = self.began.on(self.grid)
@@ -312,7 +312,7 @@ def _turns_after_wear(model: Model, contact: State) -> Turns:
 
 
 def attribute_wear(last: Passage, passage: Passage) -> Passage:
-    """Return a passage with the wear since the last one attributed to blocks and bodies.
+    """Return a passage with the wear since the last one by block and body, if `parts` are set.
 
     The profile determines the total. It is shared in proportion to the rates; over a jump to the
     mean of the rates at its ends.

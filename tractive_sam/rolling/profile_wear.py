@@ -126,7 +126,7 @@ class ProfileWear(Process[WornStep]):
         return self._step(0, (np.zeros(wheel.size), np.zeros(rail.size)), {})
 
     def advance(self, last: WornStep) -> Iterator[WornStep]:
-        """Yield the steps that follow a step, to the end or to an unsolved contact."""
+        """Yield the steps of worn profiles, to the last revolution or an unsolved contact."""
         while last.jump:
             depths = last.depths[0] + last.change[0], last.depths[1] + last.change[1]
             starts = {k: position.start for k, position in enumerate(last.positions)}

@@ -67,7 +67,7 @@ class Revolutions(Process[Passage]):
 
     @classmethod
     def restore(cls, scene: Scene, stored: StoredStep) -> Passage:
-        """Return the step of a stored record, without what the model adds (see `adopt`)."""
+        """Return the passage of a stored record; `adopt` adds wear shares and observers."""
         history, row = stored.history, stored.row
         stored.require(cls.finite)
         stored.require(("entering_profile", "wear_per_revolution"), before=1)

@@ -55,7 +55,7 @@ class LargestStress(Observer):
 
     @property
     def columns(self) -> tuple[Quantity, ...]:
-        """Columns that the observer adds to each record.
+        """Columns of the largest stress, inside and at the surface; none before the first step.
 
         They are the columns of the fatigue criterion of the laws.
         """
@@ -63,7 +63,7 @@ class LargestStress(Observer):
 
     @cached_property
     def maxima(self) -> tuple[dict[str, Maximum], ...]:
-        """Largest stresses below the contact of each block, by body."""
+        """Largest stresses below the contact of each block, by body; empty at the beginning."""
         if self.model is None:
             return ()
         blocks = zip(self.contacts, self.model.blocks, strict=True)
@@ -79,7 +79,7 @@ class LargestStress(Observer):
         }
 
     def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
-        """Return the stress on planes below the contact of a block, stored with the fields.
+        """Return the stress on planes below the contact of a block; none before the first step.
 
         The planes are listed in the scene.
         """

@@ -63,9 +63,9 @@ class StressHistory(Observer):
         yield Row("memory of the history", room)
 
     def bytes_needed(self, model: Model) -> float:
-        """Return the memory, in bytes, that the observer needs besides its stored records.
+        """Return the memory, bytes, of the tractions of all steps and of layers of stress.
 
-        It counts tractions, their stored copies, and layers of stress.
+        It counts stored copies of the tractions as well.
         """
         scene, elements = model.scene, math.prod(model.grid.elements)
         steps = expected_steps(scene, model.grid.dx)
@@ -74,7 +74,7 @@ class StressHistory(Observer):
         return 8.0 * steps * elements * (2 * 4 + layers)
 
     def begin(self, step: Any, model: Model) -> "StressHistory":
-        """Return the observer as it is after the first step of a process."""
+        """Return the observer after the first step, as after any other."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "StressHistory":
@@ -91,13 +91,13 @@ class StressHistory(Observer):
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, from which `restore` makes the observer again (1-d or more)."""
+        """Distances and loads of all steps in the cycle, by name, for `restore`."""
         grid = self._contact.grid
         loads = [[widen_field(field, grid.elements) for field in load] for load in self.loads]
         return {"places": np.array(self.places), "loads": np.array(loads)}
 
     def restore(self, step: Any, stored: Any) -> "StressHistory":
-        """Return the observer as it was after a stored step, to resume from."""
+        """Return the observer with the stored distances and loads of the cycle, to resume from."""
         state = stored.state_of(self)
         loads = tuple(tuple(load) for load in state["loads"])
         places = tuple(state["places"].tolist())
@@ -105,7 +105,7 @@ class StressHistory(Observer):
 
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
-        """Fatigue of the bodies in the last step, stored with the fields."""
+        """Fatigue of the bodies by the load cycle so far, stored with the fields."""
         return tuple(cycle for cycle, _ in self._fatigue.values())
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> dict[str, Any]:

@@ -129,7 +129,7 @@ class TransientProcess(Process[Moment]):
         return Moment(at, -1, result, volumes=volumes, deepest=deepest, began=model.began)
 
     def advance(self, last: Moment) -> Iterator[Moment]:
-        """Yield the steps that follow a step, to the end or to an unsolved contact."""
+        """Yield the moments after one, with jumps at knots, to the end or an unsolved contact."""
         courses, separation = self.courses, self._separation(last.distance)
         last = replace(last, result=self.stepper.with_gap_outside(last.result, separation))
         while last.contact.converged:
@@ -184,7 +184,7 @@ class TransientProcess(Process[Moment]):
         return replace(moment, distance=near[0]) if near and not at_knot else moment
 
     def _moments_to_save(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
-        """Return the moments to save within a step, up to the first that is not solved."""
+        """Return the moments to save inside a step; the last may be unsolved and ends the list."""
         moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < end.distance):
             moment, _ = self._try_step(last, place, None, end)

@@ -76,7 +76,7 @@ def _with_wear_residual(contact: State, missed: float) -> State:
 
 
 def _residual(model: Model, contact: State, change: np.ndarray) -> float:
-    """Return the relative residual of the normal contact that a change of the wear causes."""
+    """Return the relative residual of the normal contact by a change of wear; 0 if none touches."""
     if not contact.touching.any():
         return 0.0
     gap = np.where(contact.touching, change, 0.0) / model.units.gap

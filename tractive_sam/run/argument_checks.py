@@ -139,7 +139,7 @@ def hash_measurements(model: Model) -> str:
 
 
 def depths_of(wear: ArrayLike, grid: Grid) -> np.ndarray:
-    """Return wear depths given by a user as an array on the mesh, mm, after checks."""
+    """Return user-defined wear depths as floats on the mesh, mm; raise an error for others."""
     # Largest depth of wear, mm: beyond it rounding errors would exceed the gap.
     deepest = 1e6
     needed = f"wear: must be numbers up to {deepest:g} mm in the shape {grid.elements}"

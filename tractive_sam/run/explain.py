@@ -197,7 +197,7 @@ def expected_applications(model: Model) -> int:
 
 
 def _fatigue_applications(model: Model) -> float:
-    """Return the work of the fatigue of one record, as a number of elastic responses."""
+    """Return the work of fatigue in a record, in elastic responses; 0 without [fatigue]."""
     work, fatigue = TypicalWork(), model.scene.fatigue
     if fatigue is None:
         return 0.0

@@ -25,7 +25,7 @@ def export_volume(
     overwrite: bool = False,
     threads: int = 1,
 ) -> Path:
-    """Write the stress in a volume of one body into a file that ParaView opens (VTKHDF).
+    """Write the stress in a volume of one body to a VTKHDF file (ParaView); return its path.
 
     Points are the centres of the elements at equally spaced depths from the surface on; body A is
     at z >= 0, B at z <= 0. Layers are computed and written one after another, so that memory does
@@ -90,7 +90,7 @@ def export_volume(
 def export_surface(
     source: State | History, path: str | PathLike, *, overwrite: bool = False
 ) -> Path:
-    """Write pressure, traction, slip, wear and gap into a file that ParaView plays (VTKHDF).
+    """Write the surface fields of one or all stored contacts to a VTKHDF file; return its path.
 
     Points are the centres of the elements. Each of the `saved` of a history is a step, which
     ParaView shows as a time.

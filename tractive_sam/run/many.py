@@ -36,7 +36,7 @@ Values = Mapping[str | tuple[str, ...], Sequence[Any]] | Mapping[str, Sequence[A
 
 @single_blas_thread()
 def solve_many(scene: Scene, over: Values, *, jacobian: bool = False) -> "xarray.Dataset":
-    """Solve a steady contact for every combination of values; return an xarray Dataset.
+    """Solve all combinations of values; return an xarray Dataset, nan where a contact is unsolved.
 
     Creepages cost least: a scene under other creepages is not checked again, shares mesh, gap and
     operators, and starts from the contact solved before it, which is a neighbour. For any other

@@ -38,7 +38,7 @@ def contact_bytes(model: Model) -> float:
 
 
 def stress_bytes(model: Model) -> float:
-    """Return the estimated memory of the stress planes of [subsurface], bytes."""
+    """Return the estimated memory, bytes, of the stress planes of [subsurface]; 0 without it."""
     table, (nx, ny) = model.scene.subsurface, model.grid.elements
     if table is None:
         return 0.0
@@ -48,7 +48,7 @@ def stress_bytes(model: Model) -> float:
 
 
 def fatigue_bytes(model: Model) -> float:
-    """Return the estimated memory of the layers and results of [fatigue], bytes."""
+    """Return the estimated memory, bytes, of layers and results of [fatigue]; 0 without it."""
     table, (nx, ny) = model.scene.fatigue, model.grid.elements
     if table is None:
         return 0.0

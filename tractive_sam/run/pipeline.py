@@ -52,7 +52,7 @@ def solve(
     jacobian: bool = False,
     progress: bool | None = None,
 ) -> State:
-    """Solve one steady state of a scene, and return the contact.
+    """Solve a steady contact of a scene; raise NotConverged if it fails, unless `throw` is False.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ def roll(
     columns: Iterable[Quantity] = (),
     observers: Iterable[Observer] = (),
 ) -> History:
-    """Roll a scene through its revolutions, steps or blocks, and return the history.
+    """Roll a scene through its revolutions, steps or blocks; return the history, solved or not.
 
     Parameters
     ----------

@@ -195,7 +195,7 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
 
 
 def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
-    """Return the dotted keys of entries that differ although resuming forbids it."""
+    """Return the dotted keys of entries that differ but must not, to resume; empty if none."""
     if key in FREE or _are_equal(before, after):
         return []
     if isinstance(before, dict) and isinstance(after, dict):

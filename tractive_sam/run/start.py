@@ -13,7 +13,7 @@ from tractive_sam.store import ResultsError
 
 
 def worn_bodies(start: History | State, scene: Scene) -> Worn:
-    """Return the wear depths of both bodies from an earlier history or contact.
+    """Return both bodies' wear depths from a history or contact; raise if the bodies differ.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def _describe_last_record(history: History) -> str:
 
 
 def _last_row(history: History) -> int:
-    """Return the row of the last solved record of a history."""
+    """Return the row of the last solved record of a history; raise an error if there is none."""
     solved = np.flatnonzero(history["converged"] > 0.0)
     if not solved.size:
         raise ResultsError("start: the history holds no solved contact; give another one")

@@ -145,6 +145,6 @@ def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:
 
 
 def _shorter_side(problem: NormalProblem | Problem) -> int:
-    """Return the number of elements along the shorter side of the mesh (rows: only x)."""
+    """Return the least number of elements along the axes that coarser meshes coarsen."""
     lattice = problem.operators.lattice
     return min(n for n, block in zip(lattice.shape, lattice.coarsening, strict=True) if block > 1)

@@ -97,7 +97,7 @@ class Newton:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem to a tolerance; its pressure may be free or fixed.
+        """Solve a problem with free or fixed pressure; raise a ValueError if it has wear in a pass.
 
         Parameters
         ----------
@@ -149,7 +149,7 @@ class Newton:
         return _outcome(problem, at, status, taken, cost)
 
     def _first(self, problem: Problem, start: Start | Outcome | None) -> tuple[Iterate, Cost]:
-        """Return the first iterate of a problem, from a start or a rough normal solution."""
+        """Return (first iterate, cost), from a start or a rough normal solution."""
         cost, normal = Cost(), problem.normal
         if start is None and isinstance(normal, NormalProblem):
             outcome = ConjugateGradients().solve(normal, 1e-3)
@@ -176,7 +176,7 @@ class Newton:
         return at, cost + Cost(at.applications)
 
     def _with_smallest_slip(self, problem: Problem, at: Iterate) -> Iterate:
-        """Return an iterate with the creepages that minimise slip where elements stick."""
+        """Return an iterate with creepages of least slip where elements stick, if any do."""
         sticks = np.hypot(*at.traction) < self.inside * at.bound.radius
         if not sticks.any():
             return at

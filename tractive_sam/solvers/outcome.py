@@ -169,7 +169,7 @@ class ProblemSolver(Protocol):
     """Protocol of solvers: objects with a method `solve`."""
 
     def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:
-        """Solve a problem to a tolerance, from a start if given; return the outcome.
+        """Solve a problem, from a start if there is one; return the outcome, converged or not.
 
         Parameters
         ----------

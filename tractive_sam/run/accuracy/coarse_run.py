@@ -108,7 +108,7 @@ class ErrorBars(Observer):
         return self
 
     def complete(self, contact: State, block: int) -> State:
-        """Return the contact of a block with its error bars added, to be recorded."""
+        """Return the contact with its error bars; unchanged if there are no coarser runs."""
         if not self.middle:
             return contact
         assessment = self._assessments[block]

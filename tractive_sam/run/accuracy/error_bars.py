@@ -184,7 +184,7 @@ def _fatigue_numbers(contact: State, body: str, fatigue: BodyFatigue) -> Numbers
 def _path_errors(
     contact: State, values: Mapping[Name, float], fatigue: Mapping[str, BodyFatigue]
 ) -> dict[Name, float]:
-    """Return relative errors that the sampling of stress paths causes in fatigue values."""
+    """Return relative errors, by name, of fatigue values due to the sampling of stress paths."""
     floors: dict[Name, float] = {}
     for body, cycle in fatigue.items():
         if cycle.criterion is None:
