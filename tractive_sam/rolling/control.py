@@ -71,7 +71,7 @@ class ErrorControl:
 
 @dataclass(frozen=True)
 class Stops:
-    """Error control of steps that must end at given places (stops), for example records to save.
+    """Error control of steps that must end at stops, for example at coordinates to save.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class Stops:
     approach: float = 1.0
 
     def first(self, here: float, wish: float, settled: float) -> Trial:
-        """Return the first step to try from a place; it ends at the next stop at the latest."""
+        """Return the first step to try from a coordinate; the next stop limits its length."""
         distance = self.stops[bisect_right(self.stops, here)] - here
         unit = self.control.unit
         nearer = max(unit, settled, ceil(self.approach * distance / unit) * unit)
@@ -127,7 +127,7 @@ class FixedSteps:
     stops: tuple[float, ...]
 
     def first(self, here: float, wish: float, settled: float) -> Trial:
-        """Return the step from a place to the next stop."""
+        """Return the step from a coordinate to the next stop."""
         distance = self.stops[bisect_right(self.stops, here)] - here
         return Trial(distance, distance)
 

@@ -113,7 +113,7 @@ class Courses:
         return constant | dict.fromkeys(self.creepages, 0.0) if shifts_in_list else constant
 
     def shifted(self, stretch: int) -> bool:
-        """Return whether a stretch of length zero is a jump of values that needs a shift step."""
+        """Return whether a stretch without length is a jump of values, which needs a shift step."""
         if self.knots[stretch] != self.knots[stretch + 1]:
             return False
         before, after = self._at_knot(stretch), self._at_knot(stretch + 1)

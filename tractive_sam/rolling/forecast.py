@@ -101,7 +101,7 @@ class Forecast:
         return self._stops[bisect_right(self._stops, here)] - here
 
     def _count_steps(self, jump: float, before: float, worn: float) -> float:
-        """Return the predicted number of remaining steps, given the last two wanted jumps."""
+        """Return the predicted number of remaining steps, from the last two proposed jumps."""
         here, shaped, count = self._here, self._here, 0
         wish = sqrt(jump * before)
         if worn < self.shaped and jump >= self.unhindered * here:

@@ -91,7 +91,7 @@ class TransientHeat(Observer):
         return replace(adopted, heat=heat, past=past)
 
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
-        """Return the observer after a shift, which releases frictional heat in no time."""
+        """Return the observer after a shift: friction heats in no time, temperatures stay."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
         total, before = _friction_heat(result), required(self.heat, "heat").temperature
         warmth = {

@@ -347,7 +347,7 @@ def passage_at(
     grown: np.ndarray | float = 1.0,
     rolled: int | None = None,
 ) -> Passage:
-    """Solve the contacts of a revolution for a prescribed entering profile.
+    """Solve the contacts and their wear in a revolution for a prescribed entering profile.
 
     Parameters
     ----------

@@ -75,7 +75,7 @@ class PositionWear:
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Arrays, by name, from which `restore` makes the object again."""
+        """Start contact and wear of each patch as arrays, by name, for `restore`."""
         start = self.start
         numbers = (*start.grid.half_length, start.approach)
         state = {

@@ -83,7 +83,7 @@ def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndar
 
 
 def _wear_per_load(model: Model, contact: State) -> np.ndarray:
-    """Return the wear depth of each row per MPa summed over the row, mm; extrapolated outside."""
+    """Return the wear depth of each row per MPa summed over it, mm; constant beyond the contact."""
     count = contact.touching.sum(axis=0)
     law = required(wear_law_at(model, contact), "wear")
     rate = law.per_load(contact.pressure, contact.traction, contact.slip)

@@ -186,7 +186,7 @@ def _cycle_start(model: Model) -> float:
 
 
 def _with_x(at: tuple[float, ...], cycle: BodyFatigue, x: np.ndarray) -> tuple[float, ...]:
-    """Return a place (nan, y, depth) with x of the most loaded material there, mm."""
+    """Return a position (nan, y, depth) with x of the most loaded material for nan, mm."""
     if not np.isfinite(at[1:]).all():
         return at
     row, depth = int(np.argmin(abs(cycle.y - at[1]))), int(np.argmin(abs(cycle.depth - at[2])))

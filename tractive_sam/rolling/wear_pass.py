@@ -70,7 +70,7 @@ def _key_of_wear(model: Model) -> str:
 
 
 def _with_wear_residual(contact: State, missed: float) -> State:
-    """Return the contact with `missed` as its residual, if that is larger than its own."""
+    """Return the contact with `missed` as residual, if it is solved and that is larger."""
     larger = contact.converged and missed > contact.residual
     return replace(contact, residual=missed) if larger else contact
 

@@ -78,13 +78,13 @@ class PatchStep(Step):
 
 @dataclass(frozen=True, eq=False)
 class PatchDamage(Damage):
-    """Fatigue of wheel and rail in one patch.
+    """Observer of the fatigue of wheel and rail, separately for each patch.
 
     Patches load different material, so that no damage adds up from one record to the next.
     """
 
     def begin(self, passage: Step, model: Model) -> Self:
-        """Return the observer after the pass of a patch."""
+        """Return the observer after the pass of a patch, which begins undamaged."""
         return super().begin(start_passage(model, passage.contacts), model)
 
     def after(self, passage: Step, model: Model) -> Self:

@@ -235,7 +235,7 @@ def transform_work(shape: tuple[int, int]) -> float:
 
 
 def timed_shape(shape: tuple[int, int], max_elements: int) -> tuple[int, int]:
-    """Return the shape of a smaller mesh, with sides as similar, on which work is timed."""
+    """Return the shape of a mesh of at most `max_elements`, with similar sides, to time work on."""
     share = np.sqrt(min(1.0, max_elements / np.prod(shape, dtype=float)))
     nx, ny = (min(n, max(3, round(share * n))) for n in shape)
     return min(nx, max(3, max_elements // ny)), min(ny, max(3, max_elements // nx))

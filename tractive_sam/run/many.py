@@ -133,7 +133,7 @@ class _CaseTable:
             self.numbers[name][place] = quantity.read(contact)
 
     def dataset(self, title: str) -> "xarray.Dataset":
-        """Return all results as an xarray Dataset over the axes."""
+        """Return all results as an xarray Dataset over the axes; nan where not solved."""
         dims = [axis.name for axis in self.axes]
         variables: dict[str, Any] = {
             name: (dims, values, _attributes(self.quantities[name]))
@@ -182,7 +182,7 @@ class _Axis:
 
 
 def _check_values(scene: Scene, over: Values) -> list[_Axis]:
-    """Check all values in a scene, and return the axes."""
+    """Check all values in a scene; return the axes, or raise a SceneError with all faults."""
     allowed = "entries of a scene and a list of values of each"
     if not isinstance(over, Mapping) or not over:
         raise SceneError([Fault("over", shorten(over), allowed)])
@@ -325,7 +325,7 @@ def neighbouring_places(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
 
 
 class SequentialRuns:
-    """Rolls scenes one after another in memory, each started from the contact before.
+    """Runs of scenes in memory; a steady contact starts from the one before.
 
     Scenes that differ only by creepages share mesh, gap and operators. If the mesh does not change,
     the previous contact is the initial guess. Results agree with `roll` to the tolerance of the

@@ -24,7 +24,7 @@ class Bar(Protocol):
     """Protocol of a progress bar in a terminal or a notebook."""
 
     def show(self, text: str, done: float, total: float | None, remaining: str) -> None:
-        """Show a text, the completed part of a total (if known), and the remaining time."""
+        """Show a text, work done of a total (None if unknown), and the remaining time."""
 
     def close(self) -> None:
         """Remove the bar."""
@@ -36,7 +36,7 @@ def show_roll_progress(
     progress: bool | Callable[[Record], None] | None = None,
     terminal: Console | None = None,
 ) -> Iterator[Callable[[Record], None] | None]:
-    """Show a progress bar in the block, and yield the function to call with each record.
+    """Show a progress bar; yield the function to call with each record, None without a bar.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class _RollProgress:
 
 @contextmanager
 def show_solving(progress: bool | None = None, terminal: Console | None = None) -> Iterator[None]:
-    """Show a progress bar while a contact is solved in the block.
+    """Show a progress bar while the block solves, if it takes long (True: at once, False: never).
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class _Terminal:
         self._task = self._bar.add_task("", total=None, left="")
 
     def show(self, text: str, done: float, total: float | None, duration: str) -> None:
-        """Show a text, completed and total work, and the remaining time."""
+        """Show a text, work done of a total (None if unknown), and the remaining time."""
         remaining = f"left {duration}" if duration else ""
         self._bar.update(self._task, description=text, completed=done, total=total, left=remaining)
         self._bar.start()

@@ -16,7 +16,7 @@ from tractive_sam.store import ResultsError
 
 
 def solve_to_accuracy(scene: Scene, measured: Gap | None, model_of: Callable[..., Model]) -> State:
-    """Solve unworn bodies on meshes refined to their accuracy; return the contact."""
+    """Solve unworn bodies on refined meshes; return the contact, "inaccurate" if not reached."""
     refinement = refine_unworn(set_tolerances(scene), measured, model_of)
     if not refinement.contact.converged or not refinement.missed:
         return refinement.contact

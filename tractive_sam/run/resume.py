@@ -132,7 +132,7 @@ def _check_same_scene(history: History, path: str | PathLike, scene: Scene) -> N
 
 
 def _check_laws(history: History, path: str | PathLike, laws: Mapping[str, LawRecord]) -> None:
-    """Raise an error unless the given laws equal the laws of a results file."""
+    """Raise an error unless the laws of a run equal those of its results file."""
     stored, current = (
         {name: law.fingerprint for name, law in records.items()}
         for records in (history.law_records, laws)
@@ -231,7 +231,7 @@ def _are_equal(before: Any, after: Any) -> bool:
 
 
 def _format_entry(entries: dict[str, Any], key: str) -> str:
-    """Return the value of a dotted key in the settings of a scene as text."""
+    """Return the value of a dotted key as text: "nothing" if unset, tables by their number."""
     value: Any = entries
     for name in key.replace("[", ".").replace("]", "").split("."):
         value = value[int(name)] if isinstance(value, tuple) else (value or {}).get(name)

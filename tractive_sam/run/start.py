@@ -59,7 +59,7 @@ def describe_origin(start: History | State) -> str:
 
 
 def _describe_last_record(history: History) -> str:
-    """Describe the last solved record of a history."""
+    """Return the coordinate of the last solved record as text ("revolution 100")."""
     row = _last_row(history)
     along = history.coordinate
     return f"{along.name} {history[along.name][row]:{along.format}}"

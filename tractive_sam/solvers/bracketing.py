@@ -50,7 +50,7 @@ class Bracketing:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem by a search over the creepage that gives its first prescribed force.
+        """Search the creepage for the first prescribed force; without forces use continuation.
 
         Returns
         -------
@@ -87,7 +87,7 @@ class Bracketing:
 
 
 class _Search:
-    """Force as a function of the creepage, each problem solved from the previous outcome.
+    """Search for the creepage of a force: solves problems, each from the previous outcome.
 
     Attributes
     ----------

@@ -14,7 +14,7 @@ from tractive_sam.solvers.problem import Problem
 
 @dataclass(frozen=True)
 class Continuation:
-    """Solver that follows a path of easier problems, from full slip to the given creepages.
+    """Solver that follows a path of easier problems, from full slip to the prescribed creepages.
 
     Attributes
     ----------

@@ -29,7 +29,7 @@ def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
 
 
 def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarray) -> np.ndarray:
-    """Interpolate tractions to a finer mesh by their smooth share of the traction bound."""
+    """Interpolate tractions to a finer mesh by their ratio to the traction bound."""
     return refine(shares(coarse, bound), fine_bound.shape) * fine_bound
 
 

@@ -102,7 +102,7 @@ class Iterate:
             self.ratio = float(max(size / drag, 1.0)) if drag > 0.0 else 1.0
 
     def _was_changed_from(self, pressure: np.ndarray, traction: np.ndarray) -> bool:
-        """Return whether the fields differ from given ones, as they were made admissible."""
+        """Return whether making the fields admissible has changed these fields."""
         fields = ((self.traction, traction), (self.pressure, pressure))
         return any(new is not before and (new != before).any() for new, before in fields)
 
@@ -232,7 +232,7 @@ class System:
         return self.product(vector, self.response(vector))
 
     def _approximate_inverse(self, rows: np.ndarray) -> np.ndarray:
-        """Return fields that approximately have the given rows, a block preconditioner."""
+        """Return fields that approximately cause these rows: the block preconditioner."""
         at = self.at
         tangential = rows[-2:] if at.ratio == 1.0 else rows[-2:] / at.ratio
         step = self._inverse(tangential)

@@ -137,7 +137,7 @@ class PrescribedForces:
 
 @dataclass(frozen=True, eq=False)
 class FixedPressure:
-    """Given pressure and gap, under which only the tractions are unknown.
+    """Fixed pressure and gap, under which only the tractions are unknown.
 
     Parameters
     ----------
@@ -335,22 +335,22 @@ class Problem:
 
     @cached_property
     def _fixed_bound(self) -> Bound:
-        """Traction bound of the friction law under the given pressure."""
+        """Traction bound of the friction law under the fixed pressure, at zero slip."""
         return self.friction.bound(self.fixed_pressure.pressure)
 
     @cached_property
     def _fixed_weight(self) -> float:
-        """Weight of slip relative to tractions under the given pressure."""
+        """Weight of slip relative to tractions under the fixed pressure."""
         return self.kinematics.slip_weight(self.operators, self._fixed_bound.radius)
 
     @cached_property
     def _fixed_slip(self) -> FrictionSlip:
-        """`FrictionSlip` (slip corrected at edges) under the given pressure."""
+        """`FrictionSlip` (slip corrected at edges) under the fixed pressure."""
         normal = self.fixed_pressure
         return self.kinematics.friction_slip(self.operators, normal.pressure, normal.gap)
 
     def project(self, traction: np.ndarray, radius: np.ndarray, physical: bool) -> np.ndarray:
-        """Return the tractions within the traction bound that are nearest to given ones."""
+        """Return the scaled tractions within the bound nearest to these (`physical`: unscaled)."""
         return self.friction.law.project(traction, radius, physical)
 
     def opposed(self, traction: np.ndarray, slip: np.ndarray, seen: FrictionSlip) -> np.ndarray:

@@ -142,7 +142,7 @@ class ProjectedMap:
 
 
 def missed(target: Array, state: Array) -> float:
-    """Return the relative distance between a state and its projection."""
+    """Return the distance of a state from its projection `target`, over the size of `target`."""
     short = target - state
     dot = backend_of(short).dot
     return relative(sqrt(dot(short, short)), sqrt(dot(target, target)))

@@ -114,7 +114,7 @@ class RoughSequential:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve roughly, ignoring tolerance and start; if forces fail, at given creepages."""
+        """Solve roughly, ignoring tolerance and start; if forces fail, without them."""
         normal = self.normal.solve(problem.normal, self.rough)
         pressure = needed(normal.pressure, "outcome.pressure")
         tangential = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))

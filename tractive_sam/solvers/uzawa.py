@@ -11,7 +11,7 @@ from tractive_sam.solvers.projection import ProjectedMap, Projection, States
 
 @dataclass(frozen=True)
 class Uzawa(Projection):
-    """Solver of the paper: repeated projected steps (section 7.5).
+    """Solver by Uzawa's iteration: repeated projected steps (paper, section 7.5).
 
     Departures from the paper: the paper stops on the change of the iterate, which is small also
     after a short step; here the residual of the contact conditions has to fall. The paper leaves

@@ -93,7 +93,7 @@ class ErrorBars(Observer):
     name, key, unsolved = "error_bars", "accuracy", True
 
     def begin(self, step: Any, model: Model) -> "ErrorBars":
-        """Return the observer as it is after the first step of a process."""
+        """Return the observer with the first step as its last one."""
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> "ErrorBars":

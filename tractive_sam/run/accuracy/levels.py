@@ -30,7 +30,7 @@ class Levels:
         self._scene, self._measured = scene, measured
 
     def grid(self, level: int) -> Grid:
-        """Return the mesh of a level, before it grows with the contact."""
+        """Return the mesh of a level (0: the usual one), before it grows with the contact."""
         return choose_grid(self._scene, self._measured, finer=2.0 ** (0.5 * level))
 
     def allowed(self, level: int) -> bool:
@@ -57,7 +57,7 @@ class Levels:
 
 
 def set_tolerances(scene: Scene) -> Scene:
-    """Return the scene with solver and wear tolerances that fit its accuracy, unless given."""
+    """Return the scene with solver and wear tolerances for its accuracy, unless it sets them."""
     tolerance = required(scene.accuracy, "accuracy").tolerance
     entries = scene.entries()
     changes = {}
