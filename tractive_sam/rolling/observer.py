@@ -15,7 +15,7 @@ from tractive_sam.scene import Scene
 
 @renamed_attributes(asked_by="applies_to")
 class Observer(ABC):
-    """Base class of observers, which compute further columns and fields along a process.
+    """Base class of observers of a process: columns and fields, updated after each step.
 
     It defines its columns, stored fields and description, and the state that it needs to resume.
     An object never changes: `begin`, `after` and `restore` return another one. The steps of a

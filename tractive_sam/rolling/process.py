@@ -67,7 +67,7 @@ class StepRecord(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Step(ABC):
-    """Base class of a step of a process: its contacts, and all that the next step needs.
+    """Base class of a step of a process; a subclass adds its coordinate and its record.
 
     Attributes
     ----------
@@ -267,7 +267,7 @@ AnyStep = TypeVar("AnyStep", bound=Step)
 
 @renamed_attributes(followed_by="with_observers")
 class Process(ABC, Generic[AnyStep]):
-    """Base class of processes: sequences of contacts of a scene, as in rolling with wear.
+    """Base class of processes, sequences of contacts; a subclass begins and advances them.
 
     Parameters
     ----------

@@ -134,7 +134,7 @@ class ProfileWear(Process[WornStep]):
             yield last
 
     def state(self, step: WornStep) -> dict[str, np.ndarray]:
-        """Return all arrays, by name, from which the process can resume after a step.
+        """Return the arrays, by name, to resume after a step; no fields, as meshes differ.
 
         Fields are left out: they belong to separate meshes.
         """

@@ -166,7 +166,7 @@ class Outcome:
 
 
 class ProblemSolver(Protocol):
-    """Protocol of solvers: objects with a method `solve`."""
+    """Protocol of solvers of contact problems: objects with a method `solve`."""
 
     def solve(self, problem: Any, tolerance: float, start: Any = None) -> Outcome:
         """Solve a problem, from a start if there is one; return the outcome, converged or not.
