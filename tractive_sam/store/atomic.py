@@ -53,7 +53,7 @@ class WritableFile(h5py.File):
 
 @contextmanager
 def atomic_rewrite(path: Path, *, empty: bool = False) -> Iterator[WritableFile]:
-    """Yield a copy of a file, or an empty one, that replaces the file when the block ends.
+    """Yield a copy of a file, or an empty one, that replaces it unless the block fails.
 
     If the block fails or the process is killed, the file is unchanged. Each copy has a unique name,
     so two processes never write to the same copy. The next `sole_writer` removes the copies of
@@ -109,7 +109,7 @@ class _UnfailingFile:
         return self._position
 
     def read(self, size: int) -> bytes:
-        """Return at most `size` bytes."""
+        """Return at most `size` bytes from the position, also those that could not be written."""
         data = bytearray(size)
         return bytes(data[: self.readinto(data)])
 
@@ -142,7 +142,7 @@ class _UnfailingFile:
         return size
 
     def truncate(self, size: int) -> int:
-        """Set the length of the file in bytes and return it."""
+        """Set the length of the file and return it; a disk error is stored, not raised."""
         try:
             if self.error is None:
                 self._output.truncate(size)

@@ -141,7 +141,7 @@ def _read_attributes(file: h5py.File) -> dict[str, Any]:
 
 
 def _decode_attribute(value: Any) -> Any:
-    """Return an HDF5 attribute as text or number."""
+    """Return bytes as str, arrays of one element as scalar, other attributes unchanged."""
     if isinstance(value, np.ndarray | np.generic) and value.size == 1:
         value = value.item()
     return value.decode() if isinstance(value, bytes) else value

@@ -19,7 +19,7 @@ loss of a page that contains all of a chunk with its checksum would not be notic
 
 
 def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
-    """Create an HDF5 dimension scale of texts.
+    """Create an HDF5 dimension scale of texts of variable length.
 
     Some of them do not support texts of fixed length. So these texts have a variable length, and
     this package never reads them.
@@ -77,7 +77,7 @@ def describe_dataset(dataset: h5py.Dataset, quantity: Quantity) -> h5py.Dataset:
 
 
 def plane_path(body: str, plane: Plane | str, block: int | None = None) -> str:
-    """Return the path within /stress of a plane of a body."""
+    """Return the path "[block-k/]body/plane", within /stress, of a plane's group."""
     return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
 
 

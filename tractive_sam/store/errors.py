@@ -40,11 +40,11 @@ class StorageError(ResultsError):
 
 
 class FileInUseError(ResultsError):
-    """Error of a file that another process is writing."""
+    """Error raised at once if another process is writing the file."""
 
 
 class GapError(ValueError):
-    """Error of a file of a measured gap that cannot be used.
+    """Error of a gap file that cannot be used: key of the scene, fault, and required content.
 
     Attributes
     ----------

@@ -79,7 +79,7 @@ def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
 
 
 def _read(settings: scene.Gap) -> Gap:
-    """Return a gap converted to mm and checked."""
+    """Return a gap from its file or arrays, converted to mm; GapError unless it is valid."""
     if settings.file is None:
         return settings.in_mm(settings.x, settings.y, settings.separation)
     path = settings.file
@@ -235,7 +235,7 @@ _READERS = {
 
 
 def _gap_from_points(path: Path, points: np.ndarray) -> _GapData:
-    """Return the gap of unordered points (n, 3) that form a grid."""
+    """Return the gap of points (n, 3) in any order; GapError unless they fill a grid once."""
     if points.ndim != 2 or points.shape[1] != len(NAMES):
         cure = (
             "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a matrix"

@@ -113,7 +113,7 @@ def first_place(places: Sequence[str]) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Return whether a cell contains a number."""
+    """Return whether Python's float can read a cell; also nan and inf."""
     try:
         float(cell)
     except ValueError:

@@ -61,7 +61,7 @@ def read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
 
 
 def read_bodies(file: ResultsFile) -> tuple[str, ...]:
-    """Return the bodies with stored stress in an old file."""
+    """Return the bodies with stored stress in an old file; () if there are none."""
     return file.labels("history/body") if "history/body" in file else ()
 
 

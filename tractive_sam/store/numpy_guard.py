@@ -12,7 +12,7 @@ from tractive_sam.input_file import open_regular
 
 
 def read_array(path: Path) -> np.ndarray:
-    """Return the array in an .npy file, without executing stored objects.
+    """Return the array in an .npy file; ValueError if it contains Python objects.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def read_array(path: Path) -> np.ndarray:
 
 
 def read_archive(path: Path, max_bytes: int = 2**31) -> dict[str, np.ndarray]:
-    """Return the arrays in an .npz file by name, up to `max_bytes` bytes.
+    """Return the arrays in an .npz file by name; ValueError above `max_bytes` in all.
 
     Parameters
     ----------

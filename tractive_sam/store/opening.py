@@ -23,7 +23,7 @@ from tractive_sam.store.texts import decode_text
 
 @contextmanager
 def open_results(path: Path) -> Iterator["ResultsFile"]:
-    """Open a results file for reading within the block.
+    """Open a results file for reading within the block; ResultsError if it is none.
 
     Raises
     ------
@@ -120,7 +120,7 @@ class ResultsFile:
 
     @property
     def records(self) -> int:
-        """Number of complete records."""
+        """Number of complete records, the rows of the history."""
         laid_out = self.length("history/record")
         with self._report_damage("history/record"):
             check_claimed_size(self._file, 8 * laid_out * len(self._item("history")))
@@ -176,7 +176,7 @@ class ResultsFile:
                 raise ValueError(f"{described}, not numbers of the shape {shape}")
 
     def text(self, name: str, attribute: str | None = None, default: str | None = None) -> str:
-        """Return a text dataset, or a text attribute of a member."""
+        """Return a text dataset or text attribute; `default` if the attribute is missing."""
         with self._report_damage(f"{name} {attribute or ''}".rstrip()):
             item = self._item(name)
             if attribute is None:
@@ -224,7 +224,7 @@ class ResultsFile:
                         _ = item[chunk]
 
     def _item(self, name: str) -> h5py.Group | h5py.Dataset:
-        """Return a group or dataset by name; links are refused."""
+        """Return a group or dataset by its path; KeyError if missing, ValueError for a link."""
         return get_member(self._file, name)
 
     def damage_error(self, problem: str) -> DamagedError:

@@ -197,7 +197,7 @@ def _widen_rows(
     outside: float = 0.0,
     lead: int = 0,
 ) -> None:
-    """Widen every row of a dataset to a larger mesh."""
+    """Widen every row of a dataset to a larger mesh, with `outside` around the former one."""
     outer, inner = dataset.shape[1 : 1 + lead], dataset.shape[1 + lead + len(axes) :]
     old = (*(slice(n) for n in outer), *(slice(before[axis]) for axis in axes))
     shape = (*outer, *(after[axis] for axis in axes), *inner)

@@ -16,7 +16,7 @@ def set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
 
 
 def decode_text(value: str | bytes) -> str:
-    """Return an HDF5 text as str.
+    """Return an HDF5 text as str; ValueError unless it is text in UTF-8.
 
     Raises
     ------

@@ -269,7 +269,7 @@ def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) 
 
 @contextmanager
 def results_writer(path: Path, overwrite: bool = False) -> Iterator[None]:
-    """Within the block, reserve a results file for one run.
+    """Within the block, lock a results file for one run; FileInUseError at once if locked.
 
     Raises
     ------
@@ -300,7 +300,7 @@ def _check_kind(path: Path) -> None:
 
 
 def _describe_stop(error: BaseException) -> str:
-    """Return the message for an error that stopped a computation."""
+    """Return "interrupted by ..." for an interrupt, and "Type: message" for other errors."""
     if isinstance(error, KeyboardInterrupt):
         return f"interrupted by {error}" if str(error) else "interrupted"
     return f"{type(error).__name__}: {error}".removesuffix(": ")

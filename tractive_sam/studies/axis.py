@@ -78,7 +78,7 @@ def _make_hashable(value: Any) -> Any:
 
 
 def _check_spacing(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a logarithmic range across zero."""
+    """Report a logarithmic range unless both ends have the same sign."""
     start, stop = entries["start"], entries["stop"]
     if entries["spacing"] == "logarithmic" and start is not None and stop is not None:
         if start * stop > 0.0:

@@ -143,7 +143,7 @@ def _generation() -> str:
 
 
 def _contents(gap: Gap, file: Path, table: str) -> bytes:
-    """Return the hash of a gap file, after reading it as a check."""
+    """Return the SHA-256 hash of a gap file; GapError unless the gap is valid."""
     read_gap(gap, table)
     return hashlib.sha256(file.read_bytes()).digest()
 

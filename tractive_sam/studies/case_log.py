@@ -59,7 +59,7 @@ class CaseLog:
         self.path = path
 
     def read(self) -> LoggedCases:
-        """Return all undamaged entries of the log."""
+        """Return the last undamaged entry of each case, and the number of damaged lines."""
         lines = self._lines()
         entries = [entry for _, entry in lines if entry is not None]
         by_case = {entry["digest"]: entry for entry in entries}

@@ -179,7 +179,7 @@ class Study(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Let relative paths in the tables start from a folder; return the tables."""
+        """Make relative paths in a study's tables start from a folder; SceneError for a scene."""
         if "body" in tables:
             cure = 'scene = "FILE.toml", or them in [scene]; tractive-sam run computes a scene'
             raise SceneError([Fault(Fault.FILE, "the tables of a scene", cure)])

@@ -28,7 +28,7 @@ class Tabulated(Protocol):
 
     @property
     def study(self) -> Study:
-        """The study."""
+        """The study: its dimensions, scene and title."""
 
     @property
     def rows(self) -> Sequence[Any]:
@@ -36,10 +36,10 @@ class Tabulated(Protocol):
 
     @property
     def quantities(self) -> Mapping[str, Quantity]:
-        """Quantities that are known, by name."""
+        """Quantities in the last records of the cases, by name."""
 
     def column(self, name: str) -> np.ndarray:
-        """Return the values of a quantity in all cases."""
+        """Return the values of a quantity in the last records of all cases, shape (cases,)."""
 
 
 def save_figures(
@@ -157,7 +157,7 @@ def _fix_axes(results: Tabulated, at: Mapping[str, Any]) -> tuple[int | slice, .
 
 
 def _varies(results: Tabulated, name: str) -> bool:
-    """Return whether a quantity varies among the cases."""
+    """Return whether a quantity varies among the cases, by more than 1e-6 of its scale."""
     # Relative variation of a quantity below which it is constant, within the errors of solvers.
     noise = 1e-6
     values = results.column(name)

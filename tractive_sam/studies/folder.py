@@ -125,7 +125,7 @@ class Folder:
         self._failure_file(task.case).unlink(missing_ok=True)
 
     def log_failure(self, case: Case, outcome: CaseOutcome) -> None:
-        """Write the reason of a failed case to a file."""
+        """Write message, version, worker and traceback of a failed case to its failure file."""
         by = f"tractive-sam {outcome.version or 'of unknown version'} on {outcome.worker or '?'}"
         write_file(self._failure_file(case), f"{outcome.message}\n\n{by}\n{outcome.traceback}")
 

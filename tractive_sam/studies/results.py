@@ -142,7 +142,7 @@ class StudyResults:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Number of cases by status."""
+        """Number of cases by status, 0 for a status that no case has."""
         statuses = [row.status for row in self.rows]
         return {status: statuses.count(status) for status in STATUSES}
 
@@ -153,7 +153,7 @@ class StudyResults:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Quantities of the last records that are known, by name."""
+        """Quantities in the last records of the cases that have a description, by name."""
         names = {name: None for row in self.rows for name in row.last}
         return {name: self._described[name] for name in names if name in self._described}
 
@@ -178,7 +178,7 @@ class StudyResults:
         return {*self._described}.union(*(row.last for row in self.rows))
 
     def history(self, number: int) -> History:
-        """Return the history of a case, given its number.
+        """Open the history of a case, by number; ResultsError if it has no results file yet.
 
         Raises
         ------
@@ -264,7 +264,7 @@ class StudyResults:
         return xarray.Dataset(variables, coordinates, {"title": study.title or study.scene.title})
 
     def save_netcdf(self, path: str | PathLike[str]) -> None:
-        """Write `dataset` as a netCDF file."""
+        """Write all quantities of the last records over the study's axes as a netCDF file."""
         write_netcdf(path, self.dataset())
 
     def save_csv(

@@ -162,7 +162,7 @@ def study(
 
 
 def remaining_tasks(folder: Folder, cases: list[Case], requested: Study) -> tuple[list[Task], int]:
-    """Return the remaining tasks and the number of complete cases.
+    """Return (tasks of incomplete cases, longest or neighbours first; number of complete cases).
 
     Long cases are first; if only scalars are stored, neighbours follow each other.
     """

@@ -113,7 +113,7 @@ def _compute(scene: Scene, file: Path) -> CaseOutcome:
 
 
 def _history_outcome(history: History, version: str = "") -> CaseOutcome:
-    """Return the outcome of a case from its history."""
+    """Return the outcome of a history: COMPLETE if it is finished, else FAILED."""
     status = COMPLETE if history.finished else FAILED
     by = version or history.versions.get("tractive-sam", "")
     return CaseOutcome(status, history.message, summary(history), version=by)

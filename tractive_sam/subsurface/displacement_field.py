@@ -14,7 +14,7 @@ from tractive_sam.subsurface.mirror import SIGNS, tractions_on_bodies
 def displacement(
     contact: State, body: str = "A", depth: float = 0.0, laws: Laws | None = None
 ) -> np.ndarray:
-    """Return the elastic displacement of one body at a depth, at the centres of the elements.
+    """Return the elastic displacement (3, n_x, n_y) of one body at a depth, mm.
 
     It is relative to distant points of the body, in the axes of the contact, for both bodies: z
     points into body A. Rigid motion by approach and creepage is not part of it.

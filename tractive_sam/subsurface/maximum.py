@@ -107,7 +107,7 @@ def maxima_by_body(contact: State, laws: Laws | None = None) -> dict[str, Maximu
 
 
 def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[str, Maximum]:
-    """Return the largest stress in each of several bodies, by body."""
+    """Return the largest stress in and on each of several bodies, by body; 0 without load."""
     laws = laws or Laws.of_contact(contact, ("elasticity", "criterion"))
     load, criterion = LoadedBodies.from_contact(contact, bodies, laws), laws.criterion
     if not load.tractions.any():

@@ -22,7 +22,7 @@ def stress_on_plane(
     depths: ArrayLike | None = None,
     laws: Laws | None = None,
 ) -> PlaneStress:
-    """Return the stress of one body on one plane.
+    """Return the stress tensor of one body over one plane, x, y or z = constant.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def stress_on_planes(
     depths: ArrayLike | None = None,
     laws: Laws | None = None,
 ) -> Iterator[PlaneStress]:
-    """Yield the stress on each plane in each body, plane by plane.
+    """Yield the stress tensor of each body on each plane, plane by plane.
 
     Two bodies cost little more than one: they share most of the work.
 

@@ -105,7 +105,7 @@ def _open_solver(
 
 
 def _read_design(table: CreepTable) -> TableDesign:
-    """Return the design from which a table was built, as stored in the table."""
+    """Return the design that a table stores; ResultsError if it stores none."""
     if "design" not in table.about:
         raise ResultsError(
             "design: the file of the table has none; build the table from a design (TOML)"

@@ -22,7 +22,7 @@ from tractive_sam.tables.solving import NODE_SHARE
 
 
 def is_design(path: str | PathLike[str]) -> bool:
-    """Return whether a TOML file is certainly the design of a creep-force table.
+    """Return whether a TOML file has keys of a table design that studies and scenes lack.
 
     A file with a scene and axes alone may be a study as well, and is not regarded as a design.
     """

@@ -197,12 +197,12 @@ class TableDesign(Document):
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
-        """Let relative paths in the tables start from a folder; return the tables."""
+        """Make relative paths in the tables of a design start from a folder; return the tables."""
         return resolve_parametric_files(folder, tables)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the axes other than creepages."""
+        """Names of the axes other than creepages: log_ratio, poisson (no scene), then others."""
         further = tuple(axis.label for axis in self.axis)
         return further if self.scene is not None else (RATIO, "poisson", *further)
 

@@ -43,7 +43,7 @@ class FmuVariable:
 
     @property
     def is_fixed(self) -> bool:
-        """Whether the variable has a single allowed value."""
+        """Whether both limits are equal, so that the variable has one allowed value."""
         return self.low == self.high
 
     @property
@@ -138,7 +138,7 @@ class Description2:
 
     @property
     def files(self) -> dict[str, str]:
-        """Content of each XML file, by its path in the FMU."""
+        """Content of the XML files by path in the FMU: modelDescription.xml."""
         return {"modelDescription.xml": self.model}
 
     @property
@@ -197,7 +197,7 @@ class Description3(Description2):
 
     @property
     def files(self) -> dict[str, str]:
-        """Content of each XML file, by its path in the FMU.
+        """Content of the XML files by path in the FMU: modelDescription.xml, list of sources.
 
         A second file lists the sources.
         """
