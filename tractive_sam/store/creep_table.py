@@ -51,7 +51,7 @@ class StoredTable:
 
 
 def read_creep_table(path: Path) -> StoredTable:
-    """Return the checked content of the file of a creep-force table.
+    """Return the content of a creep-force table's file; ResultsError unless it is valid.
 
     Raises
     ------

@@ -68,7 +68,7 @@ def check_claimed_size(
 
 
 def numeric_dataset(dataset: h5py.Dataset) -> h5py.Dataset:
-    """Return a dataset, checked to be numeric and to fit the size of its file.
+    """Return a dataset; ValueError unless it is numeric and fits the size of its file.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from tractive_sam.store.opening import open_results
 
 @dataclass(frozen=True)
 class StoredField:
-    """Sequence of a field over records, read from the file when accessed.
+    """Sequence of the arrays of a field, one a record, read from the file when accessed.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class StoredField:
 
 @dataclass(frozen=True)
 class StoredStress:
-    """Sequence of the stress on a plane over records, read from the file when accessed.
+    """Sequence of `PlaneStress` on one plane, one a record, read from the file when accessed.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class StoredStress:
 
 @dataclass(frozen=True)
 class StoredCycles:
-    """Sequence of the fatigue of a body over records, read from the file when accessed.
+    """Sequence of a body's `BodyFatigue`, one a record, read from the file when accessed.
 
     Attributes
     ----------

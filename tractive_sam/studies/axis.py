@@ -177,7 +177,7 @@ class Axis(Values):
     )
 
     def dimension(self) -> Dimension:
-        """Return the axis as a dimension of the cases: values of its keys."""
+        """Return the values of the axis and its zipped keys as one dimension of the cases."""
         columns = {axis.key: axis.column() for axis in (self, *self.zip)}
         return Dimension(self.key, columns)
 

@@ -166,7 +166,7 @@ def _silence_worker(dask_worker: "Worker") -> None:
 
 
 def _is_no_lost_connection(record: logging.LogRecord) -> bool:
-    """Return whether a log message does not come from a closed connection."""
+    """Return whether to log a message: its error is no OSError from a lost connection."""
     return not (record.exc_info and isinstance(record.exc_info[1], OSError))
 
 
@@ -287,7 +287,7 @@ def _judge_death(task: Task, records: int, killed: dict[str, int]) -> CaseOutcom
 def _client(
     address: str, patience: float, log: Callable[[str], None], security: "Security | None"
 ) -> Iterator["Client"]:
-    """Within the block, connect to a scheduler; wait for it at most `patience` seconds."""
+    """Within the block, connect to a scheduler; SchedulerLostError after `patience` seconds."""
     from distributed import Client  # of an extra
     from distributed.comm import get_address_host_port  # of an extra
 

@@ -35,7 +35,7 @@ one thread by default.)"""
 
 
 def run_case(scene: Scene, path: str) -> CaseOutcome:
-    """Roll a scene to a results file (resumed if it exists), and return the outcome.
+    """Roll a scene to a results file, or resume it; return the outcome, FAILED after an error.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def run_case(scene: Scene, path: str) -> CaseOutcome:
 
 
 def run_chain(scenes: Sequence[Scene]) -> list[CaseOutcome]:
-    """Compute scenes in memory, each from the solution before; return the outcomes.
+    """Compute scenes in memory, each from the last solution; return outcomes, also of errors.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def _compute_or_repeat(scene: Scene, file: Path) -> CaseOutcome:
 
 
 def _compute(scene: Scene, file: Path) -> CaseOutcome:
-    """Compute a scene to a results file, or resume it; return the outcome."""
+    """Compute a scene to a results file, or resume it unless it is complete; return the outcome."""
     if file.exists():
         history = open_history(file)
         if history.finished and history.scene == scene:

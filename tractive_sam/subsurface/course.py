@@ -146,7 +146,7 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
 def _worst(
     laws: Laws, path: np.ndarray, material: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the largest path radius, criterion value and its position for each row.
+    """Return (largest radius, largest criterion, its position) by row; nan without a criterion.
 
     Parameters
     ----------

@@ -165,7 +165,7 @@ def fatigue_table(contact: State) -> Fatigue:
 def _evaluate(
     laws: Sequence[Laws], cycles: Sequence[np.ndarray], limit: float
 ) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """Return path radius, residual shear and utilisation of consecutive stress cycles.
+    """Return (path radius, residual shear, list of each pass's utilisation) of stress cycles.
 
     Returns
     -------

@@ -52,7 +52,7 @@ _SEARCH = MaximumSearch()
 
 
 def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) -> Maximum:
-    """Return the largest equivalent stress in a body, by von Mises or another criterion.
+    """Return the largest equivalent stress inside and at the surface of a body, with positions.
 
     The search starts in layers at depths in a geometric sequence, with elements combined in blocks
     with sides up to the depth. The largest local maxima are refined with blocks that grow with
@@ -95,7 +95,7 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
 
 def maxima_by_body(contact: State, laws: Laws | None = None) -> dict[str, Maximum]:
-    """Return the largest stress in each body of the scene's [subsurface], by body.
+    """Return the largest stress in each body of [subsurface], by body; {} without the table.
 
     Examples
     --------

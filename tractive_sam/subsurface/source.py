@@ -43,7 +43,7 @@ class StressSource(Protocol):
         """
 
     def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
-        """Return the object with which the largest equivalent stress is searched."""
+        """Return the stress at several depths (resolutions) in which the maximum is searched."""
 
 
 @singledispatch
@@ -125,7 +125,7 @@ class PatchStress:
         return loads.stress(x, depths)
 
     def levels(self, criterion: StressCriterion) -> MultiLevel:
-        """Return the object with which the largest equivalent stress is searched."""
+        """Return the `MultiLevel` of the bodies, in which the largest stress is searched."""
         return MultiLevel(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 
@@ -170,7 +170,7 @@ class StripStress:
         return stress.reshape(len(stress), 6, x.size, 1, depths.size)
 
     def levels(self, criterion: StressCriterion) -> StripLevels:
-        """Return the object with which the largest equivalent stress is searched."""
+        """Return the `StripLevels` of the bodies, in which the largest stress is searched."""
         return StripLevels(self._grid, self._tractions, self._signs, self._bodies, criterion)
 
 

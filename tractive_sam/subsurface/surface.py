@@ -82,7 +82,7 @@ def _between_elements(
 def surface_cycles(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return stress paths along rows of corners at the surface, and a mask of valid rows.
+    """Return (surface stress paths (6, n, rows) along corner rows, mask of valid rows).
 
     It contains the positions of `largest_at_surface` in the row, and corners without load;
     elsewhere the material counts as unloaded.
@@ -122,7 +122,7 @@ def surface_cycles(
 def surface_points(
     lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, sign: float, sliding: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return surface stresses, their columns and rows of corners, and a mask of loaded rows.
+    """Return (surface stresses (6, n), corner columns, corner rows, mask of valid rows).
 
     At an edge of the contact or of stick it is the stress on the smooth side, at the nearest
     corner; if this is not known, the stress between the elements. Parameters as for

@@ -216,7 +216,7 @@ class TableBuilder:
         return table.law(list(np.array(points).T)).T - exact
 
     def interval_errors(self, table: CreepTable) -> list[np.ndarray]:
-        """Return the largest error in the middle of each interval, one array for each axis.
+        """Return the largest errors (intervals, 3) at points in mid-interval, one array an axis.
 
         The points of an interval do not change between rounds: among new ones some would be worse.
         """

@@ -241,7 +241,7 @@ class TableDesign(Document):
 
     @property
     def closed_form(self) -> bool:
-        """Whether forces at full slip have a closed form: Hertz, isotropic friction."""
+        """Whether full slip has a closed form: the design has neither a scene nor further axes."""
         return self.scene is None and not self.axis
 
     def ratio(self, place: tuple[float, ...]) -> float:
@@ -265,7 +265,7 @@ class TableDesign(Document):
         return self._scene_with(entries, place)
 
     def _scene_with(self, entries: dict[str, Any], place: tuple[float, ...] = (0.0, 0.3)) -> Scene:
-        """Return the scene of the table at a point, with some entries changed."""
+        """Return the scene at a point with `entries`, zero creepages, and no unused tables."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # its numbers may be of no steel
             if self.scene is None:

@@ -36,7 +36,7 @@ class CreepageGrid:
 
     @property
     def first(self) -> list[np.ndarray]:
-        """First nodes along heading and along tilt, radians, before refinement."""
+        """First nodes [heading, tilt] in radians, before refinement; a quarter if symmetric."""
         if self.full_range:
             return [
                 np.linspace(-math.pi, math.pi, 2 * HEADINGS - 1),
