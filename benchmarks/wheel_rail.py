@@ -37,7 +37,8 @@ class Position:
     longitudinal and lateral creepage and the spin (1/mm), `forces` are P, p_max, the approach and
     the magnitudes of Q_x and Q_y. A right wheel counts as the mirror of a left one. `planes` are
     "separate" for each patch, "common" for the printed plane, or "coupled" for a single patch in
-    the printed plane, in which the pressure at each point deforms the other points.
+    the printed plane, in which the pressure at each point deforms the other points. "weighted" is
+    such a patch with the influence that CONTACT gives its two parts on each other.
     """
 
     side: str
@@ -98,6 +99,8 @@ POSITIONS = (
              (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "common"),
     Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
              (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "coupled"),
+    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
+             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "weighted"),
     Position("right", 5.5, 13.2, -0.4777, (-7.3700, 726.1169), -0.3363,
              (4.379e-3, 1.401e-2, 7.122e-4), (9629, 1486, 0.02926, 850.2, 2759)),
     Position("right", 6.0, 14.4, -0.6272, (-7.3822, 725.1371), -0.4176,
@@ -139,7 +142,7 @@ def model_of_position(
         patches = tuple(position.in_printed_plane(patch) for patch in own)
         ends = [abs(patch.origin[1] - position.point[1]) + patch.half_length[1] for patch in own]
         half[1] = max(ends)
-    if position.planes == "coupled":
+    if position.planes in ("coupled", "weighted"):
         patches = (replace(patches[0], limits=(-np.inf, np.inf)),)
     creepage = position.creepages_at(patches[0], ahead * element)
     if separate:
@@ -153,12 +156,70 @@ def model_of_position(
     return Model(scene, wheel_rail=replace(scene.wheel_rail, patches=patches))
 
 
+@dataclass(frozen=True)
+class WeightedInfluence:
+    """Influence of the pressure of two patches in one plane on each other, as CONTACT weights it.
+
+    CONTACT multiplies the normal displacement that the pressure in one patch causes in another by
+    ((8 mm - d) / (8 mm - 4 mm))^0.8, but not the tangential displacement. d is the distance of the
+    boxes around the areas in which the undeformed bodies overlap. The lengths are its inputs D_SEP
+    and D_COMB (routines combine_cpatches and normcg_matvec of its source, github.com/eve70a).
+
+    Attributes
+    ----------
+    limit : float
+        Lateral position between the patches, mm.
+    """
+
+    limit: float
+
+    def weight(self, model: Model) -> float:
+        """Return the factor at the depth of a model's wheel; 1 for a single patch."""
+        half_x, half_y = model.grid.half_length
+        x, y = np.linspace(-half_x, half_x, 201), np.linspace(-half_y, half_y, 801)
+        overlap = model.patch.lowered(model.wheel_depth).gap(x, y) < 0.0
+        parts = [np.argwhere(overlap & side) for side in (y < self.limit, y > self.limit)]
+        if not all(part.size for part in parts):
+            return 1.0
+        boxes = [(part.min(axis=0), part.max(axis=0)) for part in parts]
+        (first, last), (second, end) = boxes
+        apart = np.maximum(0, np.maximum(first - end, second - last)) * (x[1] - x[0], y[1] - y[0])
+        return min(1.0, max(0.0, (8.0 - math.hypot(*apart)) / (8.0 - 4.0)) ** 0.8)
+
+    def solve(self, model: Model, start: ts.State | None) -> ts.State:
+        """Return the contact: the gap is corrected for the missing part of the influence."""
+        missing = 1.0 - self.weight(model)
+        sides = [(model.grid.y > self.limit) == upper for upper in (False, True)]
+        correction = np.zeros(model.grid.elements)
+        for _ in range(20):
+            start = equilibrium(model, correction, start, check_resolution=False)
+            previous, correction = correction, np.zeros(model.grid.elements)
+            for side in sides:
+                pressure = np.where(side, start.pressure, 0.0) / model.units.pressure
+                displacement = model.operators.normal(pressure[None])[0] * model.units.gap
+                correction -= np.where(side, 0.0, missing * displacement)
+            if np.abs(correction - previous).max() < 1e-6 * start.approach:
+                break
+        return start
+
+
+def solve_contacts(position: Position, element: float = 0.2) -> tuple[Model, tuple[ts.State, ...]]:
+    """Return the model of a position and the contacts in its patches."""
+    model = model_of_position(position, element)
+    if position.planes != "weighted":
+        return solve_patches_on_fitted_mesh(model)
+    parts = model_of_position(replace(position, planes="common")).wheel_rail.patches
+    limit = max(y for part in parts for y in part.limits if np.isfinite(y))
+    influence = WeightedInfluence(limit)
+    return model, share_load(model, influence.solve, None)
+
+
 def solve_position(position: Position) -> dict[str, object]:
     """Return one position: computed and printed forces of all patches, and the largest pressure.
 
     The largest pressure is computed with elements of 0.1 mm as well.
     """
-    model, contacts = solve_patches_on_fitted_mesh(model_of_position(position))
+    model, contacts = solve_contacts(position)
     values = {"y": position.y, "planes": position.planes}
     first = max(range(len(contacts)), key=lambda k: contacts[k].P)
     angle = math.degrees(model.wheel_rail.patches[first].angle)
@@ -172,7 +233,7 @@ def solve_position(position: Position) -> dict[str, object]:
     }
     for (name, value), printed in zip(computed.items(), position.forces, strict=True):
         values |= {name: abs(float(value)), f"{name} printed": printed}
-    _, finer = solve_patches_on_fitted_mesh(model_of_position(position, 0.1))
+    _, finer = solve_contacts(position, 0.1)
     return values | {"p_max fine": max(contact.p_max for contact in finer)}
 
 

@@ -69,7 +69,11 @@ CREEPAGE = {"longitudinal": -1e-3, "lateral": 5e-4, "spin": 1e-4}
     ids=["sphere on a crown", "cylinder on a crown"],
 )
 def test_profiles_of_one_radius_are_solved_as_bodies_of_radii(wheel, rail, radii):
-    """The gap of circles differs from that of parabolas by (a/R)^2/4, here 2e-6 of the approach."""
+    """Bodies of radii are parabolas, whose gap differs by (a/R)^2/4, 2e-6 of the approach.
+
+    The rolling circle alone causes 1e-6, and arcs as profiles 1e-7: with parabolas for both, and
+    residuals of 1e-11, the results agree within 3e-11.
+    """
     patch = patch_of(wheel, rail, 460.0)
     about = {"creepage": CREEPAGE, "friction": {"mu": 0.3}}
     about["grid"] = {"half_length": [1.0, 1.0], "elements": [21, 21]}

@@ -117,7 +117,7 @@ def main_results(history: "ts.History", max_rows: int = 15) -> Table:
         Most rows: they fit a terminal of 24 lines together with the load.
     """
     order = (
-        "P", "Qx", "Qy", "Mz", "Qx_over_P", "worn_mass", "fatigue_life", "shift_x",
+        "contact_y", "P", "Qx", "Qy", "Mz", "Qx_over_P", "worn_mass", "fatigue_life", "shift_x",
         "friction_work", "p_max", "p_95", "half_width_x", "half_width_y", "stick_fraction",
         "wear_max", "temperature_max", "stress_max", "von_mises_max", "utilisation", "xi_x", "xi_y",
     )  # fmt: skip

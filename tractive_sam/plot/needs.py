@@ -86,8 +86,8 @@ def touching_records(history: History) -> list[float]:
 
 
 def has_course(history: History) -> bool:
-    """Return whether a history has several records."""
-    return len(history) > 1
+    """Return whether a history has several records that follow each other."""
+    return len(history) > 1 and history.scene.schedule.in_sequence
 
 
 def has_contacts(history: History) -> bool:

@@ -21,7 +21,7 @@ from tractive_sam.plot.contact_view import ContactView, Source
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.needs import SINGLE_ROW, Need, refuse
 from tractive_sam.plot.style import apply_style
-from tractive_sam.results import COORDINATE, PREFIX, History
+from tractive_sam.results import COORDINATE, PREFIX, History, Quantity
 
 Arguments = ParamSpec("Arguments")
 
@@ -94,7 +94,7 @@ class FigureEntry:
         if self._missing(subject) or self._differs_by_block(subject) or not self.shown(subject):
             return
         roles = {column.role: column.name for column in subject.columns.values() if column.role}
-        roles[COORDINATE] = subject.coordinate.name + "s" * subject.coordinate.whole
+        roles[COORDINATE] = _plural(subject.coordinate)
         for arguments in self.each(subject):
             name = self.name.format_map(roles | dict(arguments)) + ending
             name = re.sub(r"[_/\\ ]", "-", name).replace("=", "")
@@ -114,6 +114,12 @@ class FigureEntry:
         """Return whether the figure's columns have separate values for each block."""
         matching = (column for name in self.columns for column in _find_columns(subject, name))
         return any(PREFIX + column in subject.columns for column in matching)
+
+
+def _plural(coordinate: Quantity) -> str:
+    """Return the name of a coordinate, in the plural if its values are whole numbers."""
+    ending = "es" if coordinate.name.endswith("ch") else "s"
+    return coordinate.name + ending * coordinate.whole
 
 
 def _find_columns(subject: ContactView | History, name: str) -> list[str]:

@@ -61,6 +61,8 @@ class Schedule:
     """Whether every record is steady rolling, after a number of revolutions."""
     rolls: ClassVar[bool] = True
     """Whether material rolls through the contact."""
+    in_sequence: ClassVar[bool] = True
+    """Whether each record follows from the one before."""
     shifts: ClassVar[bool] = False
     """Whether the bodies only shift over each other."""
     message_start: ClassVar[str] = ""
@@ -139,7 +141,7 @@ class PatchSchedule(Schedule):
     """Schedule over the patches of a wheel on a rail, by increasing load."""
 
     save_key = end_key = "wheelset"
-    revolves = ends_there = False
+    revolves = ends_there = in_sequence = False
     message_start = "patch {:g}: "
 
 

@@ -185,9 +185,8 @@ class WheelsetTable(Table):
         load = f"{self.load:g} N vertical" if self.load else f"{self.normal_load:g} N normal"
         place = f"y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"
         yield Row("wheelset", f"{place}, {self.side} wheel, {load}", brief=True)
-        for k, patch in enumerate(contact.patches):
-            text = (
-                f"at y = {patch.origin[1]:.2f} mm, angle {math.degrees(patch.angle):.2f} deg, "
-                f"rolling radius {patch.rolling_radius:.2f} mm"
-            )
-            yield Row(f"patch {k + 1}", text, brief=True)
+        for patch in contact.patches:
+            angle = f"angle {math.degrees(patch.angle):.2f} deg"
+            text = f"{angle}, rolling radius {patch.rolling_radius:.2f} mm"
+            # Not numbered: records have the number by the load, which is not solved here.
+            yield Row(f"patch at y = {patch.origin[1]:.2f} mm", text, brief=True)
