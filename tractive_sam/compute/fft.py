@@ -163,7 +163,7 @@ if hasattr(os, "register_at_fork"):
 
 
 class PlanCache(Generic[Plan]):
-    """Cache of plans (objects with their arrays) for each thread, found by the arguments of `make`.
+    """Cache of plans (objects with their arrays) by thread and by the arguments of `make`.
 
     A plan owns the arrays that it works on, so that threads cannot share it. Every computation
     requests plans often, so a program that received a signal stops here.

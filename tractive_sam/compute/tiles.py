@@ -167,7 +167,7 @@ class RowBuffer(NamedTuple):
 
 
 class ColumnBuffer(NamedTuple):
-    """Array and in-place FFTs along x for the padded columns of one tile."""
+    """Padded columns of one tile (array), and its in-place FFTs along x, forward and backward."""
 
     columns: np.ndarray
     forward: Any

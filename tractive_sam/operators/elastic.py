@@ -168,7 +168,7 @@ class Operators:
         return self._per_slip * layer / self.lattice.dx * F @ F.T if layer else None
 
     def opening(self, angle: np.ndarray) -> np.ndarray:
-        """Return the slip per unit of gap that closes at edges of given angles, shape (m, 2, 2).
+        """Return the slip per unit of closing gap at edges with these angles, shape (m, 2, 2).
 
         Parameters
         ----------

@@ -230,7 +230,7 @@ class HeatStep:
         return plan.backward()[0] / np.prod(self._padded)
 
     def after(self, flux: np.ndarray) -> np.ndarray:
-        """Return the heat fields after the step, given the flux in it, mW/mm², shape (n_x, n_y)."""
+        """Return the heat fields after the step, with the flux in the step, mW/mm², (n_x, n_y)."""
         memory, time = self._memory, self._time
         plan = transform(1, memory.shape[1:], self._padded)
         heat = time * plan.forward(widen_field(flux, memory.shape[1:])[None])[0]

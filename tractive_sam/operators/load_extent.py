@@ -10,7 +10,7 @@ def extent(occupied: np.ndarray) -> slice:
 
 
 def largest_offset(occupied: np.ndarray) -> int:
-    """Return the largest distance, in elements, from a loaded element to any element along an axis.
+    """Return the largest distance, in elements, from a loaded element to any other on an axis.
 
     `occupied` is a mask of the loaded places along one axis of the mesh, shape (n,).
     """

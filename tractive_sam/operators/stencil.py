@@ -47,7 +47,7 @@ FARTHEST = 1e3
 
 @dataclass(frozen=True)
 class Stencil:
-    """Discretisation of slip: at the leading faces of elements (upwind) or staggered, second order.
+    """Discretisation of slip: at leading faces of elements (upwind), or staggered, second order.
 
     Attributes
     ----------

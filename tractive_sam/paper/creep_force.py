@@ -53,7 +53,7 @@ def creep_force_findings(work: Work) -> Iterator[Finding]:
 
 
 def _isotropic(work: Work) -> Iterator[Finding]:
-    """Yield the findings on creep-force curves with isotropic friction (Fig. 6a)."""
+    """Solve isotropic creep-force curves; yield statements, a table of meshes and Fig. 6(a)."""
     scene = spheres(work.size)
     xi = np.linspace(0.05, LAST, work.size.creepages)
     work.report("creep-force curve, isotropic")
@@ -150,7 +150,7 @@ class _AngleCurve:
 
 
 def _orthotropic(work: Work) -> Iterator[Finding]:
-    """Yield the findings on creep-force curves with orthotropic friction (Fig. 6b)."""
+    """Solve creep-force curves for three friction angles; yield statements and Fig. 6(b)."""
     xi, curves = np.linspace(0.05, LAST, work.size.creepages), {}
     for angle in ANGLES:
         work.report(f"creep-force curve, β = {angle:g}°")

@@ -39,7 +39,7 @@ def disc_findings(work: Work) -> Iterator[Finding]:
 
 
 def _wear(histories: Histories, closed: float = 5e-3) -> Iterator[Finding]:
-    """Yield the findings on wear depth and on the balances of work and wear."""
+    """Yield two statements: on wear depth (Fig. 16), and on the balances of work and wear."""
     last = _last_revolution(histories)
     depth = _stack_column(histories, "wear_max")[:, 1:]
     yield Statement(
@@ -65,7 +65,7 @@ def _wear(histories: Histories, closed: float = 5e-3) -> Iterator[Finding]:
 
 
 def _contact(histories: Histories) -> Iterator[Finding]:
-    """Yield the findings on the half widths of the worn contact and its pressure."""
+    """Yield statements on half widths of the worn contact, and then on its pressure (Fig. 17)."""
     last = _last_revolution(histories)
     a, b = _stack_column(histories, "half_width_x"), _stack_column(histories, "half_width_y")
     yield Statement(
@@ -91,7 +91,7 @@ def _contact(histories: Histories) -> Iterator[Finding]:
 def _pressure(
     histories: Histories, b: np.ndarray, similar: float = 0.2, edge: float = 0.9
 ) -> Iterator[Finding]:
-    """Yield the findings on the evolution of the pressure and the place of its peak (Fig. 17).
+    """Yield two statements: how the pressure evolves and where its peak is (Fig. 17).
 
     Pressures are similar within a relative distance, and a place beyond a share of the half width
     b is at the edge.
@@ -150,7 +150,7 @@ def _largest_slip(history: History, revolution: int) -> float:
 
 
 def _forces_and_stress(histories: Histories) -> Iterator[Finding]:
-    """Yield the findings on how wear changes forces and subsurface stresses."""
+    """Yield three statements on how wear changes forces and subsurface stresses."""
     # Relative difference that is a change.
     changed = 0.02
     last = _last_revolution(histories)
@@ -225,7 +225,7 @@ def _table(angle: float, history: History) -> FindingTable:
 
 
 def _format_stress(history: History, value: float, at: np.ndarray) -> str:
-    """Return a maximum of stress over p0 and its place over Hertz's half widths, as text."""
+    """Return "value/p0 at x/a, y/b, depth/a" for a maximum of stress, with Hertz's half widths."""
     x, y, depth = at / (history.a0, history.b0, history.a0)
     return f"{value / history.p0:.3f} at {x:z.2f}, {y:z.2f}, {depth:.2f}"
 

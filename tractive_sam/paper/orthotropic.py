@@ -66,7 +66,7 @@ def _lateral(contacts: dict[float, State]) -> Statement:
 def _inside_and_surface(
     maxima: dict[float, Maximum], p0: float, expected: float = 0.6, same: float = 0.05
 ) -> Iterator[Finding]:
-    """Yield the statements on the largest stresses inside and at the surface (Fig. 8).
+    """Yield two statements on the largest stresses: inside, and at the surface (Fig. 8).
 
     The paper has one digit of the stress inside over p_0; values within a relative distance of
     `same` count as unchanged.

@@ -92,7 +92,7 @@ def _compare_force(contact: State, expected: float = 0.657) -> Statement:
 
 
 def _zones(contact: State) -> Statement:
-    """Return the statement on the place and size of the zones of stick and slip."""
+    """Return the statement that slip is at the back of the contact and stick at the front."""
     x = np.broadcast_to(contact.grid.x[:, None] / hertz_of(contact.scene).a, contact.pressure.shape)
     stick, slip = x[contact.sticking].mean(), x[contact.sliding].mean()
     last = [column.argmax() for column in contact.touching.T if column.any()]
@@ -153,7 +153,7 @@ class _SectionMaxima:
 
 
 def _maxima(contact: State, same_place: float = 0.1) -> Iterator[Finding]:
-    """Yield the findings on the maxima of stress on both planes and on the end of stick (Fig. 5).
+    """Yield statements and a table on stress maxima of both planes and the stick end (Fig. 5).
 
     Places within a distance of `same_place` half widths a count as one.
     """

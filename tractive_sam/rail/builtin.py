@@ -79,7 +79,7 @@ def _rail_head(first: float, second: float) -> Profile:
 def _arc(
     centre: tuple[float, float], radius: float, first: float, last: float, spacing: float
 ) -> Piece:
-    """Return a piece of a profile: a circular arc between two lateral positions."""
+    """Return (points, unit tangents) of a circular arc between two lateral positions."""
     start, end = (np.arcsin(np.clip((y - centre[0]) / abs(radius), -1, 1)) for y in (first, last))
     angles = np.linspace(start, end, _number(abs(radius) * (end - start), spacing))
     points = np.stack(
@@ -92,7 +92,7 @@ def _arc(
 def _polynomial(
     coefficients: tuple[float, ...], first: float, last: float, spacing: float
 ) -> Piece:
-    """Return a piece of a profile: a polynomial z(y) between two lateral positions."""
+    """Return (points, unit tangents) of a polynomial z(y) between two lateral positions."""
     y = np.linspace(first, last, _number(last - first, spacing))
     shape = np.polynomial.Polynomial(coefficients)
     slope = shape.deriv()(y)

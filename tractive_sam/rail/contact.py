@@ -246,7 +246,7 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
 
 @dataclass(frozen=True, eq=False)
 class _Overlap:
-    """Region in which the undeformed wheel and rail overlap: a part of a `Clearance`."""
+    """Region of a `Clearance` in which the undeformed wheel and rail overlap, with its depth."""
 
     clearance: Clearance
     part: slice

@@ -169,7 +169,7 @@ def _check_size(points: Array, kind: Kind) -> None:
 
 
 def _check_crossing(points: Array) -> None:
-    """Raise a ValueError with the place if a profile crosses itself."""
+    """Raise a ValueError with the coordinates if a profile crosses itself."""
     if (np.diff(points[:, 0]) > 0.0).all():
         return  # a graph over y
     a, d = points[:-1], np.diff(points, axis=0)
