@@ -157,7 +157,7 @@ class Bodies(Table):
         return hertz(e_star, radius_x, radius_y, **prescribed)
 
     def normal_load(self, load: Load) -> float | None:
-        """Return the load, N or N/mm, or from its pressure by Hertz; None for an approach."""
+        """Return the normal load, N or N/mm, set or from a pressure; None for an approach."""
         if load.pressure is None:
             return load.normal
         contact = self.hertz(load)
