@@ -10,7 +10,7 @@ FORMAT_VERSION = 2
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python, this package and five numerical packages, by name."""
+    """Return the versions of Python, this package and the five it computes with, by name."""
     packages = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
     return {"python": platform.python_version()} | {name: _version(name) for name in packages}
 

@@ -132,7 +132,7 @@ def _check_lengths(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _length(values: tuple | None, number: int | None) -> int | None:
-    """Return the number of values of a list, or else the number given for a range."""
+    """Return the number of values in a list; if there is no list, the number of a range."""
     return number if values is None else len(values)
 
 

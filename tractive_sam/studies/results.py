@@ -270,7 +270,7 @@ class StudyResults:
     def save_csv(
         self, path: str | PathLike[str], *, quantities: Sequence[str] = (), units: bool = False
     ) -> None:
-        """Write the table of all cases as CSV, numbers in full precision.
+        """Write the last records of all cases, one row a case, as CSV with all digits.
 
         Parameters
         ----------

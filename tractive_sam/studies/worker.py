@@ -69,7 +69,7 @@ def run_chain(scenes: Sequence[Scene]) -> list[CaseOutcome]:
 
 
 def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> CaseOutcome:
-    """Compute a scene in memory from the solution of the last one; return the outcome."""
+    """Compute a scene in memory from the last solution; return the outcome, also of an error."""
     return _outcome(lambda: _history_outcome(neighbours.roll(scene), versions()["tractive-sam"]))
 
 

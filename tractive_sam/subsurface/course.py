@@ -58,7 +58,7 @@ class Course(ShortArrays):
     paths: int = 2**22
 
     def steps(self, away: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return (rolling distances, contact indices) of the sequence, extended by `away`.
+        """Return (rolling distances, contact indices) of the sequence, with `away` if it rolls.
 
         If the bodies roll, the last contact continues with its tractions, and with `steady` the
         first contact precedes with its tractions.

@@ -174,7 +174,7 @@ class Contacts:
         return moments * grid.dx * grid.dy / exact - 1.0
 
     def solve_on_mesh(self, w: np.ndarray, elements: int) -> State:
-        """Return the solved contact at scaled creepages w on one mesh.
+        """Return the solved contact at scaled creepages w on one mesh; RuntimeError if it fails.
 
         Parameters
         ----------
