@@ -19,7 +19,6 @@ SCENES = {
     "line": ts.Scene.builtin("cylinders"),
     "transient": ts.Scene.builtin("fretting").with_set(["grid.elements=[15, 15]"]),
     "heat": ts.Scene.builtin("hot-discs").with_set(["grid.elements=[15, 15]"]),
-    "orthotropic": ts.Scene.builtin("spheres-orthotropic").with_set(ROUND),
 }
 
 
