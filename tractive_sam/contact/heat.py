@@ -219,7 +219,7 @@ def wear_law_at(model: Model, contact: State) -> WearLaw | None:
 
 
 def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCoulomb:
-    """Return the friction law at surface temperatures of shape (n_x, n_y).
+    """Return the friction law at surface temperatures (n_x, n_y); raise if it depends on none.
 
     Raises
     ------

@@ -50,7 +50,7 @@ from tractive_sam.solvers import Iterate, Problem, System, gmres, needed
 
 @dataclass(frozen=True)
 class LinearSolver:
-    """GMRES with its settings for one column of a Jacobian; nan if it does not converge.
+    """GMRES with its settings, which solves the linear system of one column of a Jacobian.
 
     Attributes
     ----------
@@ -160,7 +160,7 @@ class _Systems:
 
     @cached_property
     def tangential(self) -> "_Linearised":
-        """Linearised problem for the tractions at fixed pressure; of dissimilar bodies for both."""
+        """Linearised problem at fixed pressure; for dissimilar bodies pressure is unknown too."""
         if self.model.elasticity.coupled:
             return self.all_fields
         pressure = needed(dimensionless_start(self.model, self.contact).pressure, "start.pressure")

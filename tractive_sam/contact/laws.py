@@ -105,7 +105,7 @@ class Laws:
 
     @classmethod
     def of_package(cls, scene: Scene) -> "Laws":
-        """Return the laws of a scene that this package defines, in place of others None.
+        """Return the laws that this package makes from a scene, without those of others.
 
         In place of a law of another package there is none, or homogeneous bodies.
         """

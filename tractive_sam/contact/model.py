@@ -122,7 +122,7 @@ class Model:
 
     @cached_property
     def approach(self) -> float | None:
-        """Largest overlap of the undeformed bodies in a patch of a wheel, mm, if its depth is set.
+        """Largest overlap of bodies in a wheel's patch, mm; None unless its depth is prescribed.
 
         It is negative if they do not touch.
         """

@@ -88,7 +88,7 @@ class Roughness:
     def _along(
         self, axis: np.ndarray, heights: np.ndarray, at: np.ndarray, side: float, travels=None
     ) -> UnresolvedPart:
-        """Return rms height and slope along the first axis that points `at` miss; 0 if few."""
+        """Return rms height and slope along the first axis that points `at` miss; or zeros."""
         samples = side * samples_per_length(axis)
         if self.travels if travels is None else travels:
             at = np.arange(axis[0], axis[-1] + side, side)

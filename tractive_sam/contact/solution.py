@@ -65,7 +65,7 @@ def traction_of(model: Model, scaled: np.ndarray) -> np.ndarray:
 
 
 def _traction_bound(model: Model, pressure: np.ndarray, radius: np.ndarray) -> np.ndarray | None:
-    """Return the scaled traction bound, MPa; None for Coulomb friction, bounded by pressure."""
+    """Return the scaled traction bound, MPa; None if it is the pressure (Coulomb friction)."""
     is_coulomb = type(model.friction_law) is Coulomb
     if is_coulomb and (np.abs(radius - pressure) <= 1e-12 * pressure).all():  # up to rounding
         return None

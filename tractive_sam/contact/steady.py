@@ -131,7 +131,7 @@ def _equilibrium(
 
 
 def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
-    """Solve each block's contact before rolling, on a mesh that contains all; return both.
+    """Solve each block's contact before rolling on a mesh enlarged to fit; return model, contacts.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
 def _rolling_resistance(
     model: Model, pressure: np.ndarray, gap: np.ndarray, depth: np.ndarray
 ) -> float:
-    """Return the rolling resistance, N: the work of the pressure on the slope of worn bodies.
+    """Return the rolling resistance, N, of pressure on worn slopes; 0 for equal materials.
 
     `gap` is the remaining gap of the solved contact, and `depth` the wear depth, both in mm.
 
@@ -218,7 +218,7 @@ def _rolling_resistance(
 
 
 def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
-    """Return the work of tractions on rigid slip that creepages and spin do not describe, N.
+    """Return the work, N, of tractions on rigid slip beyond creepages and spin; 0 without wheel.
 
     On a wheel, points beside the tangent plane of the patch have another rolling radius.
     """

@@ -49,7 +49,7 @@ class ParticleMotion:
 
 
 class Stepper:
-    """Solver of time steps of a model, each step from the result of the one before.
+    """Solver of time steps of a model, each from the step before; raises for an interfacial layer.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ class Worn:
     depths: np.ndarray
 
     def on(self, grid: Grid) -> np.ndarray:
-        """Return the wear depths at the rows of a mesh, shape (2, n_y), mm, interpolated.
+        """Return wear depths (2, n_y), mm, interpolated at a mesh's rows; constant beyond.
 
         Raises
         ------

@@ -144,7 +144,7 @@ def _move_weights(weights, target, count, dependent):
 
 @compiled(inner=True)
 def _equidistant_weights(target, support, count, points, matrix, right):
-    """Set `target` to weights of the circumcentre, or, returning True, to a change if dependent.
+    """Set `target` to weights of the circumcentre; if dependent, to a change, and return True.
 
     Return True if the last point lies in the space of the others. The weights are then set to the
     change of all weights that leaves the mean unchanged, with 1 for the last point.

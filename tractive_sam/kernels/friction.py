@@ -249,7 +249,7 @@ def _set_sticking(direction, kappa, across, i, j):
 def linearise(
     traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
 ):
-    """Set state, residual and derivative factors of the friction law; return its sums of squares.
+    """Set `state` to `defect` of the linearised law; return sums of squares, plain and weighted.
 
     Parameters
     ----------

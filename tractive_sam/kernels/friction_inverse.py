@@ -209,7 +209,7 @@ def share_out(state, direction, kappa, stiffness, share, behind, front, up, row,
 
 @compiled
 def gather(state, direction, share, rough, row, smooth, out):
-    """Set `out` to share smooth + rough row if stuck, and along t if slipping; the rest to `row`.
+    """Set `out` to share*smooth + rough*row if stuck, and along t in slip; otherwise to `row`.
 
     The part along its direction, and all of an open one, is what ``row`` says.
     """

@@ -83,7 +83,7 @@ class Elasticity(Law, ABC):
         """
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
-        """Return the scale of gaps over the scale of pressures, mm/MPa, for numbers of like size.
+        """Return the unit of gap over that of pressure, mm/MPa; default: that of a loaded element.
 
         Parameters
         ----------
@@ -100,7 +100,7 @@ class Elasticity(Law, ABC):
         return float(self.coefficients("zz", (1, 1), dx, dy)[0, 0])
 
     def slip_per_traction(self, dx: float, dy: float) -> float:
-        """Return the scale of slips over the scale of tractions, 1/MPa, for numbers of like size.
+        """Return the unit of slip over that of traction, 1/MPa; default: slip of a loaded element.
 
         By default the slip of an element by a unit traction on it.
         """

@@ -266,14 +266,11 @@ class FallingCoulomb(Coulomb):
         return replace(self, speed=ratio * self.speed)
 
     def weakened(self, factor: float) -> "FallingCoulomb":
-        """Return the law with its friction coefficients, not its strength, times a factor.
-
-        The factor does not apply to the strength.
-        """
+        """Return the law with its friction coefficients, not its strength, times a factor."""
         return self if factor == 1.0 else FallingCoulombInStep(**vars(self), factor=factor)
 
     def with_previous(self, past: PreviousShare) -> "FallingCoulomb":
-        """Return the law with past friction if it has a memory, else this law; raise if strength.
+        """Return the law with past friction if it has a memory, else itself; raise with strength.
 
         Raises
         ------

@@ -115,7 +115,7 @@ class PreviousShare:
 
 @renamed_attributes(eased="at_speed_ratio", opposed="opposed_slip", centred="slip_at_centres")
 class FrictionLaw(Law, ABC):
-    """Friction law of every element; a subclass defines its `frame` and traction `bound`.
+    """Base class of friction laws; a subclass defines the `frame` and the traction `bound`.
 
     Examples
     --------

@@ -37,10 +37,7 @@ class InterfacialLayer(Elasticity):
 
     @property
     def coupled(self) -> bool:
-        """Whether pressure moves the bodies tangentially; the layer does not change it.
-
-        The answer is the one for the bodies: the layer does not change it.
-        """
+        """Whether pressure moves the bodies tangentially; the layer does not change it."""
         return self.bodies.coupled
 
     @property

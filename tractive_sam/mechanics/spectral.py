@@ -23,7 +23,7 @@ from tractive_sam.mechanics.elasticity import HalfSpaces
 
 @dataclass(frozen=True)
 class SpectralHalfSpaces(HalfSpaces):
-    """Elasticity of coated or graded half-spaces; a subclass defines their `spectrum`.
+    """Elasticity of coated or graded half-spaces; a subclass defines `surface` and `spectrum`.
 
     Parameters
     ----------

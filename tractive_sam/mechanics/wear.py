@@ -67,7 +67,7 @@ class WearLaw(Law, ABC):
         """
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return d(rate)/d(pressure), 1/MPa; by default for a law proportional to p_n, p_t.
+        """Return the derivative of the rate by pressure, 1/MPa; default: of a proportional law.
 
         Parameters as in `rate`. The default holds for a law proportional to both.
         """
@@ -92,7 +92,7 @@ class WearLaw(Law, ABC):
         traction: np.ndarray,
         slip: np.ndarray,
     ) -> np.ndarray:
-        """Return the wear depth of each body per rolling distance, shape (2, n_x, n_y).
+        """Return the depth of each body per rolling distance, by `shares` or else `share`.
 
         Parameters
         ----------
@@ -168,8 +168,6 @@ class Archard(WearLaw):
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return the depth per rolling distance of both bodies, from pressure and slip only.
-
-        It does not depend on the traction.
 
         Parameters as in `WearLaw.rate`.
         """

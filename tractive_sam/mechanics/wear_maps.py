@@ -224,7 +224,7 @@ class PerBody(WearLaw):
         return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
 
     def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
-        """Return shares of A and B in the wear of each row (2, n_y), of the contact if 0.
+        """Return shares of A and B in the wear of each row (2, n_y); the contact's in unworn rows.
 
         Rows without wear have the shares of the contact.
 
