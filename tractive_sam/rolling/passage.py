@@ -329,7 +329,7 @@ def attribute_wear(last: Passage, passage: Passage) -> Passage:
 
 
 def next_passage(model: Model, last: Passage) -> Passage:
-    """Roll one more revolution (paper, section 7), of a duty cycle the next block's."""
+    """Return the next revolution (paper, section 7), of a duty cycle the next block's."""
     k = last.rolled or 0
     entering = last.turns[k].next_entering(last.entering, last.leaving)
     tolerance, revolution = model.scene.solver.tolerance, last.revolution + 1

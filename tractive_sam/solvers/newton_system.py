@@ -73,7 +73,7 @@ class Iterate:
         self.merit = self.merit_by(ratio)
 
     def _set_residual(self, problem: Problem) -> None:
-        """Compute the residual, missing load and forces, and their weights."""
+        """Compute and store the residual, the missing load and forces, and their weights."""
         forces = problem.forces
         # Resultants, given and missed, count as if spread evenly over the contact.
         elements = max(int(np.count_nonzero(self.active)), 1)

@@ -30,7 +30,7 @@ class Sequential:
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
     ) -> Outcome:
-        """Solve a problem with free or fixed pressure; see `ProblemSolver`."""
+        """Solve the pressure, then the tractions; these are zero without contact."""
         if problem.is_pressure_fixed:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
