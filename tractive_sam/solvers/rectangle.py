@@ -31,7 +31,7 @@ class AroundContact:
 
     solver: ProblemSolver
     around: int = 2
-    least_size: int = 4096
+    least_size: int = 8192
 
     def solve(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None = None
