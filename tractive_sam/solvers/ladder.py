@@ -87,7 +87,7 @@ class Method:
         return cls(solver, solver, repr(solver))
 
 
-NORMAL = Nested(AroundContact(ConjugateGradients()))
+NORMAL = AroundContact(Nested(AroundContact(ConjugateGradients(), least_size=8192)))
 PRESSURE_ONLY = Sequential(NORMAL)
 """Bodies without cause for traction."""
 
