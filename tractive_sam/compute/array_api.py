@@ -38,7 +38,7 @@ class ArrayApi:
         return self.xp.concat(arrays)
 
     def spectra(self, tiles: Sequence[np.ndarray], padded: tuple[int, int], kind: Any) -> Array:
-        """Return the matrix of spectra, shape (n, n, p_x, p_y/2 + 1) (`Backend.spectra`)."""
+        """Return tiles of spectra as a matrix, (n, n, p_x, p_y/2 + 1) (`Backend.spectra`)."""
         places = {1: [[0]], 3: [[0, 1], [1, 2]], 9: [[0, 1, 2], [3, 4, 5], [6, 7, 8]]}
         return self.xp.asarray(join_kernels(tiles, padded)[np.array(places[len(tiles[0])])] + 0j)
 

@@ -125,7 +125,7 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
 
 
 def too_steep(steepness: float) -> str:
-    """Return the message for friction that falls too fast with sliding for the mesh.
+    """Return the message for friction that falls too fast with sliding for a single solution.
 
     Parameters
     ----------

@@ -182,7 +182,7 @@ def _turn_slip(a0, a1, m0, m1):
 
 @compiled
 def turn(slip, contact, out, ahead=1.0):
-    """Set `out` to the slip that tractions oppose, from leading faces; outside contact copy it.
+    """Set `out` to slip with its size at leading faces, its direction at centres; outside a copy.
 
     The slip a of the leading face gives its size and decides between stick and slip; the slip m at
     the centre gives its direction. If slip just begins, or the two disagree, the direction blends

@@ -223,7 +223,7 @@ def _relative_correction(model: Model, correction: np.ndarray, profile: np.ndarr
 
 
 def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
-    """Return the passage one revolution later, and the error of a jump over the tolerance."""
+    """Return the passage one revolution later, and the error of the next jump over tolerance."""
     here, formula = last.course[-1], _TwoStepFormula.from_course(last.course, jump)
     predicted, expected, response = _predict(last, formula, response)
     profile = here.profile + here.rate if last.revolution else here.profile

@@ -48,7 +48,7 @@ class ElasticFields(Observer):
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> Self:
-        """Return the observer with the contacts of a later step."""
+        """Return the observer with the contacts of a later step instead of the earlier ones."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def restore(self, step: Any, stored: Any) -> Self:

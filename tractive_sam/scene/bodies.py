@@ -101,7 +101,7 @@ class Bodies(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_hardness_of_both,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: moduli and radii of each body, combined modulus and radii."""
         for name, body in (("A", self.A), ("B", self.B)):
             material = body.material
             radii = f"R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"

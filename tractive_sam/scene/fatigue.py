@@ -181,7 +181,7 @@ class Fatigue(LawTable):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: bodies, shakedown limits, life and depths of the fatigue analysis."""
         k, hertz = self.shear_yield_stress, scene.hertz
         shakedown = "left out: neither shear_yield nor yield_strength is given"
         if k is not None:

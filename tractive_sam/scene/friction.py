@@ -227,9 +227,7 @@ class Friction(LawTable):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene.
-
-        They describe the law and its dependences.
+        """Yield report rows: the friction law, its coefficients and what they depend on.
 
         Parameters as in `Table.describe`.
         """

@@ -211,7 +211,7 @@ class Gap(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield a report row with the source of the separation: the file or an array."""
         source = self.file.name if self.file else "an array"
         yield Row("separation", f"of the radii plus the one of [gap], {source}")
 

@@ -70,7 +70,7 @@ class Heat(Table):
     effect: ClassVar[str] = "heat"
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: thermal properties, the share of heat of each body, and coupling."""
         bodies, bulk = scene.thermal, self.bulks
         for name, thermal in bodies.items():
             origin = "" if getattr(scene.body, name).thermal else " (steel, by default)"

@@ -113,9 +113,7 @@ class LoadHistory(Table):
     checks: ClassVar[tuple[Check, ...]] = (_check_results_of_binning,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene.
-
-        They describe the blocks made from the file, and their errors.
+        """Yield a report row: the blocks made from the file, and their errors.
 
         Parameters as in `Table.describe`.
         """

@@ -59,7 +59,7 @@ class ProcessTable(LawTable):
         return NamedSchedule(self.end, self.save)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: name of the process, its end and the places of stored fields."""
         yield Row("name", str(self.name))
         yield Row(
             "end",

@@ -162,7 +162,7 @@ class Stage(CourseTable):
     checks: ClassVar[tuple[Check, ...]] = (check_courses,)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: distance, courses of load and motion, and steps of the stage."""
         unit = "mm" if self.rolls else "of the parameter"
         longest = "one element" if self.rolls else "a tenth of the distance between two knots"
         length = longest if self.step is None else f"{self.step:g} {unit}"

@@ -70,9 +70,7 @@ class Load(Table):
     renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene.
-
-        They describe the load and the peak pressure.
+        """Yield report rows (label, text): the load and the peak pressure by Hertz.
 
         Parameters as in `Table.describe`.
         """
@@ -118,9 +116,7 @@ class Creepage(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene.
-
-        They list creepages other than zero, and forces prescribed in their place.
+        """Yield report rows: creepages other than zero, and forces prescribed for creepages.
 
         Parameters as in `Table.describe`.
         """
@@ -267,7 +263,7 @@ class Accuracy(Table):
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield a report row with the tolerance and how the mesh is refined to meet it."""
         yield Row(
             "requested",
             f"{self.tolerance:g}, relative: the mesh is refined until the error bars are within "
@@ -298,7 +294,7 @@ class Subsurface(Table):
     effect: ClassVar[str] = "stress"
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: bodies, planes and depths for which stress is computed."""
         hertz = scene.hertz
         deepest = f"{self.depth:g} a" if hertz is None else f"{self.depth * hertz.a:.4g} mm"
         yield Row("bodies", ", ".join(self.bodies))
@@ -327,7 +323,7 @@ class ElasticBodies(LawTable):
     law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield a report row with the name of a user-defined elastic law; none for half-spaces."""
         if self.named_law:
             yield Row("elasticity", f"{self.named_law}, in place of half-spaces", brief=True)
 

@@ -117,7 +117,7 @@ class Transient(CourseTable):
     checks: ClassVar[tuple[Check, ...]] = (_check_stages, _check_save, _check_cycle_start)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: start; distance, courses and steps of each stage; stored places."""
         start = {
             "rest": "bodies pressed together, without traction",
             "steady": "steady rolling with the values of the first knot",

@@ -152,9 +152,7 @@ class Wear(LawTable):
         return RevolutionSchedule(self.revolutions, self.save, adaptive, fixed)
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene.
-
-        They list coefficients, law, revolutions, and the share of each body.
+        """Yield report rows: wear coefficients, law, revolutions, share of each body, density.
 
         Parameters as in `Table.describe`.
         """

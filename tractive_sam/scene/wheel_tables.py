@@ -89,7 +89,7 @@ class WheelTable(_ProfileTable):
         return self._read(self.profile, "wheel")
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield a report row with the profile and the radius of the wheel."""
         yield Row("wheel", f"{Path(self.profile).name}, radius {self.radius:g} mm", brief=True)
 
 
@@ -135,7 +135,7 @@ class RailTable(_ProfileTable):
         return self._read(self.profile, "rail")
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield a report row with the profile, inclination and gauge of the rail."""
         text = f"{Path(self.profile).name}, 1:{self.inclination:g}, gauge {self.gauge:g} mm"
         yield Row("rail", text, brief=True)
 
@@ -180,7 +180,7 @@ class WheelsetTable(Table):
         return PatchSchedule(self.max_patches, tuple(range(1, self.max_patches + 1)))
 
     def describe(self, scene: Any) -> Iterator[Row]:
-        """Return the rows (label, text) that describe the table in reports of a scene."""
+        """Yield report rows: position and load of the wheelset, angle and radius of each patch."""
         contact = scene.wheel_rail
         load = f"{self.load:g} N vertical" if self.load else f"{self.normal_load:g} N normal"
         place = f"y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"

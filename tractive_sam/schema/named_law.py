@@ -288,7 +288,7 @@ def _read_argument(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any
 
 
 def _adapter(kind: Any) -> TypeAdapter[Any]:
-    """Return pydantic's validator of a type, cached."""
+    """Return pydantic's validator of a type, which may be a class that pydantic does not know."""
     try:
         return TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
     except PydanticUserError:  # records have a configuration already
