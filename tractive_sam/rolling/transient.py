@@ -184,7 +184,7 @@ class TransientProcess(Process[Moment]):
         return replace(moment, distance=near[0]) if near and not at_knot else moment
 
     def _moments_to_save(self, last: Moment, end: Moment, saves: tuple[float, ...]) -> list[Moment]:
-        """Return the moments to save inside a step; the last may be unsolved and ends the list."""
+        """Return moments to save in a step, each solved from `last`; an unsolved one is last."""
         moments: list[Moment] = []
         for place in (s for s in saves if last.distance < s < end.distance):
             moment, _ = self._try_step(last, place, None, end)

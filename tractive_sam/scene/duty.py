@@ -249,7 +249,7 @@ def _check_block_names(blocks: tuple[Block, ...]) -> Iterator[Fault]:
 
 
 def check_blocks(entries: ValidEntries) -> Iterator[Fault]:
-    """Report equal block names, tables that [[duty]] excludes or needs, and impossible shifts."""
+    """Report [[duty]] with equal names, wrong tables, cycles beyond the revolutions, bad shifts."""
     duty: tuple[Block, ...] = entries["duty"]
     if not duty:
         return

@@ -37,7 +37,7 @@ def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
-    """Report falling friction with shifts, jumps or forces at rest, which have no sliding speed."""
+    """Report falling friction with shifts, jumps, forces at rest, or both memory and strength."""
     transient, friction = entries["transient"], entries["friction"]
     if transient is None or friction is None or friction.share is None:
         return
