@@ -1,5 +1,6 @@
 """Atomic changes to HDF5 files: completely or not at all."""
 
+import io
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -87,7 +88,7 @@ def _is_of_disk(error: Exception) -> bool:
     return isinstance(error, OSError | RuntimeError) or "errno = " in str(error)
 
 
-class _UnfailingFile:
+class _UnfailingFile(io.RawIOBase):
     """File object for HDF5 that does not raise errors: after one, data stay in memory.
 
     HDF5 can read these data again.
@@ -103,15 +104,6 @@ class _UnfailingFile:
         start = {os.SEEK_SET: 0, os.SEEK_CUR: self._position, os.SEEK_END: self._size}
         self._position = start[whence] + offset
         return self._position
-
-    def tell(self) -> int:
-        """Return the position, as files do."""
-        return self._position
-
-    def read(self, size: int) -> bytes:
-        """Return at most `size` bytes from the position, also those that could not be written."""
-        data = bytearray(size)
-        return bytes(data[: self.readinto(data)])
 
     def readinto(self, buffer) -> int:
         """Fill a buffer and return the number of bytes; includes data that were not written."""
@@ -141,8 +133,9 @@ class _UnfailingFile:
         self._size = max(self._size, self._position)
         return size
 
-    def truncate(self, size: int) -> int:
+    def truncate(self, size: int | None = None, /) -> int:
         """Set the length of the file and return it; a disk error is stored, not raised."""
+        size = self._position if size is None else size
         try:
             if self.error is None:
                 self._output.truncate(size)
