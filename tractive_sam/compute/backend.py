@@ -1,4 +1,4 @@
-"""The seam between the solvers and a library of arrays: its functions, transforms and kernels.
+"""Interface of the solvers to a library of arrays: its functions, transforms and kernels.
 
 An iteration takes the functions of the array API standard from `Backend.xp`, and what the standard
 lacks, or does slowly, from the other attributes. Arrays of NumPy belong to `compute.host` (numba

@@ -1,4 +1,4 @@
-"""The backends by the arrays that belong to them; transforms and kernels are loaded when used."""
+"""Choice of the backend for an array; transforms and kernels are loaded when first used."""
 
 from functools import cache
 from typing import Any

@@ -554,12 +554,7 @@ class InverseOfStep:
     def __call__(self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         """Return a traction change that nearly solves the equations of a time step.
 
-        Parameters
-        ----------
-        rows : ndarray, shape (2, n_x, n_y)
-            Right-hand sides, see `Linearisation.rows`.
-        inverse : callable
-            Circulant inverse of the displacement A per length of an element.
+        Parameters as in `UpwindInverse.__call__`.
         """
         law, along = self.law, np.empty(self.share.shape)
         smooth, out = np.empty_like(rows), np.empty_like(rows)

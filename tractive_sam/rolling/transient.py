@@ -89,10 +89,7 @@ class TransientProcess(Process[Moment]):
         return self.model.profile_offset(self.model.scene.schedule.rolled(distance))
 
     def begin(self) -> Moment:
-        """Return the first moment: the contact at the first knot, at rest or rolling steadily.
-
-        It is the contact at the first knot.
-        """
+        """Return the first moment: the contact at the first knot, at rest or rolling steadily."""
         first, at = self.courses.first(), self.courses.knots[0]
         if self.courses.table.start == "steady":
             moment = self._first_moment(self._steady(), at)
