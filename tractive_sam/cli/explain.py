@@ -23,18 +23,16 @@ from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 def explain(
     scene: SceneName,
     settings: Settings = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            min=1,
-            metavar="N",
-            help="Number of processes that run a study; by default, one for each core.",
-        ),
-    ] = None,
+    workers: Annotated[int | None, typer.Option(min=1, metavar="N")] = None,
 ) -> None:
     """Describe what the model includes and neglects, and estimate memory and time.
 
     SCENE may also be a study, a creep-force table, or the design of a table.
+
+    Parameters
+    ----------
+    workers
+        Number of processes that run a study; by default, one for each core.
     """
     from tractive_sam.run import explain as explanation
     from tractive_sam.studies import is_study

@@ -25,69 +25,41 @@ class BodyName(StrEnum):
     B = "B"
 
 
-Source = Annotated[
-    str,
-    typer.Argument(
-        metavar="FILE.h5|SCENE",
-        help="A results file, or a scene; the unworn contact of a scene is solved first.",
-    ),
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE.vtkhdf",
-        help="File to write; an existing file is replaced. By default, named after the source "
-        "and the body, in the working folder.",
-    ),
-]
-Revolution = Annotated[
-    float | None,
-    typer.Option(
-        "--revolution",
-        "--distance",
-        help="Stored revolution, or distance of a transient in mm; by default, the last.",
-    ),
-]
-Block = Annotated[
-    str | None, typer.Option(help="Block of a duty cycle, by its name or its index from 0.")
-]
-Surface = Annotated[
-    bool,
-    typer.Option(
-        "--surface",
-        help="Write pressure, traction, slip, wear and gap instead of stress; each stored "
-        "revolution is a time step.",
-    ),
-]
-Depth = Annotated[
-    float | None,
-    typer.Option(
-        help="Depth in units of the semi-axis a of the unworn contact; by default, the depth in "
-        "the scene, or 1.5."
-    ),
-]
-Elements = Annotated[
-    int | None,
-    typer.Option(
-        help="Number of points along the depth; by default, the number in the scene, or 64."
-    ),
-]
-
-
 def export(
-    source: Source,
+    source: Annotated[str, typer.Argument(metavar="FILE.h5|SCENE")],
     settings: Settings = None,
-    output: Output = None,
-    revolution: Revolution = None,
-    body: Annotated[BodyName, typer.Option(help="Body to export.")] = BodyName.A,
-    block: Block = None,
-    surface: Surface = False,
-    depth: Depth = None,
-    elements: Elements = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.vtkhdf")] = None,
+    revolution: Annotated[float | None, typer.Option("--revolution", "--distance")] = None,
+    body: BodyName = BodyName.A,
+    block: str | None = None,
+    surface: Annotated[bool, typer.Option("--surface")] = False,
+    depth: float | None = None,
+    elements: int | None = None,
 ) -> None:
-    """Write the stress in a volume of one body, or the surface, for ParaView."""
+    """Write the stress in a volume of one body, or the surface, for ParaView.
+
+    Parameters
+    ----------
+    source
+        A results file, or a scene; the unworn contact of a scene is solved first.
+    output
+        File to write; an existing file is replaced. By default, named after the source and the
+        body, in the working folder.
+    revolution
+        Stored revolution, or distance of a transient in mm; by default, the last.
+    body
+        Body to export.
+    block
+        Block of a duty cycle, by its name or its index from 0.
+    surface
+        Write pressure, traction, slip, wear and gap instead of stress; each stored revolution
+        is a time step.
+    depth
+        Depth in units of the semi-axis a of the unworn contact; by default, the depth in the
+        scene, or 1.5.
+    elements
+        Number of points along the depth; by default, the number in the scene, or 64.
+    """
     from tractive_sam.run import export_surface, export_volume
     from tractive_sam.store import check_volume
 

@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 import typer
 from rich import box
@@ -23,48 +23,33 @@ from tractive_sam.cli.output import (
     show_progress,
 )
 
-Output: TypeAlias = Annotated[
-    Path,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE.nc",
-        help="The result (netCDF), from which an interrupted fit resumes.",
-    ),
-]
-
-Design: TypeAlias = Annotated[
-    bool,
-    typer.Option(
-        "--design", help="Also rank the tests [[fit.test]] by the reduction of the uncertainty."
-    ),
-]
-
-SceneFile: TypeAlias = Annotated[
-    Path | None,
-    typer.Option(metavar="OUT.toml", help="Also write the scene with the fitted values."),
-]
-
-Workers: TypeAlias = Annotated[
-    int,
-    typer.Option(min=0, metavar="N", help="Number of processes on this machine; 0: this process."),
-]
-
-Overwrite: TypeAlias = Annotated[
-    bool, typer.Option("--overwrite", help="Replace a file that contains the fit of another scene.")
-]
-
 
 def fit(
-    file: Annotated[Path, typer.Argument(metavar="FIT.toml", help="A fit file (TOML).")],
-    output: Output,
-    design: Design = False,
-    scene: SceneFile = None,
-    workers: Workers = 0,
-    overwrite: Overwrite = False,
+    file: Annotated[Path, typer.Argument(metavar="FIT.toml")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.nc")],
+    design: Annotated[bool, typer.Option("--design")] = False,
+    scene: Annotated[Path | None, typer.Option(metavar="OUT.toml")] = None,
+    workers: Annotated[int, typer.Option(min=0, metavar="N")] = 0,
+    overwrite: Annotated[bool, typer.Option("--overwrite")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Fit coefficients to measurements: creep curves, worn masses, worn profiles."""
+    """Fit coefficients to measurements: creep curves, worn masses, worn profiles.
+
+    Parameters
+    ----------
+    file
+        A fit file (TOML).
+    output
+        The result (netCDF), from which an interrupted fit resumes.
+    design
+        Also rank the tests [[fit.test]] by the reduction of the uncertainty.
+    scene
+        Also write the scene with the fitted values.
+    workers
+        Number of processes on this machine; 0: this process.
+    overwrite
+        Replace a file that contains the fit of another scene.
+    """
     if output.suffix != ".nc":
         raise error_exit(ExitStatus.INVALID, f"{output}: the result is a netCDF file; use FILE.nc")
     for path in filter(None, (output, scene)):

@@ -10,14 +10,15 @@ from tractive_sam.cli.output import ExitStatus, console, error_exit, report_erro
 
 
 def keys(
-    table: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="TABLE", help="A table, for example wear or body.A; by default, all tables."
-        ),
-    ] = None,
+    table: Annotated[str | None, typer.Argument(metavar="TABLE")] = None,
 ) -> None:
-    """List every key of a scene with its meaning, unit, allowed values and default."""
+    """List every key of a scene with its meaning, unit, allowed values and default.
+
+    Parameters
+    ----------
+    table
+        A table, for example wear or body.A; by default, all tables.
+    """
     from tractive_sam.scene import Scene
     from tractive_sam.schema import key_groups, shorten, suggest_name
 

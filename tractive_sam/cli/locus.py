@@ -13,23 +13,25 @@ from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
 def locus(
     scene: SceneName,
-    output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE.csv",
-            help="Table to write; the figures are written to the same folder.",
-        ),
-    ],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.csv")],
     settings: Settings = None,
-    reach: Annotated[float, typer.Option(help="Largest lateral position on both sides, mm.")] = 6.0,
-    positions: Annotated[int, typer.Option(help="Number of positions.", min=3, max=2001)] = 21,
-    amplitude: Annotated[
-        float, typer.Option(help="Amplitude for the printed equivalent conicity, mm.")
-    ] = 3.0,
+    reach: float = 6.0,
+    positions: Annotated[int, typer.Option(min=3, max=2001)] = 21,
+    amplitude: float = 3.0,
 ) -> None:
-    """Write contact points, rolling radii and conicity of a wheelset against its position."""
+    """Write contact points, rolling radii and conicity of a wheelset against its position.
+
+    Parameters
+    ----------
+    output
+        Table to write; the figures are written to the same folder.
+    reach
+        Largest lateral position on both sides, mm.
+    positions
+        Number of positions.
+    amplitude
+        Amplitude for the printed equivalent conicity, mm.
+    """
     import numpy as np
 
     with report_errors():
@@ -74,18 +76,21 @@ def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
 
 
 def wear(
-    scene: Annotated[
-        str, typer.Argument(metavar="SCENE", help="A scene (see run), or a results file (.h5).")
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FOLDER", help="Folder of the worn profiles.")
-    ],
+    scene: Annotated[str, typer.Argument(metavar="SCENE")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FOLDER")],
     settings: Settings = None,
     resume: Resume = False,
 ) -> None:
     """Wear the profiles of a wheel and a rail at the positions of a duty cycle.
 
     The results file wear.h5 and the files of the worn profiles are written to the output folder.
+
+    Parameters
+    ----------
+    scene
+        A scene (see run), or a results file (.h5).
+    output
+        Folder of the worn profiles.
     """
     from tractive_sam import plot
     from tractive_sam.results import WornProfiles

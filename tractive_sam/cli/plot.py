@@ -36,37 +36,6 @@ def _parse_width(text: str) -> float:
     return float(number[1])
 
 
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="DIR",
-        help="Folder of the figures; by default, FILE-figures in the working folder.",
-    ),
-]
-Scales = Annotated[
-    UnitSystem,
-    typer.Option(help="Divide by the Hertzian half-widths and pressure, or use mm and MPa."),
-]
-Dpi = Annotated[int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")]
-Blocks = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="BLOCK",
-        help="Also draw a block of a duty cycle, by its name or its index from 0, into a "
-        "separate folder; all: every block. May be repeated.",
-    ),
-]
-Titles = Annotated[bool, typer.Option("--title/--no-title", help="Draw titles.")]
-Width = Annotated[
-    float | None,
-    typer.Option(
-        parser=_parse_width,
-        metavar="WIDTH",
-        help="Width of every figure, for example 84mm for a journal column.",
-    ),
-]
 Measured = Annotated[
     Path | None,
     typer.Option(
@@ -74,12 +43,6 @@ Measured = Annotated[
         help="Draw measured points and the rms of their differences from the results. The CSV "
         "file has the column revolution (or distance) and further columns, for example "
         "Qx_over_P or 'worn_mass B'.",
-    ),
-]
-Animated = Annotated[
-    bool,
-    typer.Option(
-        "--animate", help="Also write evolution.gif, an animation of the stored revolutions."
     ),
 ]
 
@@ -96,17 +59,38 @@ def _find_blocks(history: "ts.History", names: list[str]) -> list[int]:
 
 def plot(
     file: Results,
-    output: Output = None,
-    format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
-    units: Scales = UnitSystem.HERTZ,
-    dpi: Dpi = 200,
-    block: Blocks = None,
-    title: Titles = True,
-    width: Width = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")] = None,
+    format: Format = Format.PNG,
+    units: UnitSystem = UnitSystem.HERTZ,
+    dpi: Annotated[int, typer.Option(min=20, max=1200)] = 200,
+    block: Annotated[list[str] | None, typer.Option(metavar="BLOCK")] = None,
+    title: Annotated[bool, typer.Option("--title/--no-title")] = True,
+    width: Annotated[float | None, typer.Option(parser=_parse_width, metavar="WIDTH")] = None,
     measured: Measured = None,
-    animated: Animated = False,
+    animated: Annotated[bool, typer.Option("--animate")] = False,
 ) -> None:
-    """Draw every figure that applies to a results file."""
+    """Draw every figure that applies to a results file.
+
+    Parameters
+    ----------
+    output
+        Folder of the figures; by default, FILE-figures in the working folder.
+    format
+        Format of the figures.
+    units
+        Divide by the Hertzian half-widths and pressure, or use mm and MPa.
+    dpi
+        Dots per inch of PNG figures.
+    block
+        Also draw a block of a duty cycle, by its name or its index from 0, into a separate
+        folder; all: every block. May be repeated.
+    title
+        Draw titles.
+    width
+        Width of every figure, for example 84mm for a journal column.
+    animated
+        Also write evolution.gif, an animation of the stored revolutions.
+    """
     if plot_fit(file, output, format.value, dpi, measured is not None):
         return
     with report_errors():

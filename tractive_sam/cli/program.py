@@ -1,7 +1,9 @@
 """The program `tractive-sam` and its commands."""
 
+import inspect
+import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
 
@@ -76,12 +78,29 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+
+
+def _add_command(command: Callable[..., None]) -> None:
+    """Add a command whose docstring describes it and those of its parameters that have no help.
+
+    Raises KeyError if the docstring describes a parameter that the command lacks.
+    """
+    text = inspect.cleandoc(command.__doc__ or "")
+    summary, _, parameters = text.partition("\n\nParameters\n----------\n")
+    for name, described in re.findall(r"^(\w+)\n((?: .*\n?)+)", parameters, re.MULTILINE):
+        kind = command.__annotations__[name]
+        if not hasattr(kind, "__metadata__"):
+            kind = command.__annotations__[name] = Annotated[kind, typer.Option()]
+        kind.__metadata__[0].help = " ".join(described.split())
+    app.command(help=summary)(command)
+
+
 # fmt: off
 for command in (
     run, show, plot, report, export, explain, keys, scenes, reproduce, study, study_show, table,
     fit, locus, wear,
 ):
-    app.command()(command)
+    _add_command(command)
 # fmt: on
 
 

@@ -13,19 +13,16 @@ from tractive_sam.cli.show import Results
 
 def report(
     file: Results,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE.html",
-            help="The page; an existing page is replaced. By default, FILE.html in the working "
-            "folder.",
-        ),
-    ] = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.html")] = None,
     measured: Measured = None,
 ) -> None:
-    """Write a results file as one interactive page, which needs no other file and no network."""
+    """Write a results file as one interactive page, which needs no other file and no network.
+
+    Parameters
+    ----------
+    output
+        The page; an existing page is replaced. By default, FILE.html in the working folder.
+    """
     if write_fit_report(file, output, measured is not None):
         return
     with report_errors():

@@ -16,30 +16,23 @@ from tractive_sam.cli.output import (
 )
 from tractive_sam.cli.plot import Format
 
-Output = Annotated[
-    Path,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="DIR",
-        help="Folder of the page, the figures and the results files; existing files are replaced.",
-    ),
-]
-Reduced = Annotated[
-    bool,
-    typer.Option(
-        "--reduced",
-        help="Use coarse meshes and few revolutions, for a quick check; the page states this.",
-    ),
-]
-
 
 def reproduce(
-    output: Output = Path("paper"),
-    reduced: Reduced = False,
-    format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR")] = Path("paper"),
+    reduced: Annotated[bool, typer.Option("--reduced")] = False,
+    format: Format = Format.PNG,
 ) -> None:
-    """Reproduce every figure and table of the paper, and compare its statements with results."""
+    """Reproduce every figure and table of the paper, and compare its statements with results.
+
+    Parameters
+    ----------
+    output
+        Folder of the page, the figures and the results files; existing files are replaced.
+    reduced
+        Use coarse meshes and few revolutions, for a quick check; the page states this.
+    format
+        Format of the figures.
+    """
     from tractive_sam import paper
     from tractive_sam.results import NotConverged
 

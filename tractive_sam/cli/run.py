@@ -19,21 +19,6 @@ from tractive_sam.cli.output import (
 )
 from tractive_sam.cli.scene_input import STANDARD_INPUT, SceneName, Settings, read_scene
 
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="FILE.h5",
-        help="Results file; by default, named after the scene, in the working folder.",
-    ),
-]
-Start = Annotated[
-    Path | None,
-    typer.Option(
-        "--start", metavar="FILE.h5", help="Start from the worn bodies of another results file."
-    ),
-]
 Resume = Annotated[
     bool,
     typer.Option(
@@ -42,26 +27,31 @@ Resume = Annotated[
         "interruption, or to compute more revolutions.",
     ),
 ]
-Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Replace the results file if it exists.")
-]
-Verbose = Annotated[
-    bool,
-    typer.Option("--verbose", "-v", help="Print all quantities, including those of the solver."),
-]
 
 
 def run(
     scene: SceneName,
     settings: Settings = None,
-    output: Output = None,
-    start: Start = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.h5")] = None,
+    start: Annotated[Path | None, typer.Option("--start", metavar="FILE.h5")] = None,
     resume: Resume = False,
-    overwrite: Overwrite = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite")] = False,
     quiet: Quiet = False,
-    verbose: Verbose = False,
+    verbose: Annotated[bool, typer.Option("--verbose", "-v")] = False,
 ) -> None:
-    """Compute a scene, all its revolutions, into a results file."""
+    """Compute a scene, all its revolutions, into a results file.
+
+    Parameters
+    ----------
+    output
+        Results file; by default, named after the scene, in the working folder.
+    start
+        Start from the worn bodies of another results file.
+    overwrite
+        Replace the results file if it exists.
+    verbose
+        Print all quantities, including those of the solver.
+    """
     if resume and overwrite:
         message = "--resume continues a results file, --overwrite replaces it: use one of them"
         raise error_exit(ExitStatus.INVALID, message)

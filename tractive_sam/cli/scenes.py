@@ -10,14 +10,15 @@ from tractive_sam.cli.output import console, print_line, report_errors
 
 
 def scenes(
-    write: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", help="Write this scene to NAME.toml, with a comment on every key."
-        ),
-    ] = None,
+    write: Annotated[str | None, typer.Option(metavar="NAME")] = None,
 ) -> None:
-    """List the built-in scenes, or write one to a file that you can edit."""
+    """List the built-in scenes, or write one to a file that you can edit.
+
+    Parameters
+    ----------
+    write
+        Write this scene to NAME.toml, with a comment on every key.
+    """
     from tractive_sam.output_file import write_file
     from tractive_sam.scene import Scene, builtin_names, commented_scene
 

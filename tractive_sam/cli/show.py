@@ -18,17 +18,21 @@ Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file
 
 
 def show(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="A results file, a creep-force table, or a fit.")
-    ],
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print every record as JSON instead of tables.")
-    ] = False,
-    as_csv: Annotated[
-        bool, typer.Option("--csv", help="Print every record as a line of CSV instead of tables.")
-    ] = False,
+    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    as_json: Annotated[bool, typer.Option("--json")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv")] = False,
 ) -> None:
-    """Print a results file, even while its run is in progress, a creep-force table, or a fit."""
+    """Print a results file, even while its run is in progress, a creep-force table, or a fit.
+
+    Parameters
+    ----------
+    file
+        A results file, a creep-force table, or a fit.
+    as_json
+        Print every record as JSON instead of tables.
+    as_csv
+        Print every record as a line of CSV instead of tables.
+    """
     if as_json and as_csv:
         raise error_exit(ExitStatus.INVALID, "--json and --csv: use one of them")
     if file.suffix == ".nc" and not file.is_file():

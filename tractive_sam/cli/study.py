@@ -1,7 +1,7 @@
 """``tractive-sam study``: compute many scenes on many cores and machines."""
 
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 import typer
 
@@ -18,55 +18,34 @@ from tractive_sam.cli.output import (
     show_progress,
 )
 
-StudyFile: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="STUDY.toml", help="A study file (TOML).")
-]
-Output = Annotated[
-    Path,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="DIR",
-        help="Folder of the study; complete cases in an existing folder are not repeated.",
-    ),
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Scheduler of dask.distributed; its workers compute the cases and must have access "
-        "to DIR.",
-    ),
-]
-Workers = Annotated[
-    int | None,
-    typer.Option(
-        min=0,
-        metavar="N",
-        help="Number of processes on this machine, without a scheduler; with 0, this process "
-        "computes one case after another. By default, one for each core, or 0 if starting "
-        "them would take longer than the work.",
-    ),
-]
-Encrypted = Annotated[
-    bool | None,
-    typer.Option(
-        "--encrypted/--unencrypted",
-        help="Whether the processes on this machine use TLS, so that other users of the machine "
-        "cannot run programs through them; by default, they do.",
-    ),
-]
-
 
 def study(
-    file: StudyFile,
-    output: Output,
-    scheduler: Scheduler = None,
-    workers: Workers = None,
-    encrypted: Encrypted = None,
+    file: Annotated[Path, typer.Argument(metavar="STUDY.toml")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR")],
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS")] = None,
+    workers: Annotated[int | None, typer.Option(min=0, metavar="N")] = None,
+    encrypted: Annotated[bool | None, typer.Option("--encrypted/--unencrypted")] = None,
     quiet: Quiet = False,
 ) -> None:
-    """Compute all incomplete cases of a study, long cases first."""
+    """Compute all incomplete cases of a study, long cases first.
+
+    Parameters
+    ----------
+    file
+        A study file (TOML).
+    output
+        Folder of the study; complete cases in an existing folder are not repeated.
+    scheduler
+        Scheduler of dask.distributed; its workers compute the cases and must have access to
+        DIR.
+    workers
+        Number of processes on this machine, without a scheduler; with 0, this process computes
+        one case after another. By default, one for each core, or 0 if starting them would take
+        longer than the work.
+    encrypted
+        Whether the processes on this machine use TLS, so that other users of the machine cannot
+        run programs through them; by default, they do.
+    """
     from tractive_sam import studies
     from tractive_sam.cli.study_show import print_failures, report_versions
 

@@ -19,52 +19,38 @@ from tractive_sam.cli.output import (
 )
 from tractive_sam.cli.plot import Format
 
-Directory = Annotated[Path, typer.Argument(metavar="DIR", help="The folder of a study.")]
-Csv = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Write all quantities of all cases as CSV.")
-]
-Netcdf = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE", help="Write all quantities as netCDF, as functions of the axes, for xarray."
-    ),
-]
-Figures = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="DIR", help="Draw quantities as functions of one or two axes, into a folder."
-    ),
-]
-Quantities = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="NAME",
-        help="Quantity to draw and to write as CSV, for example Qx_over_P; may be repeated.",
-    ),
-]
-WithUnits = Annotated[
-    bool,
-    typer.Option("--units", help="Write units into the headings of the CSV, for example Qx [N]."),
-]
-Fixed = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="KEY=VALUE", help="Fix an axis in figures, if more than two vary; may be repeated."
-    ),
-]
-
 
 def study_show(
-    directory: Directory,
-    csv: Csv = None,
-    netcdf: Netcdf = None,
-    figures: Figures = None,
-    quantity: Quantities = None,
-    units: WithUnits = False,
-    at: Fixed = None,
-    format: Annotated[Format, typer.Option(help="Format of the figures.")] = Format.PNG,
+    directory: Annotated[Path, typer.Argument(metavar="DIR")],
+    csv: Annotated[Path | None, typer.Option(metavar="FILE")] = None,
+    netcdf: Annotated[Path | None, typer.Option(metavar="FILE")] = None,
+    figures: Annotated[Path | None, typer.Option(metavar="DIR")] = None,
+    quantity: Annotated[list[str] | None, typer.Option(metavar="NAME")] = None,
+    units: Annotated[bool, typer.Option("--units")] = False,
+    at: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUE")] = None,
+    format: Format = Format.PNG,
 ) -> None:
-    """Show all cases of a study with their last records, even while it is running."""
+    """Show all cases of a study with their last records, even while it is running.
+
+    Parameters
+    ----------
+    directory
+        The folder of a study.
+    csv
+        Write all quantities of all cases as CSV.
+    netcdf
+        Write all quantities as netCDF, as functions of the axes, for xarray.
+    figures
+        Draw quantities as functions of one or two axes, into a folder.
+    quantity
+        Quantity to draw and to write as CSV, for example Qx_over_P; may be repeated.
+    units
+        Write units into the headings of the CSV, for example Qx [N].
+    at
+        Fix an axis in figures, if more than two vary; may be repeated.
+    format
+        Format of the figures.
+    """
     with report_errors():
         from tractive_sam.scene import parse_settings
         from tractive_sam.studies import open_study, save_figures

@@ -20,75 +20,45 @@ from tractive_sam.cli.output import (
 )
 from tractive_sam.cli.study import check_workers
 
-File = Annotated[
-    str,
-    typer.Argument(
-        metavar="TABLE.toml|FILE.nc|NAME",
-        help="The design of a table (TOML), or an existing table, which may be a file or the "
-        "built-in table steel; it is written as a header or as text or, with --output, "
-        "receives error bars of its gradients.",
-    ),
-]
-Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="FILE.nc", help="The table (netCDF).")
-]
-Header = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE.h",
-        help="Also write the table in C: a header, and FILE.c in the folder of the header; the "
-        "function has the name of the file.",
-    ),
-]
-Fmu = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE.fmu",
-        help="Also write the table as a functional mock-up unit, compiled by cc if cc is "
-        "installed.",
-    ),
-]
-Fmi = Annotated[
-    int, typer.Option(min=2, max=3, help="Version of the Functional Mock-up Interface for --fmu.")
-]
-NodeText = Annotated[
-    Path | None,
-    typer.Option(
-        "--text", metavar="FILE.txt", help="Also write the nodes of the table as columns of text."
-    ),
-]
-Figure = Annotated[
-    Path | None, typer.Option(metavar="FILE.png", help="Draw the errors at the check points.")
-]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS", help="Scheduler of dask.distributed; its workers solve the contacts."
-    ),
-]
-Workers = Annotated[
-    int,
-    typer.Option(
-        min=0,
-        metavar="N",
-        help="Number of processes on this machine, without a scheduler; 0: this process.",
-    ),
-]
-
 
 def table(
-    file: File,
-    output: Output = None,
-    header: Header = None,
-    fmu: Fmu = None,
-    fmi: Fmi = 2,
-    text: NodeText = None,
-    figure: Figure = None,
-    scheduler: Scheduler = None,
-    workers: Workers = 0,
+    file: Annotated[str, typer.Argument(metavar="TABLE.toml|FILE.nc|NAME")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.nc")] = None,
+    header: Annotated[Path | None, typer.Option(metavar="FILE.h")] = None,
+    fmu: Annotated[Path | None, typer.Option(metavar="FILE.fmu")] = None,
+    fmi: Annotated[int, typer.Option(min=2, max=3)] = 2,
+    text: Annotated[Path | None, typer.Option("--text", metavar="FILE.txt")] = None,
+    figure: Annotated[Path | None, typer.Option(metavar="FILE.png")] = None,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS")] = None,
+    workers: Annotated[int, typer.Option(min=0, metavar="N")] = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Build a creep-force table with gradients and error bars."""
+    """Build a creep-force table with gradients and error bars.
+
+    Parameters
+    ----------
+    file
+        The design of a table (TOML), or an existing table, which may be a file or the built-in
+        table steel; it is written as a header or as text or, with --output, receives error bars
+        of its gradients.
+    output
+        The table (netCDF).
+    header
+        Also write the table in C: a header, and FILE.c in the folder of the header; the
+        function has the name of the file.
+    fmu
+        Also write the table as a functional mock-up unit, compiled by cc if cc is installed.
+    fmi
+        Version of the Functional Mock-up Interface for --fmu.
+    text
+        Also write the nodes of the table as columns of text.
+    figure
+        Draw the errors at the check points.
+    scheduler
+        Scheduler of dask.distributed; its workers solve the contacts.
+    workers
+        Number of processes on this machine, without a scheduler; 0: this process.
+    """
     writers: dict[Path | None, Callable[[Any, Path], None]] = {
         header: _write_header,
         fmu: partial(_write_fmu, fmi=cast(Literal[2, 3], fmi)),
