@@ -40,7 +40,7 @@ def wheel_on_rail(view: ContactView) -> Figure:
     length = 12.0  # of the normals, mm
     points = points[-points[:, 2] < length]  # a yawed flange seems to reach far up at its back
     axes.plot(points[:, 1], -points[:, 2], label="wheel")
-    _draw_profile(axes, wheel_rail.rail, label="rail")
+    _draw_profile(axes, wheel_rail.rail.section(0.0), label="rail")
     patches = sorted(wheel_rail.patches, key=lambda patch: patch.origin[1])
     sides = ["center"] if len(patches) == 1 else ["right"] + ["left"] * (len(patches) - 1)
     for patch, side in zip(patches, sides, strict=True):

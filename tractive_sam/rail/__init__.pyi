@@ -18,5 +18,8 @@ from .locus import ContactLocus as ContactLocus
 from .locus import find_locus as find_locus
 from .patch import Patch as Patch
 from .profile import Profile as Profile
+from .profile import Rail as Rail
+from .sections import RailSections as RailSections
+from .sections import read_sections as read_sections
 from .wheelset import Wheel as Wheel
 from .wheelset import place_rail as place_rail

@@ -10,8 +10,8 @@ import numpy as np
 import scipy  # its parts are loaded when first used
 
 from .patch import Patch
-from .profile import Array, Profile
-from .wheelset import Wheel
+from .profile import Array, Rail
+from .wheelset import Wheel, top_of
 
 
 class NoContactError(ValueError):
@@ -43,17 +43,16 @@ class Clearance:
     rail_s: Array
 
     @classmethod
-    def measure(cls, wheel: Wheel, rail: Profile, s: Array) -> Clearance:
+    def measure(cls, wheel: Wheel, rail: Rail, s: Array) -> Clearance:
         """Return vertical gap (inf beside the rail) and angles at arc lengths of the wheel."""
-        points, angles = wheel.silhouette(s)
+        points, angles = wheel.facing(rail, s)
         y = np.nan_to_num(points[:, 1], nan=1e9)
-        rail_s = rail.locate(y, near=_top(rail))
-        below = rail.at(rail_s)
+        below, rail_angles, rail_s = rail.across(points[:, 0], y, near=top_of(rail))
         outside = ~(np.abs(below[:, 0] - y) < 1e-6)
         gap = np.where(outside, np.inf, below[:, 1] - np.nan_to_num(points[:, 2]))
-        return cls(s, points, gap, np.stack((angles, rail.angle(rail_s))), rail_s)
+        return cls(s, points, gap, np.stack((angles, rail_angles)), rail_s)
 
-    def refined(self, wheel: Wheel, rail: Profile, window: float, parts: int = 8) -> Clearance:
+    def refined(self, wheel: Wheel, rail: Rail, window: float, parts: int = 8) -> Clearance:
         """Return the clearance at denser points within `window` of its minimum, and only there."""
         near = self.gap <= self.gap.min() + window
         near[1:] |= near[:-1]
@@ -65,17 +64,12 @@ class Clearance:
         return self.measure(wheel, rail, s)
 
 
-def _top(rail: Profile) -> float:
-    """Return y of the highest point of a rail."""
-    return float(rail.points[np.argmin(rail.points[:, 1]), 0])
-
-
-def find_contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Clearance:
+def find_contact_points(wheel: Wheel, rail: Rail, window: float = 0.0) -> Clearance:
     """Return the clearance at local minima of the gap, least first, up to `window` above it.
 
     Parameters
     ----------
-    wheel, rail : Wheel and Profile
+    wheel, rail : Wheel and Rail
         A right wheel, and the right rail in the track frame.
     window : float
         Largest vertical distance above the least one at which a local minimum counts, mm.
@@ -117,7 +111,7 @@ def find_contact_points(wheel: Wheel, rail: Profile, window: float = 0.0) -> Cle
 
 
 def _equal_angles(
-    wheel: Wheel, rail: Profile, around: Array, parts: int = 16, times: int = 3
+    wheel: Wheel, rail: Rail, around: Array, parts: int = 16, times: int = 3
 ) -> float:
     """Return the arc length near a node at which wheel and rail have equal angles (touch).
 
@@ -126,7 +120,7 @@ def _equal_angles(
 
     Parameters
     ----------
-    wheel, rail : Wheel and Profile
+    wheel, rail : Wheel and Rail
         See `contact_points`.
     around : ndarray, shape (3,)
         Arc lengths of the node and of its neighbours.
@@ -146,19 +140,19 @@ def _equal_angles(
     return float(np.interp(0.0, steepness[[k + 1, k]], s[[k + 1, k]]))
 
 
-def lowest_gap(wheel: Wheel, rail: Profile) -> float:
+def lowest_gap(wheel: Wheel, rail: Rail) -> float:
     """Return the least vertical distance of a wheel from the rail, mm; error without contact."""
     return float(find_contact_points(wheel, rail).gap[0])
 
 
-def free_roll(right: Wheel, rail: Profile, tolerance: float = 1e-11) -> float:
+def free_roll(right: Wheel, rail: Rail, tolerance: float = 1e-11) -> float:
     """Return the roll angle, rad, at which both wheels of a wheelset touch equal rails.
 
     Parameters
     ----------
     right : Wheel
         The right wheel; its roll is the initial guess.
-    rail : Profile
+    rail : Rail
         The right rail, in the track frame.
     tolerance : float
         Error of the roll, rad.
@@ -194,7 +188,7 @@ def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) 
         raise NoContactError("the contact is at an end of a profile, which may be too short")
 
 
-def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> list[Patch]:
+def find_patches(wheel: Wheel, rail: Rail, load: float, e_star: float) -> list[Patch]:
     """Return patches of a loaded wheel, largest first; NoContactError beyond 0.5 mm of depth.
 
     Patches are the separate regions in which the undeformed bodies overlap if they approach each
@@ -203,7 +197,7 @@ def find_patches(wheel: Wheel, rail: Profile, load: float, e_star: float) -> lis
 
     Parameters
     ----------
-    wheel, rail : Wheel and Profile
+    wheel, rail : Wheel and Rail
         A right wheel, and the right rail in the track frame.
     load : float
         Vertical load, N.
@@ -288,14 +282,12 @@ class _Overlap:
         normal = 4.0 / 3.0 * e_star * self.depth.max() * cosine * np.sqrt(area / (2.0 * np.pi))
         return float(normal * cosine)
 
-    def patch(
-        self, wheel: Wheel, rail: Profile, limits: tuple[float, float], depth: float
-    ) -> Patch:
+    def patch(self, wheel: Wheel, rail: Rail, limits: tuple[float, float], depth: float) -> Patch:
         """Return the contact patch at the centre of the overlap, for a depth of the wheel, mm."""
         points = self.clearance.points
         y = self._mean(points[:, 1])
-        z = float(rail.at(rail.locate(y, near=_top(rail)))[1])
-        origin = np.array([self._mean(points[:, 0]), y, z])
+        x = self._mean(points[:, 0])
+        origin = np.array([x, *rail.across(x, y, near=top_of(rail))[0]])
         wide = 0.5 * float(np.ptp(points[self.part, 1])) / float(np.cos(self.angle))
         angles = self._angles[self.part][self.depth >= 0.5 * self.depth.max()]
         half = float(self._half_length.max()), wide

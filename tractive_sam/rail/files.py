@@ -20,7 +20,8 @@ SUFFIXES = (".prw", ".prr", ".wheel", ".rail", ".whl", ".ban", ".csv", ".txt", "
 UNITS = {"mm": 1.0, "m": 1e3, "in": 25.4}
 """Units of length, in mm."""
 
-Kind = Literal["wheel", "rail"]
+Kind = Literal["wheel", "rail", "section"]
+"""Kinds of profiles; "section" is one section of a rail with sections, which may be wider."""
 
 
 class ProfileError(ValueError):
@@ -41,8 +42,8 @@ def read_profile(
     ----------
     path : path-like
         The file.
-    kind : {"wheel", "rail"}
-        Kind of the profile.
+    kind : {"wheel", "rail", "section"}
+        Kind of the profile; "section" is one of several sections of a rail.
     unit : {"mm", "m", "in"}, optional
         Unit of lengths; by default the unit in the file, or mm.
     smoothing : float, optional
@@ -90,8 +91,8 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
     ----------
     points : ndarray, shape (n, 2)
         Lateral positions and heights along the profile, mm, in any of the four directions.
-    kind : {"wheel", "rail"}
-        Kind of the profile.
+    kind : {"wheel", "rail", "section"}
+        See `read_profile`.
     smoothing : float, optional
         See `read_profile`.
 
@@ -161,6 +162,7 @@ def _outward(points: Array, kind: Kind) -> Array:
 def _check_size(points: Array, kind: Kind) -> None:
     """Raise a ValueError if the width of a profile is implausible in mm, and name the unit."""
     width, limits = float(np.ptp(points[:, 0])), {"wheel": (60.0, 200.0), "rail": (25.0, 120.0)}
+    limits["section"] = 25.0, 400.0  # of a crossing, with its wing rails
     lower, upper = limits[kind]
     if not lower <= width <= upper:
         units = [u for u, f in UNITS.items() if lower <= width * f <= upper]
@@ -203,7 +205,7 @@ def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title
     up = -1.0 if Path(path).suffix in (".prw", ".prr") else 1.0
     lines = [f"{y:.9f} {up * z:.9f}" for y, z in profile.points]
     if up < 0.0:
-        number = {"wheel": 1, "rail": 0}[kind]
+        number = int(kind == "wheel")
         head = ["header.begin", "  version = 1", f"  type = {number}", "header.end"]
         head += [
             "spline.begin",

@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from .profile import Array, Profile
+from .profile import Array, Rail
 from .wheelset import Wheel
 
 
@@ -21,7 +21,7 @@ class Patch:
 
     Attributes
     ----------
-    wheel, rail : Wheel and Profile
+    wheel, rail : Wheel and Rail
         The wheel as it first touches the rail, and the rail.
     origin : ndarray, shape (3,)
         Origin of the plane in the track frame, on the rail, mm.
@@ -41,7 +41,7 @@ class Patch:
     """
 
     wheel: Wheel
-    rail: Profile
+    rail: Rail
     origin: Array
     angle: float
     half_length: tuple[float, float]
@@ -90,29 +90,35 @@ class Patch:
     def opening(self) -> float:
         """Smallest distance between wheel and rail along the normal, mm; negative if they overlap.
 
-        A prismatic rail is nearest to the wheel at a point of its silhouette. The points around the
-        origin are searched, as far as the undeformed bodies overlap on either side: normals of a
-        steep plane also cross the back of the flange. The interval around the nearest point is
-        divided again and again, down to 1e-4 mm.
+        The points of the wheel that face the rail (`Wheel.facing`) around the origin are searched,
+        as far as the undeformed bodies overlap on either side: normals of a steep plane also cross
+        the back of the flange. The interval around the nearest point is divided again and again,
+        down to 1e-4 mm.
         """
-        axes = np.stack((self.lateral, self.normal), axis=1)
+        ahead = np.array([1.0, 0.0, 0.0])
+        axes = np.stack((ahead, self.lateral, self.normal), axis=1)
         around = 2.0 * self.half_length[1] * np.array([-1.0, 1.0])
         first, last = np.clip(self.wheel_s + around, *self.wheel.profile.s[[0, -1]])
         for _ in range(4):
             s = np.linspace(first, last, 33)
-            points, _angles = self._lowered_wheel.silhouette(s)
-            y, height = ((np.nan_to_num(points, nan=1e9) - self.origin) @ axes).T
+            points, _angles = self._lowered_wheel.facing(self.rail, s)
+            x, y, height = ((np.nan_to_num(points, nan=1e9) - self.origin) @ axes).T
             outside = (np.abs(y) > 1e6) | (y <= self.limits[0]) | (y >= self.limits[1])
-            gap = height - self.rail_profile(np.where(outside, 0.0, y))[0]
+            gap = height - self.rail_at(x, np.where(outside, 0.0, y))[0]
             gap[outside] = np.inf
             k = int(np.argmin(gap))
             first, last = s[max(k - 1, 0)], s[min(k + 1, s.size - 1)]
         return float(gap.min())
 
-    def rail_profile(self, y: Array) -> tuple[Array, Array]:
-        """Return (rail height along the patch normal, rail arc length) at y (n,), mm."""
-        s = self.rail.locate(y, self.origin[1:], self.angle, near=float(self.origin[1]))
-        return (self.rail.at(s) - self.origin[1:]) @ self.normal[1:], s
+    def rail_at(self, x: Array, y: Array) -> tuple[Array, Array, Array]:
+        """Return rail (height normal to the patch, angle, arc length) at x and y, mm and rad.
+
+        x and y are broadcast; for a prismatic rail the results have the shape of y.
+        """
+        points, angle, s = self.rail.across(
+            x + self.origin[0], y, self.origin[1:], self.angle, near=float(self.origin[1])
+        )
+        return (points - self.origin[1:]) @ self.normal[1:], angle, s
 
     def wheel_profile(self, y: Array) -> tuple[Array, Array]:
         """Return (wheel height along the patch normal, profile arc length) at x = 0 and y, mm."""
@@ -125,7 +131,7 @@ class Patch:
         The contact angle is the mean of the angles of wheel and rail.
         """
         wheel = self.wheel.profile.angle(self.wheel_profile(y)[1])
-        return float(np.ptp(0.5 * (wheel + self.rail.angle(self.rail_profile(y)[1]))))
+        return float(np.ptp(0.5 * (wheel + self.rail_at(np.zeros(1), y)[1])))
 
     def gap(self, x: Array, y: Array, apart: float = 1.0) -> Array:
         """Return the undeformed gap normal to the patch, mm, (n, m), plus `apart` beside limits.
@@ -141,9 +147,10 @@ class Patch:
         -------
         ndarray, shape (n, m)
         """
-        height, _ = self.wheel_at(np.asarray(x)[:, None], np.asarray(y)[None, :])
-        outside = (y < self.limits[0]) | (y > self.limits[1])
-        return np.asarray(height - self.rail_profile(y)[0] + apart * outside)
+        along, across = np.asarray(x)[:, None], np.asarray(y)[None, :]
+        outside = (across < self.limits[0]) | (across > self.limits[1])
+        height = self.wheel_at(along, across)[0] - self.rail_at(along, across)[0]
+        return np.asarray(height + apart * outside)
 
     def wheel_at(self, x: Array, y: Array, steps: int = 8) -> tuple[Array, Array]:
         """Return (height of the wheel normal to the patch, its profile arc length) at (x, y), mm.
@@ -186,7 +193,7 @@ class Patch:
         ndarray, shape (2, n_x, n_y)
             Components along x and y of the plane.
         """
-        height, _ = self.rail_profile(y)
+        height = self.rail_at(x[:, None], y[None, :])[0]
         spin = -(1.0 + pitch) / self.wheel.radius * self.wheel.turn[:, 1]
         at = (self.origin - self.wheel.centre)[:, None, None] + np.multiply.outer(
             self.lateral, np.ones((x.size, 1)) * y

@@ -5,12 +5,48 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol, Self
 
 import numpy as np
 import scipy  # its parts are loaded when first used
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
+
+
+class Rail(Protocol):
+    """Protocol of the surface of a rail: a `Profile` along the track, or varying sections."""
+
+    @property
+    def steepest(self) -> float:
+        """Largest slope along the track; 0 if the rail is prismatic."""
+
+    def section(self, x: float) -> Profile:
+        """Return the cross-section at a position along the track, mm."""
+
+    def across(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        origin: ArrayLike = (0.0, 0.0),
+        angle: float = 0.0,
+        near: float | None = None,
+    ) -> tuple[Array, Array, Array]:
+        """Return points (..., 2), angles and arc lengths at positions along an inclined axis.
+
+        Parameters
+        ----------
+        x, y : array_like
+            Positions along the track and along the axis, mm; they are broadcast.
+        origin, angle, near
+            See `Profile.locate`.
+        """
+
+    def moved(self, angle: float, shift: ArrayLike) -> Self:
+        """Return the rail with its sections rotated by an angle, rad, and then shifted, mm."""
+
+    def seen_from(self, x: float) -> Self:
+        """Return the rail in a frame whose origin lies at a position along the track, mm."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +73,9 @@ class Profile:
     >>> float(round(wheel.height(-55.0), 6))
     28.0
     """
+
+    steepest = 0.0
+    """Slope of a rail with this profile along the track (see `Rail`)."""
 
     s: Array
     points: Array
@@ -115,7 +154,7 @@ class Profile:
         if near is None:
             near = float(np.asarray(origin)[0] + np.median(np.asarray(v)) * axis[0])
         positions = (self.points - np.asarray(origin)) @ axis
-        first, last = _increasing_run(positions, int(np.argmin(np.abs(self.points[:, 0] - near))))
+        first, last = _increasing_run(positions, self.points[:, 0], near)
         run = slice(first, last + 1)
         s = np.interp(np.asarray(v), positions[run], self.s[run])
         for _ in range(3):
@@ -127,6 +166,26 @@ class Profile:
     def height(self, y: ArrayLike) -> Array:
         """Return z at lateral positions, mm; beyond the ends, z of the nearest end."""
         return np.asarray(self.at(self.locate(y))[..., 1])
+
+    def section(self, x: float) -> Profile:
+        """Return the profile: the cross-section of a prismatic rail at any position."""
+        return self
+
+    def across(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        origin: ArrayLike = (0.0, 0.0),
+        angle: float = 0.0,
+        near: float | None = None,
+    ) -> tuple[Array, Array, Array]:
+        """Return points (..., 2), angles and arc lengths of a prismatic rail; see `Rail.across`."""
+        s = self.locate(y, origin, angle, near)
+        return self.at(s), self.angle(s), s
+
+    def seen_from(self, x: float) -> Profile:
+        """Return the profile: a prismatic rail looks the same from any position."""
+        return self
 
     def moved(self, angle: float, shift: ArrayLike) -> Profile:
         """Return the profile rotated by an angle, rad, and then shifted, mm.
@@ -171,8 +230,15 @@ def arc_lengths(points: Array, tangents: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(chords / np.sinc(half / np.pi))))
 
 
-def _increasing_run(positions: Array, start: int) -> tuple[int, int]:
-    """Return the first and the last index around `start` between which positions increase."""
+def interpolate_run(v: Array, positions: Array, y: Array, near: float) -> Array:
+    """Return numbers of points at positions `v`, on the part that increases around y = `near`."""
+    first, last = _increasing_run(positions, y, near)
+    return np.interp(v, positions[first : last + 1], np.arange(first, last + 1))
+
+
+def _increasing_run(positions: Array, y: Array, near: float) -> tuple[int, int]:
+    """Return the first and last index around y = `near` between which positions increase."""
+    start = int(np.argmin(np.abs(y - near)))
     falls = np.flatnonzero(np.diff(positions) <= 0.0)
     before, after = falls[falls < start], falls[falls >= start]
     first = int(before[-1]) + 1 if before.size else 0

@@ -10,22 +10,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Self
+from typing import Self, TypeVar
 
 import numpy as np
 
-from .profile import Array, Profile
+from .profile import Array, Profile, Rail
+
+AnyRail = TypeVar("AnyRail", bound=Rail)
 
 
 def place_rail(
-    rail: Profile, inclination: float, gauge: float, gauge_depth: float = 14.0
-) -> Profile:
+    rail: AnyRail, inclination: float, gauge: float, gauge_depth: float = 14.0
+) -> AnyRail:
     """Return the right rail in the track frame: inclined, gauge face at gauge/2, top at z = 0.
 
     Parameters
     ----------
-    rail : Profile
-        The rail in its own frame.
+    rail : Rail
+        The rail in its own frame. Its first section is placed; others follow.
     inclination : float
         Run of the inclination, 40 for 1:40, towards the track centre; inf for an upright rail.
     gauge : float
@@ -39,8 +41,9 @@ def place_rail(
         If the profile ends above this depth on the gauge side.
     """
     turned = rail.moved(-np.arctan(1.0 / inclination), (0.0, 0.0))
-    s = np.linspace(turned.s[0], turned.s[-1], 20 * turned.s.size)
-    dense = turned.at(s)
+    first = turned.section(-np.inf)
+    s = np.linspace(first.s[0], first.s[-1], 20 * first.s.size)
+    dense = first.at(s)
     top = int(np.argmin(dense[:, 1]))
     inner = dense[: top + 1]
     depth = inner[:, 1] - dense[top, 1]
@@ -55,6 +58,22 @@ def place_rail(
     at_depth = inner[last, 0] + share * (inner[last + 1, 0] - inner[last, 0])
     face = min(float(inner[last + 1 :, 0].min()), float(at_depth))
     return turned.moved(0.0, (0.5 * gauge - face, -dense[top, 1]))
+
+
+def top_of(rail: Rail) -> float:
+    """Return y of the highest point of the section of a rail at x = 0."""
+    points = rail.section(0.0).points
+    return float(points[np.argmin(points[:, 1]), 0])
+
+
+def _vertex(x: Array, gap: Array) -> Array:
+    """Return x of the least of gaps (k, n) at equidistant x (k, n), on the parabola around it."""
+    columns = np.arange(gap.shape[1])
+    k = np.clip(np.argmin(gap, axis=0), 1, gap.shape[0] - 2)
+    before, least, after = (gap[k + j, columns] for j in (-1, 0, 1))
+    bend = np.maximum(before - 2.0 * least + after, 1e-12)
+    shift = np.clip(0.5 * (before - after) / bend, -1.0, 1.0)
+    return np.asarray(x[k, columns] + shift * (x[1] - x[0]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,18 +145,67 @@ class Wheel:
         angles : ndarray, shape (n,)
             Angle of the tangent plane to the horizontal, rad.
         """
-        local, slope = self.profile.at(s), self.profile.angle(s)
-        ahead = self.turn[0]
-        needed = np.sin(slope) * ahead[1] / np.cos(slope)
-        reach = np.hypot(ahead[0], ahead[2])
+        return self._points_ahead(s, np.tan(self.profile.angle(s)) * self.turn[0, 1])
+
+    def cut(self, s: Array, x: Array) -> tuple[Array, Array]:
+        """Return (points (..., 3), contact angles) of the wheel in planes across the track.
+
+        Parameters
+        ----------
+        s, x : ndarray, shape (...)
+            Arc lengths of the profile and positions along the track, mm.
+        """
+        local = self.profile.at(s)
+        ahead = x - self.turn[0, 1] * (self.datum + local[..., 0])
+        return self._points_ahead(s, ahead / (self.radius + local[..., 1]))
+
+    def _points_ahead(self, s: Array, ahead: Array) -> tuple[Array, Array]:
+        """Return (points, contact angles) at arc lengths s, in a direction around the axle.
+
+        `ahead` is the cosine of the angle between this direction and the x axis, shape (...).
+        """
+        local, slope, (along, _, down) = self.profile.at(s), self.profile.angle(s), self.turn[0]
         with np.errstate(invalid="ignore"):
-            around = np.arcsin(needed / reach) - np.arctan2(ahead[2], ahead[0])
-        radius = self.radius + local[:, 1]
+            around = np.arcsin(ahead / np.hypot(along, down)) - np.arctan2(down, along)
+        radius = self.radius + local[..., 1]
         sine, cosine = np.sin(around), np.cos(around)
-        points = np.stack((radius * sine, self.datum + local[:, 0], radius * cosine), axis=1)
-        normals = np.stack((np.cos(slope) * sine, -np.sin(slope), np.cos(slope) * cosine), axis=1)
+        points = np.stack((radius * sine, self.datum + local[..., 0], radius * cosine), axis=-1)
+        normals = np.stack((np.cos(slope) * sine, -np.sin(slope), np.cos(slope) * cosine), axis=-1)
         normals = normals @ self.turn.T
-        return points @ self.turn.T + self.centre, np.arctan2(-normals[:, 1], normals[:, 2])
+        return points @ self.turn.T + self.centre, np.arctan2(-normals[..., 1], normals[..., 2])
+
+    def facing(self, rail: Rail, s: Array, planes: int = 25) -> tuple[Array, Array]:
+        """Return (points (n, 3), contact angles) with the least vertical distance from a rail.
+
+        A prismatic rail can touch the wheel only on the silhouette. Otherwise the distance is
+        compared in planes across the track, and then in closer ones around the least distance.
+
+        Parameters
+        ----------
+        rail : Rail
+            The rail in the track frame.
+        s : ndarray, shape (n,)
+            Arc lengths of the profile.
+        planes : int
+            Number of planes at first; between them the distance is taken as a parabola.
+        """
+        if rail.steepest == 0.0:
+            return self.silhouette(s)
+        step = 2.0 * rail.steepest * self.radius / (planes - 1)
+        x: Array = np.outer(step * (np.arange(planes) - planes // 2), np.ones(s.size))
+        gap = np.stack([self._gap(rail.section(float(at[0])), s, at) for at in x])
+        for _ in range(2):
+            step /= 8.0
+            x = np.asarray(_vertex(x, gap) + step * np.array([[-1.0], [0.0], [1.0]]))
+            gap = np.stack([self._gap(rail, s, at) for at in x])
+        return self.cut(s, _vertex(x, gap))
+
+    def _gap(self, rail: Rail, s: Array, x: Array) -> Array:
+        """Return the vertical gap at arc lengths s in planes x, shape (n,), mm; 1 m beside it."""
+        points, _ = self.cut(s, x)
+        below, _, _ = rail.across(x, points[:, 1], near=top_of(rail))
+        beside = np.abs(below[:, 0] - points[:, 1]) > 1e-3
+        return np.where(beside, 1e3, below[:, 1] - points[:, 2])
 
     def at_contact(self, gap: float) -> Self:
         """Return the wheel lowered by a vertical gap, mm, so that it touches the rail."""

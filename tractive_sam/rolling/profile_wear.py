@@ -292,7 +292,7 @@ class ProfileWear(Process[WornStep]):
         new_wheel, new_rail = self._nodes
         places = (
             np.interp(patch.wheel_profile(y)[1], wheel.s, new_wheel),
-            np.interp(patch.rail_profile(y)[1], patch.rail.s, new_rail),
+            np.interp(patch.rail_at(np.zeros(1), y)[2], patch.rail.section(0.0).s, new_rail),
         )
         single, rates = rates.sum(axis=0), rates * self._passes
         passes = rates.sum(axis=0) / np.where(single > 0.0, single, 1.0)  # mean of both, by wear

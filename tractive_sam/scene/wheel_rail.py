@@ -19,6 +19,7 @@ from tractive_sam.rail import (
     NoContactError,
     Patch,
     Profile,
+    Rail,
     Wheel,
     find_contact_points,
     find_locus,
@@ -44,7 +45,7 @@ class WheelRail:
 
     Attributes
     ----------
-    wheel, rail : Wheel and Profile
+    wheel, rail : Wheel and Rail
         The wheel that is computed, as a right one, and the right rail in the track frame.
     roll, pitch : float
         Roll of the wheelset, rad; its angular velocity over V / radius, minus 1.
@@ -53,7 +54,7 @@ class WheelRail:
     """
 
     wheel: Wheel
-    rail: Profile
+    rail: Rail
     roll: float
     pitch: float
     patches: tuple[Patch, ...]
@@ -110,9 +111,12 @@ class WheelRail:
 
 @lru_cache(maxsize=256)
 def _find(
-    profile: Profile, radius: float, rail: Profile, wheelset: WheelsetTable, e_star: float
+    profile: Profile, radius: float, rail: Rail, wheelset: WheelsetTable, e_star: float
 ) -> WheelRail:
     """Place a wheel on a rail, and find its patches under the load; results are cached."""
+    if rail.steepest and "free" in (wheelset.roll, wheelset.pitch):
+        raise ValueError("with sections of the rail, roll and pitch are numbers")
+    rail = rail.seen_from(wheelset.x)
     placed = Wheel(profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw)
     free = wheelset.roll == "free"
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
@@ -148,8 +152,10 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
     >>> locus.radius.shape
     (2, 3)
     """
-    if scene.wheelset is None:
-        raise ValueError("contact_locus: a scene with [wheel], [rail] and [wheelset] is needed")
+    if scene.wheelset is None or scene.rail.has_sections:
+        raise ValueError(
+            "contact_locus: a scene with [wheel], [rail] of one profile, and [wheelset] is needed"
+        )
     wheelset = scene.wheelset
     wheel = Wheel(scene.wheel.curve, scene.wheel.radius, wheelset.inner, yaw=1e-3 * wheelset.yaw)
     roll = None if scene.wheelset.roll == "free" else 1e-3 * scene.wheelset.roll
@@ -249,13 +255,31 @@ def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(name, "with [wheel] and [wear]", cure)
 
 
+def _check_sections(entries: ValidEntries) -> Iterator[Fault]:
+    """Report keys and tables that need a rail with one profile, or a rail with sections."""
+    rail, wheelset = entries["rail"], entries["wheelset"]
+    if rail is None or wheelset is None:
+        return
+    if not rail.has_sections:
+        if "wheelset.x" in entries.given:
+            cure = "nothing, or a file of sections as rail.profile"
+            yield Fault("wheelset.x", "with a rail of one profile", cure)
+        return
+    for key in ("roll", "pitch"):
+        if getattr(wheelset, key) == "free":
+            cure = "a number: the other rail, which determines it, is not known"
+            yield Fault(f"wheelset.{key}", "free, with sections of the rail", cure)
+    if entries["wear"] is not None:
+        yield Fault("wear", "with sections of the rail", "no [wear], or a rail of one profile")
+
+
 def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
     """Report a wheel that cannot rest on its rail, and entries that follow from its contact."""
     if entries["wheelset"] is None or entries["wheel"] is None or entries["rail"] is None:
         return
     wheel, rail, wheelset = (entries[name] for name in TABLES)
     faults = [*_profile_faults(wheel=wheel, rail=rail)]
-    if faults:
+    if faults or [*_check_sections(entries)]:
         yield from faults if not may_be_missing() else ()
         return
     try:
@@ -301,6 +325,7 @@ def _profile_faults(**tables: Any) -> Iterator[Fault]:
 WHEEL_CHECKS: tuple[Check, ...] = (
     _check_wheel_is_complete,
     _check_wear_of_profiles,
+    _check_sections,
     _check_wheel_contact,
 )
 """Checks between [wheel], [rail], [wheelset] and the other tables."""

@@ -11,21 +11,33 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from tractive_sam.rail import BUILTIN, SUFFIXES, Profile, builtin_profile, place_rail, read_profile
-from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one
+from tractive_sam.rail import (
+    BUILTIN,
+    SUFFIXES,
+    Profile,
+    Rail,
+    builtin_profile,
+    place_rail,
+    read_profile,
+    read_sections,
+)
+from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one, not_both
 
 from .gap import absolute_path, check_exists
 from .schedule import PatchSchedule, Schedule
 
+SECTIONS = ".slcs"
+"""Suffix of a file of sections of a rail."""
 
-def _check_profile(name: str, built_in: tuple[str, ...]) -> str:
+
+def _check_profile(name: str, built_in: tuple[str, ...], suffixes: tuple[str, ...]) -> str:
     """Return a built-in name unchanged, or the absolute path of an existing profile file."""
     if name in built_in:
         return name
     listed = " or ".join(built_in)
-    if Path(name).suffix not in SUFFIXES:
-        raise ValueError(f"{listed}, or a file ending in {', '.join(SUFFIXES)}")
-    path = absolute_path(Path(name), SUFFIXES)
+    if Path(name).suffix not in suffixes:
+        raise ValueError(f"{listed}, or a file ending in {', '.join(suffixes)}")
+    path = absolute_path(Path(name), suffixes)
     check_exists(path, f"{listed}, or ")
     return str(path)
 
@@ -34,9 +46,17 @@ _Unit = Literal["mm", "m", "in"]
 _NameOrPath = Annotated[
     str, BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value)
 ]
-_WheelProfile = Annotated[_NameOrPath, AfterValidator(partial(_check_profile, built_in=("S1002",)))]
+_WheelProfile = Annotated[
+    _NameOrPath,
+    AfterValidator(partial(_check_profile, built_in=("S1002",), suffixes=SUFFIXES)),
+]
 _RailProfile = Annotated[
-    _NameOrPath, AfterValidator(partial(_check_profile, built_in=("60E1", "UIC60-manchester")))
+    _NameOrPath,
+    AfterValidator(
+        partial(
+            _check_profile, built_in=("60E1", "UIC60-manchester"), suffixes=(*SUFFIXES, SECTIONS)
+        )
+    ),
 ]
 _FreeOrReal = Literal["free"] | Real
 
@@ -53,8 +73,11 @@ class _ProfileTable(Table):
         default=None,
     )
 
-    def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Profile:
-        """Return a built-in profile, or one from a file; a changed file is read again."""
+    def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Any:
+        """Return a built-in profile, or a profile or sections from a file.
+
+        A file that has changed is read again.
+        """
         if profile in BUILTIN:
             return builtin_profile(profile)
         changed = os.stat(profile).st_mtime_ns if os.path.isfile(profile) else 0
@@ -64,8 +87,12 @@ class _ProfileTable(Table):
 @lru_cache(maxsize=32)
 def _read_once(
     path: str, kind: Any, unit: str | None, smoothing: float | None, changed: int
-) -> Profile:
-    """Return the profile in a file, cached until the file changes (`changed`, its time)."""
+) -> Rail:
+    """Return the profile or sections in a file, cached until the file changes (`changed`, time)."""
+    if path.endswith(SECTIONS):
+        return read_sections(
+            path, lambda section: read_profile(section, "section", unit, smoothing)
+        )
     return read_profile(path, kind, unit, smoothing)
 
 
@@ -103,7 +130,7 @@ class RailTable(_ProfileTable):
     """
 
     profile: _RailProfile = entry(
-        "rail profile: 60E1, UIC60-manchester, or a file",
+        "rail profile: 60E1, UIC60-manchester, or a file; a file ending in .slcs lists sections",
         "60E1, UIC60-manchester, or the path of a file",
     )
     inclination: Annotated[float, Field(ge=5.0)] = entry(
@@ -112,17 +139,27 @@ class RailTable(_ProfileTable):
         40.0,
     )
     gauge: Positive = entry("distance between the gauge faces, mm", default=1435.0)
+    origin: tuple[Real, Real] | None = entry(
+        "y and z of the origin of the profile's file in the track, mm, in place of the gauge",
+        default=None,
+    )
     passes: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] | None = entry(
         "number of wheels that pass a cross-section of the rail per revolution of the wheel, "
         "for [wear]; the default is 1",
         "a number of at least 0",
         default=None,
     )
+    checks: ClassVar[tuple[Check, ...]] = (not_both("origin", "gauge"),)
 
     @property
-    def curve(self) -> Profile:
-        """Profile of the right rail in the track frame, with inclination and gauge."""
-        return _placed(self.unplaced_curve, self.inclination, self.gauge)
+    def curve(self) -> Any:
+        """Profile or sections of the right rail in the track frame, with inclination and gauge."""
+        return _placed(self.unplaced_curve, self.inclination, self.gauge, self.origin)
+
+    @property
+    def has_sections(self) -> bool:
+        """Whether the section of the rail varies along the track."""
+        return self.profile.endswith(SECTIONS)
 
     @property
     def passes_per_revolution(self) -> float:
@@ -130,17 +167,24 @@ class RailTable(_ProfileTable):
         return 1.0 if self.passes is None else self.passes
 
     @property
-    def unplaced_curve(self) -> Profile:
-        """Profile of the rail in the frame of its file, without inclination and gauge."""
+    def unplaced_curve(self) -> Any:
+        """Profile or sections of the rail in the frame of the file, without its placement."""
         return self._read(self.profile, "rail")
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield a report row with the profile, inclination and gauge of the rail."""
-        text = f"{Path(self.profile).name}, 1:{self.inclination:g}, gauge {self.gauge:g} mm"
-        yield Row("rail", text, brief=True)
+        place = f"gauge {self.gauge:g} mm" if self.origin is None else f"origin {self.origin} mm"
+        yield Row("rail", f"{Path(self.profile).name}, 1:{self.inclination:g}, {place}", brief=True)
 
 
-_placed = lru_cache(maxsize=32)(place_rail)
+@lru_cache(maxsize=32)
+def _placed(
+    rail: Rail, inclination: float, gauge: float, origin: tuple[float, float] | None
+) -> Rail:
+    """Return the right rail in the track frame, at the gauge or with its origin at (y, z)."""
+    if origin is None:
+        return place_rail(rail, inclination, gauge)
+    return rail.moved(-math.atan(1.0 / inclination), origin)
 
 
 class WheelsetTable(Table):
@@ -153,6 +197,7 @@ class WheelsetTable(Table):
     """
 
     inner: Positive = entry("distance between the backs of the wheels, mm", default=1360.0)
+    x: Real = entry("position along the track, mm, if the rail has sections", default=0.0)
     y: Real = entry("lateral position, mm, positive to the right", default=0.0)
     yaw: Real = entry("yaw angle, mrad, clockwise from above", default=0.0, ge=-100, le=100)
     roll: _FreeOrReal = entry(
@@ -183,7 +228,10 @@ class WheelsetTable(Table):
         """Yield report rows: position and load of the wheelset, angle and radius of each patch."""
         contact = scene.wheel_rail
         load = f"{self.load:g} N vertical" if self.load else f"{self.normal_load:g} N normal"
-        place = f"y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"
+        along = f"x = {self.x:g} mm, " if scene.rail.has_sections else ""
+        place = (
+            f"{along}y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"
+        )
         yield Row("wheelset", f"{place}, {self.side} wheel, {load}", brief=True)
         for patch in contact.patches:
             angle = f"angle {math.degrees(patch.angle):.2f} deg"

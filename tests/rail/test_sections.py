@@ -1,0 +1,144 @@
+"""Rails whose section varies along the track."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.rail import RailSections, builtin_profile, find_patches, write_profile
+
+STEEL = {"shear": 82e3, "poisson": 0.28}
+X = np.arange(-40.0, 41.0, 10.0)
+E_STAR = 82e3 / (1.0 - 0.28)
+
+
+@pytest.fixture(scope="module")
+def rails(tmp_path_factory):
+    """A function that writes a rail with tops at z(x) and lateral positions y(x)."""
+    folder = tmp_path_factory.mktemp("sections")
+
+    def write(name, y, z, head="", marks=()):
+        rail = builtin_profile("UIC60-manchester")
+        names = [f"{name}-{k}.prr" for k in range(X.size)]
+        for k, x in enumerate(X):
+            write_profile(rail.moved(0.0, (y(x), z(x))), folder / names[k], "rail")
+        rows = [f"{x} '{file}'  % one section" for x, file in zip(X, names, strict=True)]
+        counts = f"{X.size}\n{len(marks)} 0 0\n1"
+        table = [f"{x} " + " ".join(map(str, marks)) for x in X] if marks else []
+        path = folder / f"{name}.slcs"
+        path.write_text("\n".join([f"{head or '0.0 1.0'}", counts, *rows, *table]))
+        return path
+
+    return write
+
+
+def scene(path, radius=460.0, **wheelset):
+    place = {"y": 2.0, "roll": 0.0, "pitch": 0.0, "load": 1e4, **wheelset}
+    return ts.Scene(
+        body={"A": STEEL, "B": STEEL},
+        wheel={"profile": "S1002", "radius": radius},
+        rail={"profile": str(path), "inclination": np.inf},
+        wheelset=place,
+        friction={"mu": 0.3},
+        creepage={"longitudinal": 1e-3},
+        grid={"half_length": [6.0, 6.0], "elements": [31, 31]},
+    )
+
+
+def test_equal_sections_are_a_prismatic_rail(rails, wheel):
+    rail = builtin_profile("UIC60-manchester").moved(0.0, (750.0, 0.0))
+    marks = np.tile([0.0, rail.s[-1]], (3, 1))
+    varying = RailSections.from_profiles(np.array([-50.0, 0.0, 50.0]), [rail] * 3, marks)
+    placed = replace(wheel, y=3.0, yaw=0.01, roll=1e-4)
+    expected, found = (find_patches(placed, one, 1e4, E_STAR)[0] for one in (rail, varying))
+    assert found.origin == pytest.approx(expected.origin, abs=2e-3)
+    assert found.angle == pytest.approx(expected.angle, abs=1e-5)
+    local = expected.lowered(0.02)
+    same = replace(local, rail=varying)
+    x, y = np.linspace(-5.0, 5.0, 11), np.linspace(-3.0, 3.0, 13)
+    # Cubics between points 0.25 mm apart.
+    assert same.gap(x, y) == pytest.approx(local.gap(x, y), abs=1e-6)
+    assert same.opening == pytest.approx(local.opening, abs=1e-6)
+    assert same.rigid_slip(x, y) == pytest.approx(local.rigid_slip(x, y), abs=1e-8)
+
+
+@pytest.mark.slow
+def test_a_crowned_rail_is_the_rail_of_a_smaller_wheel(rails):
+    """Curvatures along the track add up: 1/460 + 1/600 = 1/260.4."""
+    crown = rails("crown", lambda x: 0.0, lambda x: x**2 / 1200.0)
+    flat = rails("flat", lambda x: 0.0, lambda x: 0.0)
+    found, expected = (
+        ts.solve(scene(crown)),
+        ts.solve(scene(flat, radius=1.0 / (1 / 460 + 1 / 600))),
+    )
+    for name in ("P", "p_max", "approach", "Qx"):
+        # The cone of the wheel has another curvature across: 1e-4.
+        assert getattr(found, name) == pytest.approx(getattr(expected, name), rel=1e-3)
+
+
+def test_a_rail_on_a_ramp_is_touched_ahead(rails):
+    """A circle of radius r touches a ramp of slope m at -r m / sqrt(1 + m^2)."""
+    m = 0.05
+    ramp = rails("ramp", lambda x: 0.0, lambda x: m * x)
+    patch = scene(ramp, x=0.0).wheel_rail.patches[0]
+    expected = -patch.rolling_radius * m / np.hypot(1.0, m)
+    assert patch.origin[0] == pytest.approx(expected, rel=2e-3)  # the wheel is a cone
+
+
+def test_position_and_marks_follow_the_track(rails):
+    """A rail that moves sideways, seen 20 mm further on, has moved by that much."""
+    marks = (0.0, 30.0, 999.0)
+    moving = rails("moving", lambda x: 0.1 * x, lambda x: 0.0, "10.0 2.0", marks)
+    rail = scene(moving, x=40.0).wheel_rail.rail
+    ahead = scene(moving, x=60.0).wheel_rail.rail
+    assert rail.x[[0, -1]] == pytest.approx([-100.0, 60.0])  # 2 (10 + x) - 40
+    shift = ahead.section(0.0).points - rail.section(0.0).points
+    assert shift == pytest.approx(np.tile([1.0, 0.0], (len(shift), 1)), abs=1e-9)
+    description = str(ts.explain(scene(moving, x=40.0)))
+    assert "x = 40 mm" in description
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        ({"wheelset.roll": "free"}, "wheelset.roll"),
+        ({"wheelset.pitch": "free"}, "wheelset.pitch"),
+        ({"wear": {"coefficient": 1e-5, "revolutions": 10}}, "wear"),
+        ({"rail.gauge": 1435.0, "rail.origin": [750.0, 0.0]}, "rail.origin"),
+        ({"rail.origin": [750.0]}, "rail.origin"),
+        ({"rail.profile": "60E1", "wheelset.x": 5.0}, "wheelset.x"),
+        ({"wheel.profile": "moving.slcs"}, "wheel.profile"),
+    ],
+)
+def test_keys_that_need_another_rail_are_faults(rails, change, key):
+    path = rails("level", lambda x: 0.0, lambda x: 0.0)
+    with pytest.raises(ts.SceneError) as error:
+        scene(path).replace(**change)
+    assert key in {fault.key for fault in error.value.faults}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "missing"),
+        ("0 1\n3\n0 0 0\n1\n0 'a.prr'\n", "sections"),
+        ("0 1\n2\n0 0 0\n1\n0 'a.prr'\n0 'a.prr'\n", "increasing"),
+        ("0 1\n2\n0 1 0\n1\n0 'a.prr'\n5 'a.prr'\n", "kinks"),
+        ("0 1\n2\n0 0 0\n1\n0 'a.prr'\n5 'b.prr'\n", "b.prr"),
+        ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n5 -1 99\n", "marks"),
+        ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n", "marks"),
+        ("0 1\nmany\n0 0 0\n1\n", "many"),
+    ],
+)
+def test_files_that_are_no_sections_are_faults(tmp_path, text, message):
+    write_profile(builtin_profile("60E1"), tmp_path / "a.prr", "rail")
+    path = tmp_path / "rail.slcs"
+    path.write_text(text)
+    with pytest.raises(ts.SceneError, match=message):
+        scene(path)
+
+
+def test_a_locus_needs_one_profile(rails):
+    with pytest.raises(ValueError, match="one profile"):
+        ts.contact_locus(scene(rails("level", lambda x: 0.0, lambda x: 0.0)), [0.0])

@@ -1,0 +1,210 @@
+"""Rails whose cross-section varies along the track, such as a crossing nose."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+from numpy.typing import ArrayLike
+
+from tractive_sam.input_file import read_text
+
+from .files import ProfileError
+from .profile import Array, Profile, arc_lengths, interpolate_run
+
+
+@dataclass(frozen=True, eq=False)
+class RailSections:
+    """Rail given by cross-sections at several positions along the track (see `Rail`).
+
+    Between the sections, corresponding points are interpolated by cubics; beyond the first and the
+    last section, the rail is prismatic.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n,)
+        Positions of the sections, increasing, mm.
+    points : ndarray, shape (n, m, 2)
+        y and z of corresponding points of the sections, mm.
+    tangents : ndarray, shape (n, m, 2)
+        Their derivatives by the number of the point, mm. Between points, a section is a cubic.
+    """
+
+    steepest = 0.13
+    """Largest slope along the track up to which contact points are found: ramps have 0.1."""
+
+    x: Array
+    points: Array
+    tangents: Array
+
+    @classmethod
+    def from_profiles(
+        cls, x: Array, profiles: Sequence[Profile], marks: Array, spacing: float = 0.25
+    ) -> Self:
+        """Return the rail of profiles whose points correspond between marks.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n,)
+            Positions of the profiles, mm.
+        profiles : sequence of Profile
+            The profiles.
+        marks : ndarray, shape (n, k)
+            Arc lengths of corresponding points, for example of edges, from one end of each profile
+            to the other, mm. Points between two of them correspond by their relative arc length.
+        spacing : float
+            Largest distance of the points, mm.
+        """
+        lengths = np.diff(marks, axis=1)
+        numbers = np.ceil(lengths.max(axis=0) / spacing).astype(int)
+        count = len(numbers)
+        place = np.concatenate([*(k + np.arange(n) / n for k, n in enumerate(numbers)), [count]])
+        s = [np.interp(place, np.arange(count + 1), along) for along in marks]
+        pairs = [*zip(profiles, s, strict=True)]
+        points, tangents = (np.stack([p.at(at, order) for p, at in pairs]) for order in (0, 1))
+        return cls(x, points, tangents * np.gradient(np.stack(s), axis=1)[..., None])
+
+    @cached_property
+    def _sections(self) -> dict[float, Profile]:
+        """Cross-sections that were requested, by their position."""
+        return {}
+
+    @cached_property
+    def _along(self) -> scipy.interpolate.CubicSpline:
+        """Cubic splines of points and tangents over x, shape (m, 4)."""
+        nodes = np.concatenate((self.points, self.tangents), axis=-1)
+        return scipy.interpolate.CubicSpline(self.x, nodes)
+
+    def _at(self, x: Array, number: Array) -> tuple[Array, Array]:
+        """Return points (..., 2) and their derivatives by the number of a point, cubic in it."""
+        coefficients, x = self._along.c, np.clip(x, self.x[0], self.x[-1])
+        before = np.clip(np.searchsorted(self.x, x) - 1, 0, self.x.size - 2)
+        k = np.minimum(number.astype(int), self.points.shape[1] - 2)
+        beyond, t = (x - self.x[before])[..., None], (number - k)[..., None]
+        first, second = (
+            sum(coefficients[3 - power, before, node] * beyond**power for power in range(4))
+            for node in (k, k + 1)
+        )
+        a, da, b, db = first[..., :2], first[..., 2:], second[..., :2], second[..., 2:]
+        cubic, square = da + db - 2.0 * (b - a), 3.0 * (b - a) - 2.0 * da - db
+        points = a + t * (da + t * (square + t * cubic))
+        return points, da + t * (2.0 * square + t * 3.0 * cubic)
+
+    def section(self, x: float) -> Profile:
+        """Return the cross-section at a position along the track, mm."""
+        if x not in self._sections:
+            points, tangents = self._at(np.full(self.points.shape[1], x), self._numbers)
+            tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
+            self._sections[x] = Profile(arc_lengths(points, tangents), points, tangents)
+        return self._sections[x]
+
+    @property
+    def _numbers(self) -> Array:
+        """Numbers of the points of a section."""
+        return np.arange(self.points.shape[1], dtype=float)
+
+    def across(
+        self,
+        x: ArrayLike,
+        y: ArrayLike,
+        origin: ArrayLike = (0.0, 0.0),
+        angle: float = 0.0,
+        near: float | None = None,
+    ) -> tuple[Array, Array, Array]:
+        """Return points (..., 2), angles and numbers of points; see `Rail.across`."""
+        along, v = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        axis, origin = np.array([np.cos(angle), np.sin(angle)]), np.asarray(origin)
+        near = float(origin[0]) if near is None else near
+        place = np.interp(along, self.x, np.arange(self.x.size))
+        before = np.minimum(place.astype(int), self.x.size - 2)
+        number = np.zeros(v.shape)
+        for k in np.unique(before):
+            here = before == k
+            ends = [
+                interpolate_run(v[here], (points - origin) @ axis, points[:, 0], near)
+                for points in self.points[k : k + 2]
+            ]
+            number[here] = ends[0] + (place[here] - k) * (ends[1] - ends[0])
+        points, tangents = self._at(along, number)
+        for _ in range(3):
+            slope = np.maximum(tangents @ axis, 0.01)
+            number = number - ((points - origin) @ axis - v) / slope
+            number = np.clip(number, 0.0, self._numbers[-1])
+            points, tangents = self._at(along, number)
+        return points, np.arctan2(tangents[..., 1], tangents[..., 0]), number
+
+    def moved(self, angle: float, shift: ArrayLike) -> Self:
+        """Return all sections rotated by an angle, rad, and then shifted, mm."""
+        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        points = self.points @ turn + np.asarray(shift)
+        return replace(self, points=points, tangents=self.tangents @ turn)
+
+    def seen_from(self, x: float) -> Self:
+        """Return the rail in a frame whose origin lies at a position along the track, mm."""
+        return replace(self, x=self.x - x)
+
+
+def read_sections(path: str | PathLike[str], read: Callable[[Path], Profile]) -> RailSections:
+    """Read a file of sections (.slcs): positions and profile files, as CONTACT reads them.
+
+    Its lines, without comments after ``%`` or ``!``: offset and scale of positions; number of
+    sections; numbers of marks, kinks and accelerations; a number (the kind of spline, not used);
+    position and file of each section, the file in quotes; position and marks of each section, the
+    arc lengths in mm of corresponding points from the first point of its file.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    read : callable
+        Reads a profile from a path, which is relative to the folder of the file.
+
+    Raises
+    ------
+    ProfileError
+        If the file or a profile cannot be used.
+    """
+    try:
+        text = read_text(path, max_bytes=10**6, encoding="utf-8-sig")
+        lines = (re.split("[%!]", line)[0].strip() for line in text.splitlines())
+        entries = [re.findall(r"'[^']*'|[^\s,]+", line) for line in lines if line]
+        return _from_lines(entries, Path(path).parent, read)
+    except ProfileError:
+        raise
+    except (OSError, ValueError) as error:
+        raise ProfileError(f"{path}: cannot be read: {error}") from None
+    except IndexError:
+        raise ProfileError(f"{path}: a line is missing or too short") from None
+
+
+def _from_lines(
+    lines: list[list[str]], folder: Path, read: Callable[[Path], Profile]
+) -> RailSections:
+    """Return the rail of the entries of a file of sections; raise a ValueError for other files."""
+    offset, scale = float(lines[0][0]), float(lines[0][1])
+    number, (marks, kinks, changes) = int(lines[1][0]), map(int, lines[2][:3])
+    if kinks or changes:
+        raise ValueError(f"{kinks} kinks and {changes} accelerations; allowed: 0 and 0")
+    rows = lines[4 : 4 + number]
+    x = scale * (offset + np.array([float(row[0]) for row in rows]))
+    if len(rows) != number or number < 2 or not (np.diff(x) > 0.0).all():
+        raise ValueError(f"{len(rows)} sections; allowed: {number} (at least 2), at increasing x")
+    profiles = [read(folder / row[1].strip("'")) for row in rows]
+    ends = np.array([[0.0, profile.s[-1]] for profile in profiles])
+    if marks < 2:
+        return RailSections.from_profiles(x, profiles, ends)
+    table = [row[1:] for row in lines[4 + number : 4 + 2 * number]]
+    if [*map(len, table)] != [marks] * number:
+        raise ValueError(f"{len(table)} rows of marks; allowed: {number} rows of {marks}")
+    arcs = np.minimum(np.array(table, dtype=float), ends[:, 1:])
+    if arcs.min() < 0.0 or not (np.diff(arcs, axis=1) > 0.0).all():
+        cure = "allowed: increasing arc lengths; sections without a mark belong to another file"
+        raise ValueError(f"marks from {arcs.min():g} to {arcs.max():g} mm; {cure}")
+    return RailSections.from_profiles(x, profiles, arcs)
