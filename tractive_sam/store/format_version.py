@@ -1,6 +1,7 @@
 """Versions of Python and of the packages that determine the numbers."""
 
 import platform
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
 FORMAT = "tractive-sam history"
@@ -15,6 +16,7 @@ def versions() -> dict[str, str]:
     return {"python": platform.python_version()} | {name: _version(name) for name in packages}
 
 
+@cache  # reading the description of a package takes milliseconds
 def _version(package: str) -> str:
     """Return the version of an installed package, or a note that it is missing."""
     try:

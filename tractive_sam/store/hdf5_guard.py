@@ -26,30 +26,34 @@ def get_member(group: h5py.Group, name: str) -> h5py.Group | h5py.Dataset:
     KeyError
         If the name does not exist.
     ValueError
-        If the name is a link, or the numbers of the dataset are in another file.
+        If the name is a link or no group or dataset, or the numbers are in another file.
     """
-    item = group
-    for part in filter(None, name.split("/")):
-        link = item.get(part, getlink=True)
-        if link is None:
+    item = group.id
+    for part in map(str.encode, filter(None, name.split("/"))):
+        if not item.links.exists(part):
             raise KeyError(f"{name} does not exist")
-        if not isinstance(link, h5py.HardLink):
-            raise ValueError(f"{part} is a link; only data in the file itself are read")
-        item = item[part]
-    if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
+        if item.links.get_info(part).type != h5py.h5l.TYPE_HARD:
+            raise ValueError(f"{name} is a link; only data in the file itself are read")
+        item = h5py.h5o.open(item, part)
+    if isinstance(item, h5py.h5g.GroupID):
+        return h5py.Group(item)
+    if not isinstance(item, h5py.h5d.DatasetID):
+        raise ValueError(f"{name} is neither a group nor a dataset")
+    layout = item.get_create_plist()
+    if layout.get_layout() == h5py.h5d.VIRTUAL or layout.get_external_count():
         raise ValueError(f"{name} lies in other files; only data in the file itself are read")
-    return item
+    return h5py.Dataset(item, readonly=True)
 
 
 def check_claimed_size(
-    group: h5py.Group, claimed: int, ratio: int = 1032, min_bytes: int = 2**26
+    member: h5py.Group | h5py.Dataset, claimed: int, ratio: int = 1032, min_bytes: int = 2**26
 ) -> None:
     """Raise a ValueError if a file is too small for the amount of data that it claims to hold.
 
     Parameters
     ----------
-    group : h5py.Group
-        Any group of the file.
+    member : h5py.Group or h5py.Dataset
+        Any member of the file.
     claimed : int
         Size of the data in memory, bytes.
     ratio : int
@@ -62,7 +66,7 @@ def check_claimed_size(
     ValueError
         If the file is too small.
     """
-    size = group.file.id.get_filesize()
+    size = h5py.h5i.get_file_id(member.id).get_filesize()
     if claimed > max(ratio * size, min_bytes):
         raise ValueError(f"a file of {size} bytes claims {claimed / 2**20:.4g} MiB of data")
 
@@ -77,7 +81,7 @@ def numeric_dataset(dataset: h5py.Dataset) -> h5py.Dataset:
     """
     if not isinstance(dataset, h5py.Dataset) or dataset.dtype.kind not in "biuf":
         raise ValueError("not an array of numbers")
-    check_claimed_size(dataset.parent, dataset.size * max(dataset.dtype.itemsize, 8))
+    check_claimed_size(dataset, dataset.size * max(dataset.dtype.itemsize, 8))
     return dataset
 
 

@@ -88,6 +88,7 @@ class ResultsFile:
 
     def __init__(self, path: Path, file: h5py.File) -> None:
         self.path, self._file = path, file
+        self._opened: dict[str, h5py.Group | h5py.Dataset] = {}
 
     def check_format(self) -> None:
         """Raise a ResultsError unless this is an undamaged results file in a known format."""
@@ -101,13 +102,7 @@ class ResultsFile:
         if self.version > FORMAT_VERSION:
             message = f"{self.path} has format {self.version}; a newer tractive-sam can read it"
             raise ResultsError(message)
-        kinds = {"scene": h5py.Dataset} | dict.fromkeys(self.groups, h5py.Group)
-        with self._report_damage("/"):
-            lost = [
-                k
-                for k, kind in kinds.items()
-                if k not in self._file or not isinstance(self._item(k), kind)
-            ]
+        lost = [name for name in ("scene", *self.groups) if name not in self]
         if lost:
             message = ", ".join(f"/{name}" for name in sorted(lost))
             raise DamagedError(f"{self.path} lacks {message}: it is damaged; run its scene again")
@@ -134,7 +129,7 @@ class ResultsFile:
 
     def __contains__(self, name: str) -> bool:
         with self._report_damage(name):
-            return name in self._file
+            return name in self._opened or name in self._file
 
     def names(self, group: str) -> tuple[str, ...]:
         """Return the names of the members of a group."""
@@ -146,13 +141,10 @@ class ResultsFile:
         with self._report_damage(name):
             return len(self._item(name))
 
-    def numbers(self, name: str, shape: tuple[int, ...], optional: bool = False) -> np.ndarray:
-        """Return the first rows of a dataset, in a shape; nan if it is optional and missing."""
-        if optional and name not in self:
-            return np.full(shape, np.nan)
+    def numbers(self, name: str, shape: tuple[int, ...]) -> np.ndarray:
+        """Return the first rows of a dataset, in a shape."""
         self.check(name, shape)
-        with self._report_damage(name):
-            return numeric_dataset(self._item(name))[: shape[0]]
+        return self.all_numbers(name)[: shape[0]]
 
     def all_numbers(self, name: str) -> np.ndarray:
         """Return a numeric dataset as an array."""
@@ -225,7 +217,10 @@ class ResultsFile:
 
     def _item(self, name: str) -> h5py.Group | h5py.Dataset:
         """Return a group or dataset by its path; KeyError if missing, ValueError for a link."""
-        return get_member(self._file, name)
+        if name not in self._opened:
+            group, _, last = name.strip("/").rpartition("/")
+            self._opened[name] = get_member(self._item(group) if group else self._file, last)
+        return self._opened[name]
 
     def damage_error(self, problem: str) -> DamagedError:
         """Return the error that describes damage of this file."""

@@ -120,9 +120,7 @@ def _read_history(file: ResultsFile) -> History:
     dims = (*DIMS, *(("block", *axes) for axes in DIMS), PARTS.dims)
     dims += tuple((name,) for name in PROFILES)
     quantities = columns(scene, _read_user_defined("history", dims, file))
-    user_fields = {
-        quantity.name: quantity for quantity in _read_user_defined("fields", ((),), file)
-    }
+    user_fields = {field.name: field for field in _read_user_defined("fields", ((),), file)}
     coordinate = find_by_role(quantities.values(), COORDINATE).name
     stored_fields = _stored_names("fields", (*storable_fields(scene), *user_fields), file)
     for name in stored_fields:
