@@ -8,8 +8,9 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
-from tractive_sam.results import BodyFatigue, Grid
+from tractive_sam.results import BodyFatigue, Grid, Status
 from tractive_sam.rolling import body_damage, steps
+from tractive_sam.rolling.wear_pass import solve_pass
 
 LIFE = ts.Woehler(cycles=1e6, exponent=6.0)
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
@@ -201,9 +202,18 @@ def test_file_and_memory_hold_the_same(whole):
 
 
 @pytest.mark.slow
-def test_it_continues_with_the_same_damage(whole, tmp_path):
+def test_it_continues_with_the_same_damage(whole, tmp_path, monkeypatch):
     path = tmp_path / "a.h5"
     ts.roll(discs("wear.revolutions=15", "wear.save=[0, 15]"), path)
+
+    def unsolved(*pass_):
+        contact, depth = solve_pass(*pass_)
+        return replace(contact, status=Status.OUT_OF_ITERATIONS), depth
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tractive_sam.rolling.passage.solve_pass", unsolved)
+        stopped = ts.roll(whole.scene, path, resume=True).fatigue("A")
+    assert np.isfinite((stopped.residual_shear, stopped.path_radius, stopped.utilisation)).all()
     on = ts.roll(whole.scene, path, resume=True)
     np.testing.assert_array_equal(on["revolution"], whole["revolution"])
     # Digits of transforms, by the power of the stress; places and damage that are nothing.

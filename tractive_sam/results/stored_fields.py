@@ -101,12 +101,14 @@ HEAT_FIELDS = index_by_name(
 def storable_fields(scene: Scene) -> dict[str, Quantity]:
     """Return the fields over x and y that a history of a scene may store, by name."""
     # Slip of a shift, in mm: a shift has no rolling distance to divide by.
-    shifted_fields = (
-        ("slip_x", "longitudinal slip of A relative to B in the step"),
-        ("slip_y", "lateral slip of A relative to B in the step"),
-    )
-    slipped = (replace(FIELDS[name], unit="mm", long_name=text) for name, text in shifted_fields)
-    shifted = index_by_name(slipped) if scene.schedule.shifts else {}
+    shifted = {}
+    for name, direction in (("slip_x", "longitudinal"), ("slip_y", "lateral")):
+        text = f"{direction} slip of A relative to B in the step"
+        if scene.schedule.shifts:
+            shifted[name] = replace(FIELDS[name], unit="mm", long_name=text)
+        elif scene.schedule.shifting:
+            text = f"{FIELDS[name].long_name}; in a shift, {text}, mm"
+            shifted[name] = replace(FIELDS[name], long_name=text)
     warm = {name: quantity for name, quantity in HEAT_FIELDS.items() if quantity.applies(scene)}
     return FIELDS | shifted | warm | {BOUND.name: BOUND}
 

@@ -131,7 +131,7 @@ class Damage(Observer):
 
     @property
     def state(self) -> dict[str, np.ndarray]:
-        """Damage, utilisation and their depths, by name with body ("damage_A"), for `restore`."""
+        """Damage, utilisation, shakedown stresses and depths, by name with body, for `restore`."""
         return {
             f"{name}_{body}": values
             for body, damage in self.bodies.items()
@@ -142,6 +142,8 @@ class Damage(Observer):
                 ("utilisation", damage.utilisation),
                 ("utilisation_before", damage.utilisation_before),
                 ("damage_error", damage.error),
+                ("residual_shear", damage.fatigue.residual_shear),
+                ("path_radius", damage.fatigue.path_radius),
             )
         }
 
@@ -185,6 +187,7 @@ class Damage(Observer):
         scene, grid = passage.contact.scene, passage.grid
         table = required(scene.fatigue, "fatigue")
         bodies, k = dict[str, BodyDamage](), table.shear_yield_stress
+        shear_yield = math.nan if k is None else k
         for body in table.bodies:
             depth, zeta = (state[f"{name}_{body}"] for name in ("depth", "zeta"))
             damage, error, used, before = (
@@ -192,9 +195,13 @@ class Damage(Observer):
                 for name in ("damage", "damage_error", "utilisation", "utilisation_before")
             )
             worn, rate = passage.worn_depths(body)
-            top, unknown = used.max(axis=0), np.full(used.shape[1:], np.nan)
+            missing = np.full(used.shape[1:], np.nan)  # in files of earlier versions
+            shear, radius = (
+                widen_rows(state.get(f"{name}_{body}", missing), grid.elements[1])
+                for name in ("residual_shear", "path_radius")
+            )
             fatigue = BodyFatigue(
-                body, grid.y, depth, top, unknown, unknown, None, math.nan if k is None else k
+                body, grid.y, depth, used.max(axis=0), shear, radius, None, shear_yield
             ).with_damage(zeta, damage, worn)
             bodies[body] = BodyDamage(
                 fatigue,

@@ -46,7 +46,7 @@ def export_volume(
         does not apply; by default the depth of [subsurface], or 1.5.
     elements : int, optional
         Points over the depth; by default the elements of [subsurface], or 64.
-    Whether to replace a file that this function wrote.
+    overwrite : bool
         Whether a file of this function may be replaced.
     threads : int
         Threads to use.

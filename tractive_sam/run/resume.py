@@ -1,5 +1,6 @@
 """Find the last step of a results file, and check that a run may continue from it."""
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -26,13 +27,16 @@ FREE = (
     "transient.step",
     "transient.stepping",
     "transient.tolerance",
+    "transient.stage.step",
+    "transient.stage.stepping",
+    "transient.stage.tolerance",
     "solver",
     "grid",
     "process.end",
     "process.save",
     "load_history",  # its blocks count
 )
-"""Entries of a scene that may change when it is resumed."""
+"""Entries of a scene that may change when it is resumed, without the indices of their tables."""
 
 
 def last_step(
@@ -196,7 +200,7 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
 
 def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
     """Return the dotted keys of entries that differ but must not, to resume; empty if none."""
-    if key in FREE or _are_equal(before, after):
+    if re.sub(r"\[\d+\]", "", key) in FREE or _are_equal(before, after):
         return []
     if isinstance(before, dict) and isinstance(after, dict):
         return [

@@ -55,6 +55,8 @@ def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"grid.{key}", shorten(value), cure)
         elif not line and len(value) == 1:
             cure = f"a pair of {values}, in x and y; one number is for line contacts"
+            if entries["body"].infinitely_long:
+                cure += ', which a [gap] with profile = "x" allows'
             yield Fault(f"grid.{key}", shorten(value[0]), cure)
 
 

@@ -37,7 +37,7 @@ def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
-    """Report falling friction with shifts, jumps, forces at rest, or both memory and strength."""
+    """Report falling friction with shifts, jumps or forces at the start from rest."""
     transient, friction = entries["transient"], entries["friction"]
     if transient is None or friction is None or friction.share is None:
         return
@@ -57,7 +57,14 @@ def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
             key = transient.schedule.course_keys[force] if force in courses else force
             cure = f'0 at the first knot, or transient.start = "steady": {why}'
             yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
-    if friction.memory and friction.strength is not None:
+
+
+def _check_memory_without_strength(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a strength in a transient whose falling friction has a memory: it hides the past."""
+    transient, friction = entries["transient"], entries["friction"]
+    if transient is None or friction is None or friction.share is None or not friction.memory:
+        return
+    if friction.strength is not None:
         cure = "nothing: a transient with friction.memory cannot have a strength"
         yield Fault("friction.strength", "with friction.memory and [transient]", cure)
 
@@ -150,6 +157,7 @@ TRANSIENT_CHECKS: tuple[Check, ...] = (
     _check_transient_has_friction,
     _check_transient_excludes,
     _check_sliding_speed_exists,
+    _check_memory_without_strength,
     _check_wear_of_transient,
     _check_keys_of_courses,
     _check_step_length,

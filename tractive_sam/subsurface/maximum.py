@@ -148,9 +148,11 @@ def _starts(levels: MultiLevel | StripLevels, depths: np.ndarray) -> tuple[np.nd
     """Return bodies (n,) and points (n, 3) of each body's largest local maxima in stress layers."""
     layers = [levels.layer(depth) for depth in depths]
     none = np.empty((len(layers[0].values), 0, 0))
-    values = [none, *(layer.values for layer in layers), none]
+    values = [*(layer.values for layer in layers), none]
+    # The second layer is not compared with the first, where the stress of the surface may end.
+    higher = [none, none, *values[1:]]
     starts = []
-    for layer, above, here, below in zip(layers, values, values[1:], values[2:], strict=False):
+    for layer, above, here, below in zip(layers, higher, values, values[1:], strict=False):
         body, value, i, j, deeper = find_tops(here, above, below).T
         starts.append((body.astype(int), value, layer.points(i, j, levels.growth**deeper)))
     bodies, value, at = (np.concatenate(each) for each in zip(*starts, strict=True))
