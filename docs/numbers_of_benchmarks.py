@@ -384,6 +384,26 @@ def heat() -> str:
     return format_table(head, lines)
 
 
+def heat_contact() -> str:
+    """Return forces and temperatures of CONTACT's examples, here and there."""
+    head = (
+        "example: $F_x/(\\mu P)$, largest temperature",
+        "tractive_sam",
+        "march along rows",
+        "with CONTACT's own heat and memory",
+        "CONTACT",
+    )
+    lines = []
+    for row in read_rows("heat_contact.csv"):
+        pairs = [
+            (row[f"{name}force"], row[f"{name}hottest"])
+            for name in ("", "march_", "changed_", "contact_")
+        ]
+        cells = [f"{float(q):.4f}, {float(t):.1f} °C" if q else "" for q, t in pairs]
+        lines.append((row["case"], *cells))
+    return format_table(head, lines)
+
+
 def error_bars() -> str:
     """Return how often the error bar of each quantity holds."""
     by_quantity = defaultdict(list)
@@ -873,6 +893,7 @@ TABLES = {
         invariance_scenes,
         falling,
         heat,
+        heat_contact,
         error_bars,
         subsurface,
         whole_roll,

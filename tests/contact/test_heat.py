@@ -120,6 +120,39 @@ def test_friction_with_a_memory_adapts_to_the_temperature_over_the_sliding_dista
     assert contact.Qx > with_none.Qx
 
 
+def test_a_sweep_from_the_leading_edge_gives_the_same_friction_and_temperature():
+    """Sliding strip, fast: heat and memory of each element depend on the elements ahead only."""
+    mu, falls, memory = 0.3, [[20.0, 1.0], [2000.0, 0.4]], 5e-3
+    poor = {"conductivity": 0.05, "density": 7850.0, "heat_capacity": 450.0}
+    scene = ts.Scene.builtin("cylinders").replace(
+        subsurface=None,
+        creepage={"longitudinal": -0.02, "speed": 5e3},
+        heat={"bulk": 20.0},
+        friction={"mu": mu, "temperature": falls, "memory": memory},
+        grid={"half_length": [2.0], "elements": [61]},
+        solver={"slip": "upwind"},
+        **{"body.A.thermal": poor, "body.B.thermal": poor},
+    )
+    contact = ts.solve(scene)
+    assert contact.stick_fraction == 0.0
+    pressure, dx = contact.pressure[::-1, 0], contact.grid.dx
+    slid = dx * np.hypot(*contact.slip)[::-1, 0]
+    # Temperature of half the heat: (q/sqrt(pi k rho c V)) (sqrt(since start) - sqrt(since end)).
+    effusivity = np.sqrt(0.05 * 7850.0 * 450.0 * 1e-6)
+    roots = np.sqrt(np.maximum(np.arange(-0.5, pressure.size), 0.0))
+    rise = 5e3 * slid / dx * pressure * np.sqrt(dx / (np.pi * 5e3)) / effusivity
+    ratio, ratios = mu, np.zeros(pressure.size)
+    for i in np.flatnonzero(pressure):
+        kept, ahead, before = 1.0 / (1.0 + slid[i] / memory), ratio, ratios * rise
+        for _ in range(60):  # a contraction, by the heat of the element itself
+            temperature = 20.0 + before[:i] @ np.diff(roots)[i:0:-1] + ratio * rise[i] * roots[1]
+            ratio = kept * ahead + (1.0 - kept) * mu * np.interp(temperature, *np.transpose(falls))
+        ratios[i] = ratio
+    # The front of the heat is a step to 1e-6 at this speed.
+    assert contact.Qx == pytest.approx((ratios * pressure).sum() * dx, rel=1e-6)
+    np.testing.assert_allclose(contact.traction[0, ::-1, 0], ratios * pressure, rtol=1e-6)
+
+
 def test_constant_friction_without_temperature_has_nothing_to_adapt_to(cold):
     with pytest.raises(ts.SceneError, match=r"friction\.memory.*friction\.temperature"):
         cold.replace(**{"friction.memory": 0.1})

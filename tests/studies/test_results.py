@@ -46,7 +46,7 @@ def test_dataset_is_written_and_read(done, tmp_path):
 
 
 @pytest.mark.slow
-def test_dataset_of_a_revolution(tmp_path):
+def test_dataset_of_a_revolution(tmp_path, monkeypatch):
     requested = Study(
         scene="twin-discs",
         without=["subsurface"],
@@ -59,7 +59,10 @@ def test_dataset_of_a_revolution(tmp_path):
         history = results.history(number)
         assert new["Qx"][number] == history["Qx"][0]
         assert new["wear_max"][number] == 0.0
+    # Each file is read once, for all revolutions and columns.
+    monkeypatch.setattr("tractive_sam.studies.results.open_history", None)
     assert np.isnan(results.dataset(17)["Qx"]).all()
+    np.testing.assert_array_equal(results.column("wear_max", 0), 0.0)
 
 
 def test_stress_of_the_lower_body_only(tmp_path):

@@ -69,6 +69,26 @@ class CaseRow:
     last: dict[str, Any] = field(default_factory=dict)
     version: str = ""
 
+    @cached_property
+    def _history(self) -> History | None:
+        """History of the case, read once; None without a results file."""
+        return None if self.file is None else open_history(self.file)
+
+    def record(self, revolution: int | None) -> Mapping[str, float]:
+        """Return the quantities of the case at a revolution (None: in its last record).
+
+        Returns
+        -------
+        mapping of str to number
+            Values by name as in `last`; empty if the case has no record of the revolution.
+        """
+        if revolution is None or self.last.get("revolution") == revolution:
+            return self.last
+        if self._history is None:
+            return {}
+        matches = np.flatnonzero(self._history["revolution"] == revolution)
+        return summary(self._history, matches[-1]) if matches.size else {}
+
 
 @dataclass(frozen=True)
 class StudyResults:
@@ -215,7 +235,7 @@ class StudyResults:
         """
         if name not in self._names:
             raise KeyError(f"no quantity {name!r}; there are {', '.join(sorted(self._names))}")
-        return _column(name, [_read_record(row, revolution) for row in self.rows])
+        return _column(name, [row.record(revolution) for row in self.rows])
 
     def values(self, key: str) -> np.ndarray:
         """Return the values of a key of the scene in all cases: numbers, or else texts.
@@ -249,7 +269,7 @@ class StudyResults:
             for dim in study.dimensions
             for key, column in dim.columns.items()
         }
-        records = [_read_record(row, revolution) for row in self.rows]
+        records = [row.record(revolution) for row in self.rows]
         variables: dict[str, tuple[Any, ...]] = {
             name: (
                 dims,
@@ -383,17 +403,6 @@ def _row(case: Case, file: Path, failure: str) -> CaseRow:
     if failure or history.status != "running":
         return CaseRow(case, FAILED, failure or history.message, *result)
     return CaseRow(case, INTERRUPTED, "", *result)
-
-
-def _read_record(row: CaseRow, revolution: int | None) -> Mapping[str, float]:
-    """Return the quantities of a case at a revolution or in its last record; empty if unknown."""
-    if revolution is None or row.last.get("revolution") == revolution:
-        return row.last
-    if row.file is None:
-        return {}
-    history = open_history(row.file)
-    matches = np.flatnonzero(history["revolution"] == revolution)
-    return summary(history, matches[-1]) if matches.size else {}
 
 
 def _column(name: str, records: Sequence[Mapping[str, float]]) -> np.ndarray:
