@@ -152,6 +152,18 @@ def test_it_continues_within_and_between_stages(wear, tmp_path):
             np.testing.assert_allclose(found[name], whole[name], rtol=1e-7, atol=1e-9)
 
 
+@pytest.mark.slow
+def test_other_steps_of_a_stage_do_not_prevent_resuming(tmp_path):
+    interrupted(MIXED, tmp_path / "a.h5", 12)
+    finer = MIXED.with_set([f"transient.stage[2].step={0.5 * DX}"])
+    rows = len(ts.roll(MIXED)["distance"])
+    again = ts.roll(finer, tmp_path / "a.h5", resume=True)
+    assert len(again["distance"]) > rows
+    other = finer.with_set(["transient.stage[2].motion='shift'"])
+    with pytest.raises(ts.ResultsError, match=r"stage\[2\]"):
+        ts.roll(other, tmp_path / "a.h5", resume=True)
+
+
 def test_wear_lies_where_the_bodies_rolled():
     course = MIXED.replace(wear={"coefficient": 1e-5})
     places, depth = ts.roll(course).worn_track

@@ -1,7 +1,6 @@
 """Fields that are stored: functions of x and y, stress on planes, and fatigue over depth."""
 
 import math
-from dataclasses import replace
 from functools import partial
 from operator import attrgetter
 from typing import Any
@@ -19,6 +18,14 @@ def read_component(field: str, k: int, contact: State) -> np.ndarray:
     return getattr(contact, field)[k]
 
 
+def vectors(field: str, unit: str, text: str) -> list[Quantity]:
+    """Return the quantities of both components of a vector field of a contact, as ``slip_x``."""
+    return [
+        Quantity(f"{field}_{axis}", unit, f"{direction} {text}", partial(read_component, field, k))
+        for k, (axis, direction) in enumerate((("x", "longitudinal"), ("y", "lateral")))
+    ]
+
+
 def read_number(name: str, contact: State) -> Any:
     """Return an attribute of a contact as numbers; 1 and 0 for true and false."""
     return 1.0 * getattr(contact, name)
@@ -32,30 +39,8 @@ def read_heat(name: str, contact: State, none: Any = math.nan) -> Any:
 FIELDS = index_by_name(
     (
         Quantity("pressure", "MPa", "contact pressure", attrgetter("pressure")),
-        Quantity(
-            "traction_x",
-            "MPa",
-            "longitudinal traction on body A",
-            partial(read_component, "traction", 0),
-        ),
-        Quantity(
-            "traction_y",
-            "MPa",
-            "lateral traction on body A",
-            partial(read_component, "traction", 1),
-        ),
-        Quantity(
-            "slip_x",
-            "1",
-            "longitudinal slip of A relative to B, divided by the rolling speed",
-            partial(read_component, "slip", 0),
-        ),
-        Quantity(
-            "slip_y",
-            "1",
-            "lateral slip of A relative to B, divided by the rolling speed",
-            partial(read_component, "slip", 1),
-        ),
+        *vectors("traction", "MPa", "traction on body A"),
+        *vectors("slip", "1", "slip of A relative to B, divided by the rolling speed"),
         Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
         Quantity("gap", "mm", "separation of the deformed surfaces", attrgetter("gap")),
         Quantity(
@@ -101,16 +86,14 @@ HEAT_FIELDS = index_by_name(
 def storable_fields(scene: Scene) -> dict[str, Quantity]:
     """Return the fields over x and y that a history of a scene may store, by name."""
     # Slip of a shift, in mm: a shift has no rolling distance to divide by.
-    shifted = {}
-    for name, direction in (("slip_x", "longitudinal"), ("slip_y", "lateral")):
-        text = f"{direction} slip of A relative to B in the step"
-        if scene.schedule.shifts:
-            shifted[name] = replace(FIELDS[name], unit="mm", long_name=text)
-        elif scene.schedule.shifting:
-            text = f"{FIELDS[name].long_name}; in a shift, {text}, mm"
-            shifted[name] = replace(FIELDS[name], long_name=text)
+    shifted: list[Quantity] = []
+    if scene.schedule.shifts:
+        shifted = vectors("slip", "mm", "slip of A relative to B in the step")
+    elif scene.schedule.shifting:
+        mixed = "slip of A relative to B, divided by the rolling speed; of a step that shifts, mm"
+        shifted = vectors("slip", "1", mixed)
     warm = {name: quantity for name, quantity in HEAT_FIELDS.items() if quantity.applies(scene)}
-    return FIELDS | shifted | warm | {BOUND.name: BOUND}
+    return FIELDS | index_by_name(shifted) | warm | {BOUND.name: BOUND}
 
 
 OUTSIDE = {"gap": math.inf} | dict.fromkeys(HEAT_FIELDS, math.nan)

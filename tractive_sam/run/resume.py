@@ -200,7 +200,7 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
 
 def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
     """Return the dotted keys of entries that differ but must not, to resume; empty if none."""
-    if re.sub(r"\[\d+\]", "", key) in FREE or _are_equal(before, after):
+    if re.sub(r"\[\d+\]", "", key) in FREE:
         return []
     if isinstance(before, dict) and isinstance(after, dict):
         return [
@@ -215,23 +215,14 @@ def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
         return [
             differing for k, pair in pairs for differing in _differing_keys(*pair, f"{key}[{k}]")
         ]
-    return [key]
+    arrays = isinstance(before, np.ndarray) or isinstance(after, np.ndarray)
+    equal = np.array_equal(before, after) if arrays else before == after
+    return [] if equal else [key]
 
 
 def _are_tables(value: Any) -> bool:
     """Return whether a value is a tuple that begins with a table (dict)."""
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
-
-
-def _are_equal(before: Any, after: Any) -> bool:
-    """Return whether two values are equal, including arrays."""
-    if isinstance(before, np.ndarray) or isinstance(after, np.ndarray):
-        return np.array_equal(before, after)
-    if isinstance(before, dict) and isinstance(after, dict):
-        return before.keys() == after.keys() and all(
-            _are_equal(before[k], after[k]) for k in before
-        )
-    return before == after
 
 
 def _format_entry(entries: dict[str, Any], key: str) -> str:

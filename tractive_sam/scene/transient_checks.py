@@ -61,10 +61,10 @@ def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_memory_without_strength(entries: ValidEntries) -> Iterator[Fault]:
     """Report a strength in a transient whose falling friction has a memory: it hides the past."""
-    transient, friction = entries["transient"], entries["friction"]
-    if transient is None or friction is None or friction.share is None or not friction.memory:
+    friction = entries["friction"]
+    if entries["transient"] is None or friction is None or friction.share is None:
         return
-    if friction.strength is not None:
+    if friction.memory and friction.strength is not None:
         cure = "nothing: a transient with friction.memory cannot have a strength"
         yield Fault("friction.strength", "with friction.memory and [transient]", cure)
 
@@ -76,9 +76,7 @@ REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
 def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
     """Report entries of [wear] that a transient excludes, or without it the missing revolutions."""
     transient, wear = entries["transient"], entries["wear"]
-    if wear is None:
-        return
-    if entries["process"] is not None:
+    if wear is None or entries["process"] is not None:
         return
     if transient is None:
         if "wear.revolutions" not in entries.given:
