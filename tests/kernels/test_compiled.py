@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.compiled import compiled
-from tractive_sam.kernels.rectangle import integrals
+from tractive_sam.kernels.heat import exponential_integral
 
 pytestmark = pytest.mark.slow  # kernels are compiled again
 
@@ -116,8 +116,8 @@ def test_kernels_are_compiled_again_where_the_cache_is_damaged(ask, tmp_path):
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_kernels_are_compiled_where_no_cache_can_be_written(monkeypatch):
     monkeypatch.setattr("numba.core.caching.CompileResultCacheImpl._locator_classes", [])
-    kernel = compiled(integrals.py_func)
-    assert kernel(0.3, -0.2, 1.0, 0.7) == integrals(0.3, -0.2, 1.0, 0.7)
+    kernel = compiled(exponential_integral.py_func)
+    assert kernel(0.3) == exponential_integral(0.3)
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
@@ -127,8 +127,8 @@ def test_kernels_are_compiled_where_the_disk_is_full(monkeypatch):
 
     monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.load", lambda *_: None)
     monkeypatch.setattr("numba.core.caching.IndexDataCacheFile.save", full)
-    kernel = compiled(integrals.py_func)
-    assert kernel(0.3, -0.2, 1.0, 0.7) == integrals(0.3, -0.2, 1.0, 0.7)
+    kernel = compiled(exponential_integral.py_func)
+    assert kernel(0.3) == exponential_integral(0.3)
 
 
 TOLD = """
@@ -197,7 +197,7 @@ def test_kernels_that_import_others_are_compiled_by_the_decorator():
 PANEL = """
 found = []
 for x, y in product((0.0, 0.3, 0.5, -20.0), (0.5, -0.2, 30.0)):  # edges, and near and far
-    found += integrals(x, y, 1.0, 0.7)
+    found += [exponential_integral(abs(x * y) + 0.1)]
     for z in (0.0, 0.4):
         found += [value for load in stress_patch(x, y, z, 1.0, 0.7, 0.3) for value in load]
 rate = np.cos(np.arange(12.0)).reshape(4, 3)
@@ -210,7 +210,7 @@ from itertools import product
 
 import numpy as np
 
-from tractive_sam.kernels.rectangle import integrals
+from tractive_sam.kernels.heat import exponential_integral
 from tractive_sam.kernels.stress import stress_patch
 from tractive_sam.kernels.wear import sweep_wear
 """

@@ -7,11 +7,9 @@ the side that sticks, the stress in the plane one on the side that slips (as in 
 each is extrapolated from its smooth side.
 """
 
-import math
+from typing import NamedTuple
 
 import numpy as np
-
-from tractive_sam.kernels.compiled import compiled
 
 WIDEST = 3
 """Most elements from a corner that slips to one that sticks."""
@@ -82,52 +80,71 @@ def stresses_at_edges(stress, pressure, kinds, poisson, dx, dy):
     nx, ny = kinds.shape
     around = np.full((nx + 2 * ROOM, ny + 2 * ROOM), UNLOADED, dtype=np.uint8)
     around[ROOM:-ROOM, ROOM:-ROOM] = kinds
-    return _stresses_at_edges(stress, pressure, around, poisson, dx, dy)
+    directions = np.array(((1, -1, 0, 0), (0, 0, 1, -1)))
+    ahead = np.array(
+        [around[ROOM + a : ROOM + a + nx, ROOM + b : ROOM + b + ny] for a, b in directions.T]
+    )
+    behind = ahead[[1, 0, 3, 2]]
+
+    def starts(chosen):
+        direction, i, j = np.nonzero(chosen)
+        return np.concatenate(((i, j), directions[:, direction]))
+
+    pressures = _PressureAtCorners.from_elements(pressure)
+    towards = starts((kinds != UNLOADED) & (behind == UNLOADED) & (ahead != UNLOADED))
+    away, towards = _steps_to_edge(pressures, towards)
+    at_edge = _stresses_at_edge(stress, pressures, towards, away, poisson, dx, dy)
+    slipping = starts((kinds == SLIPS) & (behind == SLIPS) & (ahead != SLIPS))
+    apart, slipping = _steps_to_stick(around, slipping)
+    at_border = _stresses_at_border(stress, slipping, apart)
+    places = _moved(towards, -away), _moved(slipping, 0.5 * apart)
+    return np.concatenate((at_edge, at_border), axis=2), np.concatenate(places, axis=1)
 
 
-@compiled
-def _stresses_at_edges(stress, pressure, around, poisson, dx, dy):
-    """Return the results of `stresses_at_edges`, for kinds with a margin of `ROOM` corners."""
-    directions = ((1, 0), (-1, 0), (0, 1), (0, -1))
-    bodies, _, nx, ny = stress.shape
-    count = 0
-    stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
-    for counted in (False, True):
-        if counted:
-            stresses, places = np.zeros((6, bodies, count)), np.zeros((2, count))
-        count = 0
-        for i in range(nx):
-            for j in range(ny):
-                k, h = ROOM + i, ROOM + j
-                here = around[k, h]
-                # A corner among others of its kind, as most are, has no edge.
-                alike = here == around[k - 1, h] == around[k + 1, h]
-                if here == UNLOADED or (alike and here == around[k, h - 1] == around[k, h + 1]):
-                    continue
-                for a, b in directions:
-                    ahead, behind = around[k + a, h + b], around[k - a, h - b]
-                    away, apart = -1.0, 0
-                    if behind == UNLOADED and ahead != UNLOADED:
-                        away = _steps_to_edge(pressure, i, j, a, b)
-                    elif here == behind == SLIPS and ahead != SLIPS:
-                        apart = _steps_to_stick(around, k, h, a, b)
-                    if away < 0.0 and apart == 0:
-                        continue
-                    if counted:
-                        out = stresses[:, :, count]
-                        if apart > 0:
-                            _set_at_border(out, stress, i, j, a, b, apart)
-                        else:
-                            _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy)
-                        steps = 0.5 * apart if apart > 0 else -away
-                        places[0, count], places[1, count] = i + steps * a, j + steps * b
-                    count += 1
-    return stresses, places
+def _moved(starts, count):
+    """Return the places (2, n) that are a number of steps from corners, see `_steps_to_edge`."""
+    return starts[:2] + count * starts[2:]
 
 
-@compiled(inner=True)
-def _steps_to_edge(pressure, i, j, a, b):
-    """Return the distance, in elements, from a loaded corner to the contact edge; -1 if unknown."""
+class _PressureAtCorners(NamedTuple):
+    """Pressure at the corners between elements, each array of shape (n_x - 1, n_y - 1).
+
+    Attributes
+    ----------
+    mean, mean_square : ndarray
+        Means of the pressure, and of its square, over the elements around a corner.
+    in_x, in_y : ndarray
+        Differences of the squared pressure, per element.
+    """
+
+    mean: np.ndarray
+    mean_square: np.ndarray
+    in_x: np.ndarray
+    in_y: np.ndarray
+
+    @classmethod
+    def from_elements(cls, pressure):
+        """Return the pressure at corners from the pressure (n_x, n_y) on elements."""
+        square = pressure**2
+        if pressure.shape[1] == 1:  # strips do not change in y
+            pressure, square = pressure.repeat(2, axis=1), square.repeat(2, axis=1)
+        before, after = square[:-1], square[1:]
+        rise, total = after - before, after + before
+        along = pressure[:-1] + pressure[1:]
+        return cls(
+            0.25 * (along[:, :-1] + along[:, 1:]),
+            0.25 * (total[:, :-1] + total[:, 1:]),
+            0.5 * (rise[:, :-1] + rise[:, 1:]),
+            0.5 * (total[:, 1:] - total[:, :-1]),
+        )
+
+
+def _steps_to_edge(pressures, starts):
+    """Return distances (n,), in elements, to contact edges behind loaded corners, and the corners.
+
+    A corner and its direction are a column (i, j, a, b) of `starts`. Corners from which the
+    distance cannot be extrapolated are left out.
+    """
     # Most by which the slope of the square of the pressure may change from that corner to the next.
     even = 2.0
     # Slope towards the edge over that along it, from which a corner is taken: on a diagonal both
@@ -138,91 +155,65 @@ def _steps_to_edge(pressure, i, j, a, b):
     # soon as the edge has passed its centre, one and a half from the corner before: with only 1.5,
     # an edge that moves would come and go.
     farthest = 2.0
-    in_x, in_y = _differences(pressure, i, j)
+    (i, j, a, b), (k, h) = starts, _moved(starts, 1)
+    in_x, in_y, here = pressures.in_x[i, j], pressures.in_y[i, j], pressures.mean_square[i, j]
     rising, along = a * in_x + b * in_y, abs(b * in_x + a * in_y)
-    if rising <= 0.0 or rising < evenly * along:
-        return -1.0
-    here = _mean_square(pressure, i, j)
-    if here > farthest * rising - 0.5 * along:
-        return -1.0
     # As steep further inside, or the edge is sharper than the mesh.
-    in_x, in_y = _differences(pressure, i + a, j + b)
-    inner = a * in_x + b * in_y
-    return here / rising if rising / even < inner < even * rising else -1.0
+    inner = a * pressures.in_x[k, h] + b * pressures.in_y[k, h]
+    known = (rising > 0.0) & (rising >= evenly * along) & (here <= farthest * rising - 0.5 * along)
+    known &= (rising < even * inner) & (inner < even * rising)
+    return here[known] / rising[known], starts[:, known]
 
 
-@compiled(inner=True)
-def _set_at_edge(out, stress, pressure, i, j, a, b, away, poisson, dx, dy):
-    """Set stresses xx, yy, xy (bodies) at the contact edge, extrapolated from two corners."""
-    for body in range(len(stress)):
-        here = _smooth(stress[body], pressure, i, j, poisson[body], dx, dy)
-        further = _smooth(stress[body], pressure, i + a, j + b, poisson[body], dx, dy)
-        out[0, body] = here[0] + away * (here[0] - further[0])
-        out[1, body] = here[1] + away * (here[1] - further[1])
-        out[3, body] = here[2] + away * (here[2] - further[2])
+def _stresses_at_edge(stress, pressures, starts, away, poisson, dx, dy):
+    """Return stresses (6, bodies, n) at the contact edge, extrapolated from two corners each.
+
+    These are xx, yy and xy; the others are zero.
+    """
+    i, j = np.stack((starts[:2], _moved(starts, 1)), axis=1)
+    x, y = pressures.in_x[i, j] / dx, pressures.in_y[i, j] / dy
+    square = x * x + y * y
+    square[square == 0.0] = 1.0
+    # The smooth part is sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
+    p, nu = pressures.mean[i, j], np.array(poisson)[:, None, None]
+    p_n = p * (1.0 - 2.0 * nu) / square
+    out = np.zeros((6, len(stress), away.size))
+    for component, added in ((0, p_n * x * x), (1, p_n * y * y), (3, p_n * x * y)):
+        smooth = stress[:, component, i, j] + added
+        if component != 3:
+            smooth += 2.0 * nu * p
+        near, far = smooth.swapaxes(0, 1)
+        out[component] = near + away * (near - far)
+    return out
 
 
-@compiled(inner=True)
-def _smooth(stress, pressure, i, j, nu, dx, dy):
-    """Return the stresses xx, yy, xy at a corner without their singular parts."""
-    in_x, in_y = _differences(pressure, i, j)
-    x, y = in_x / dx, in_y / dy
-    steep = math.sqrt(x * x + y * y)
-    if steep > 0.0:
-        x, y = x / steep, y / steep
-    # sigma + p (n n + 2 nu t t), in the plane: t t = 1 - n n.
-    p, k = _mean(pressure, i, j), 1.0 - 2.0 * nu
-    return (
-        stress[0, i, j] + p * (k * x * x + 2.0 * nu),
-        stress[1, i, j] + p * (k * y * y + 2.0 * nu),
-        stress[3, i, j] + p * k * x * y,
-    )
+def _steps_to_stick(kinds, starts):
+    """Return the steps (n,) from slipping corners to two sticking ones, and the corners.
+
+    Corners are left out if another corner slips before, or none sticks within `WIDEST`.
+    """
+    within = starts + np.array(((ROOM,), (ROOM,), (0,), (0,)))
+    course = np.array([kinds[tuple(_moved(within, n))] for n in range(1, WIDEST + 2)])
+    ends = (course == SLIPS) | (course == STICKS)
+    first = ends.argmax(axis=0)
+    at = np.arange(first.size)
+    found = (first < WIDEST) & (course[first, at] == STICKS)
+    found[found] = course[first[found] + 1, at[found]] == STICKS
+    return first[found] + 1, starts[:, found]
 
 
-@compiled(inner=True)
-def _steps_to_stick(kinds, i, j, a, b):
-    """Return the steps along (a, b) from a slipping corner to two sticking ones; 0 if not found."""
-    for step in range(1, WIDEST + 1):
-        kind = kinds[i + step * a, j + step * b]
-        if kind == SLIPS:
-            return 0
-        if kind == STICKS:
-            return step if kinds[i + (step + 1) * a, j + (step + 1) * b] == STICKS else 0
-    return 0
+def _stresses_at_border(stress, starts, apart):
+    """Return stresses (6, bodies, n) midway between slip and stick.
 
-
-@compiled(inner=True)
-def _set_at_border(out, stress, i, j, a, b, apart):
-    """Set stresses midway between slip and stick: xx, yy, xy from stick, others from slip."""
-    for component in range(6):
-        if component in (0, 1, 3):
-            k, h, m, n = i + apart * a, j + apart * b, a, b
-        else:
-            k, h, m, n = i, j, -a, -b
-        for body in range(len(stress)):
-            here, behind = stress[body, component, k, h], stress[body, component, k + m, h + n]
-            out[component, body] = here + 0.5 * apart * (here - behind)
-
-
-@compiled(inner=True)
-def _mean(pressure, i, j):
-    """Return the mean pressure of the elements around a corner."""
-    k = min(j + 1, pressure.shape[1] - 1)
-    return 0.25 * (pressure[i, j] + pressure[i + 1, j] + pressure[i, k] + pressure[i + 1, k])
-
-
-@compiled(inner=True)
-def _mean_square(pressure, i, j):
-    """Return the mean of the squared pressure of the elements around a corner."""
-    k = min(j + 1, pressure.shape[1] - 1)
-    total = pressure[i, j] ** 2 + pressure[i + 1, j] ** 2
-    return 0.25 * (total + pressure[i, k] ** 2 + pressure[i + 1, k] ** 2)
-
-
-@compiled(inner=True)
-def _differences(pressure, i, j):
-    """Return differences of the squared pressure at a corner, per element in x and in y."""
-    k = min(j + 1, pressure.shape[1] - 1)
-    a, b = pressure[i, j] ** 2, pressure[i + 1, j] ** 2
-    c, d = pressure[i, k] ** 2, pressure[i + 1, k] ** 2
-    return 0.5 * (b - a + d - c), 0.5 * (c - a + d - b)
+    The components xx, yy and xy follow from the side that sticks, the others from slip.
+    """
+    sides = []
+    for i, j, k, h in (
+        (*_moved(starts, apart), *_moved(starts, apart + 1)),
+        (*_moved(starts, 0), *_moved(starts, -1)),
+    ):
+        here = stress[:, :, i, j]
+        sides.append(here + 0.5 * apart * (here - stress[:, :, k, h]))
+    from_stick, out = sides
+    out[:, [0, 1, 3]] = from_stick[:, [0, 1, 3]]
+    return out.swapaxes(0, 1)

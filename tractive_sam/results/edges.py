@@ -14,6 +14,27 @@ does not jump.
 import numpy as np
 
 
+def edge_place(here: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Return the distances of the contact edge beyond the centres of outermost elements, elements.
+
+    A cubic in the ratio of both pressures; peaks at a rim are cut where the next element touches.
+
+    Parameters
+    ----------
+    here : ndarray
+        Pressures of outermost elements, positive.
+    before : ndarray
+        Pressures of their neighbours in the contact; 0 if there is none.
+    """
+    # Place of the edge of an element without neighbours in contact: half its width.
+    single = 0.5
+    # Largest place of an edge: there, the next element comes into contact.
+    last = 0.8246
+    r = here / np.maximum(before, here)
+    place = np.minimum(-0.1754 + r * (1.0173 + r * (0.3268 + r * 0.3638)), last)
+    return np.where(before > 0.0, place, single)
+
+
 def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
     """Return where the edge lies ahead (+x) of outermost centres, in elements; nan elsewhere.
 
@@ -27,11 +48,20 @@ def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
     ndarray, shape (n, m)
         Distance towards larger indices, in elements; nan for elements without an edge ahead.
     """
-    from tractive_sam.kernels.contact_edges import find_ends  # noqa: PLC0415
-
-    distances = np.empty(pressure.shape)
-    find_ends(np.ascontiguousarray(pressure), distances)
+    distances = np.full(pressure.shape, np.nan)
+    i, j, place = _edges_ahead(pressure)
+    distances[i, j] = place
     return distances
+
+
+def _edges_ahead(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return indices i, j of elements with an edge ahead (+x), and its distances, in elements."""
+    touching = pressure > 0.0
+    last = touching.copy()
+    last[:-1] &= ~touching[1:]
+    i, j = np.nonzero(last)
+    before = np.where(i > 0, pressure[i - 1, j], 0.0)
+    return i, j, edge_place(pressure[i, j], before)
 
 
 def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -41,10 +71,11 @@ def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def contact_extent(pressure: np.ndarray) -> float:
     """Return the length along x from first to last edge, in elements; 0 without contact."""
-    from tractive_sam.kernels.contact_edges import find_extent  # noqa: PLC0415
-
-    first, last = find_extent(np.ascontiguousarray(pressure))
-    return max(last - first, 0.0)
+    i, _, ahead = _edges_ahead(pressure)
+    from_end, _, behind = _edges_ahead(pressure[::-1])
+    if i.size == 0:
+        return 0.0
+    return float((i + ahead).max() + (from_end + behind).max() - (len(pressure) - 1))
 
 
 def covered_elements(pressure: np.ndarray) -> float:
@@ -54,8 +85,42 @@ def covered_elements(pressure: np.ndarray) -> float:
     the first axis alone.
     """
     if pressure.shape[1] == 1:
-        touching = float(np.count_nonzero(pressure > 0.0))
-        return touching + float(sum(np.nansum(e - 0.5) for e in distances_to_edges(pressure)))
-    from tractive_sam.kernels.contact_edges import count_covered  # noqa: PLC0415
+        return np.count_nonzero(pressure > 0.0) + float(
+            sum(np.nansum(e - 0.5) for e in distances_to_edges(pressure))
+        )
+    # Cells have the centres of four elements at their corners; the edge crosses their sides.
+    wide = np.zeros((pressure.shape[0] + 4, pressure.shape[1] + 4))
+    wide[2:-2, 2:-2] = pressure
+    touching = wide > 0.0
+    pairs = touching[:-1].view(np.int8) + touching[1:]
+    corners = pairs[:, :-1] + pairs[:, 1:]
+    i, j = cells = np.nonzero((corners > 0) & (corners < 4))
+    left, right = _covered_sides(wide, i, j, 1, 0), _covered_sides(wide, i, j + 1, 1, 0)
+    lower, upper = _covered_sides(wide, i, j, 0, 1), _covered_sides(wide, i + 1, j, 0, 1)
+    first, opposite = touching[cells], touching[i + 1, j + 1]
+    areas = np.select(
+        (corners[cells] == 1, corners[cells] == 3, first & opposite, ~(first | opposite)),
+        (
+            0.5 * (left + right) * (lower + upper),  # a triangle; sides without the edge are 0
+            1.0 - 0.5 * (1.0 - left - right) * (1.0 - lower - upper),
+            0.5 * (left * lower + right * upper),
+            0.5 * (left * upper + right * lower),
+        ),
+        0.5 * (left + right + lower + upper),
+    )
+    return np.count_nonzero(corners == 4) + float(areas.sum())
 
-    return float(count_covered(np.ascontiguousarray(pressure)))
+
+def _covered_sides(
+    pressure: np.ndarray, i: np.ndarray, j: np.ndarray, di: int, dj: int
+) -> np.ndarray:
+    """Return the lengths of sides of cells from their corner in contact to the edge, 0 to 1.
+
+    The sides join the centres (i, j) and (i + di, j + dj) of elements. They are 0 where both or
+    none of their ends are in contact.
+    """
+    first, second = pressure[i, j], pressure[i + di, j + dj]
+    crossed = (first > 0.0) != (second > 0.0)
+    before, after = pressure[i - di, j - dj], pressure[i + 2 * di, j + 2 * dj]
+    here = np.where(crossed, np.maximum(first, second), 1.0)
+    return np.where(crossed, edge_place(here, np.where(first > 0.0, before, after)), 0.0)
