@@ -20,20 +20,19 @@ import numpy as np
 
 from tractive_sam.kernels.compiled import ANY_ORDER, compiled
 
-PACKS = (
-    (4, 0, 1, 5),  # xxz, xxx, xxy, xyz
-    (6, 2, 3, 11),  # yyz, xyy, yyy, psi_xy
-    (9, 7, 8, 14),  # zzz, xzz, yzz
-    (10, 13, 12, 14),  # psi_xx, chi_xyy, chi_xxy
+PACKS = np.array(
+    (
+        (4, 0, 1, 5),  # xxz, xxx, xxy, xyz
+        (6, 2, 3, 11),  # yyz, xyy, yyy, psi_xy
+        (9, 7, 8, 14),  # zzz, xzz, yzz
+        (10, 13, 12, 14),  # psi_xx, chi_xyy, chi_xxy
+    )
 )
 """Integrals that share a transform, even-even, odd-even, even-odd and odd-odd in (x, y).
 
 Numbered as `stress.patch_integrals` returns them; the last, 14, stands for none."""
 
-_ODD_X = (0, 2, 5, 7, 11, 13)
-_ODD_Y = (1, 3, 5, 8, 11, 12)
-
-_ROWS = 16
+_ROWS = 32
 """Rows of corners evaluated at a time: few enough to stay in the cache."""
 
 
@@ -52,10 +51,18 @@ def layer_table(out: np.ndarray, z: float, dx: float, dy: float, first: int, las
     first, last : int
         Part of range(p_x/2 + 1).
     """
-    ys = (np.arange(out.shape[2] // 2 + 2) - 0.5) * dy
-    for i in range(first, last, _ROWS):
-        xs = (np.arange(i, min(i + _ROWS, last) + 1) - 0.5) * dx
-        _pack_layer(out, i, xs, ys, z, *_logs_and_angles(xs, ys, z))
+    px = out.shape[1]
+    for i in range(first, last, _ROWS - 1):
+        rows = np.arange(i, min(i + _ROWS - 1, last))
+        strips = np.empty((8, rows.size + 1, out.shape[2]))
+        edge_table(strips, (np.append(rows, rows[-1] + 1) - 0.5) * dx, z, dy)
+        patches = strips[:, 1:] - strips[:, :-1]
+        even, odd = patches[0::2], patches[1::2]
+        # Half a period away odd functions have to vanish, for the packs to fall apart again; no
+        # load is as far away as that.
+        odd[:, 2 * rows == px] = 0.0
+        np.add(even, odd, out=out[:, rows[0] : rows[-1] + 1])
+        out[:, -rows % px] = np.subtract(even, odd, out=odd)
 
 
 def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
@@ -70,7 +77,7 @@ def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
         For each of `PACKS` the sums ee + eo and oe + oo, at the offset j dy at index j mod p_y;
         p_y even.
     xs : ndarray, shape (edges,)
-        Observer minus edge, at least 0. For x < 0 ee and eo change sign.
+        Observer minus edge. For -x ee and eo have the other sign.
     z : float
         Depth, at least 0.
     dy : float
@@ -79,14 +86,11 @@ def edge_table(out: np.ndarray, xs: np.ndarray, z: float, dy: float) -> None:
     ys = (np.arange(out.shape[2] // 2 + 2) - 0.5) * dy
     for first in range(0, xs.size, _ROWS):
         part = xs[first : first + _ROWS]
-        _pack_edges(out, first, part, ys, z, *_logs_and_angles(part, ys, z))
-
-
-def _logs_and_angles(xs: np.ndarray, ys: np.ndarray, z: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return logarithms (3, ...) and arctangents (2, ...) of corner terms at (xs[i], ys[j], z)."""
-    logs, angles = np.empty((3, xs.size, ys.size)), np.empty((2, xs.size, ys.size))
-    _arguments(logs, angles, xs, ys, z)
-    return np.log(logs, out=logs), np.arctan(angles, out=angles)
+        logs, angles = np.empty((3, part.size, ys.size)), np.empty((2, part.size, ys.size))
+        _arguments(logs, angles, part, ys, z)
+        corners = np.empty((15, part.size, ys.size))
+        _corners(corners, np.log(logs, out=logs), np.arctan(angles, out=angles), part, ys, z)
+        _pack_edges(out, first, corners, PACKS)
 
 
 @compiled(fastmath=ANY_ORDER, inner=True)
@@ -116,88 +120,53 @@ def _arguments(logs, angles, xs, ys, z):
             angles[1, i, j] = x * y / (q + z * r)
 
 
-@compiled(fastmath=ANY_ORDER, inner=True)
-def _corners(out, logs, angles, x, ys, z):
-    """Set `out` to the corner terms of the 14 integrals at (x, ys[j], z)."""
-    p = _distance2(x, z, ys[1] - ys[0])
-    for j in range(ys.size):
-        y = ys[j]
-        q = y * y + z * z
-        r = np.sqrt(x * x + q)
-        over_r, over_t = 1.0 / r, 1.0 / (r + z)
-        ln_y, ln_x, psi_xx = logs[0, j], logs[1, j], angles[0, j]
-        # A = psi_xx + psi_yy, as ln(R + z) is harmonic: two arctangents serve three integrals.
-        solid = psi_xx + angles[1, j]
-        y_r, x_r = y * over_r, x * over_r
-        z_p, z_q = z / p, z / q
-        zzy_p, zzx_q = z * z_p * y_r, z * z_q * x_r
-        zxy_p, zxy_q = z_p * x * y_r, z_q * x * y_r
-        out[0, j] = zzy_p - y_r - 2.0 * ln_y
-        out[1, j] = x_r - ln_x
-        out[2, j] = y_r - ln_y
-        out[3, j] = zzx_q - x_r - 2.0 * ln_x
-        out[4, j] = solid - zxy_p
-        out[5, j] = z * over_r
-        out[6, j] = solid - zxy_q
-        out[7, j] = -zzy_p
-        out[8, j] = -zzx_q
-        out[9, j] = solid + zxy_p + zxy_q
-        out[10, j] = psi_xx
-        out[11, j] = logs[2, j]
-        out[12, j] = -x * over_t
-        out[13, j] = -y * over_t
-
-
 @compiled(fastmath=ANY_ORDER)
-def _pack_layer(out, first, xs, ys, z, logs, angles):
-    """Set packs of `out` to integrals from corner differences, at all four images of an offset."""
-    px, py = out.shape[1], out.shape[2]
-    half = py // 2
-    behind, ahead = np.empty((14, ys.size)), np.empty((14, ys.size))
-    patch = np.zeros((15, half + 1))
-    _corners(behind, logs[:, 0], angles[:, 0], xs[0], ys, z)
-    for n in range(1, xs.size):
-        _corners(ahead, logs[:, n], angles[:, n], xs[n], ys, z)
-        for c in range(14):
-            for j in range(half + 1):
-                patch[c, j] = (ahead[c, j + 1] - ahead[c, j]) - (behind[c, j + 1] - behind[c, j])
-        behind, ahead = ahead, behind
-        i = first + n - 1
-        # Half a period away odd functions have to vanish, for the packs to fall apart again; no
-        # load is as far away as that.
-        if 2 * i == px:
-            for c in _ODD_X:
-                patch[c] = 0.0
-        for c in _ODD_Y:
-            patch[c, half] = 0.0
-        k = (px - i) % px
-        for a, (ee, oe, eo, oo) in enumerate(PACKS):
-            for j in range(half + 1):
-                even, odd = patch[ee, j] + patch[eo, j], patch[oe, j] + patch[oo, j]
-                out[a, i, j] = even + odd
-                out[a, k, j] = even - odd
-            for j in range(1, half):
-                even, odd = patch[ee, j] - patch[eo, j], patch[oe, j] - patch[oo, j]
-                out[a, i, py - j] = even + odd
-                out[a, k, py - j] = even - odd
-
-
-@compiled(fastmath=ANY_ORDER)
-def _pack_edges(out, first, xs, ys, z, logs, angles):
-    """Set packs of `out` to integrals along an edge, at both images of an offset in y."""
-    py = out.shape[2]
-    half = py // 2
-    ends, strip = np.empty((14, ys.size)), np.zeros((15, half + 1))
+def _corners(out, logs, angles, xs, ys, z):
+    """Set `out` (15, ...) to the corner terms of the 14 integrals and of none at (xs[n], ys[j])."""
     for n in range(xs.size):
-        _corners(ends, logs[:, n], angles[:, n], xs[n], ys, z)
-        for c in range(14):
-            for j in range(half + 1):
-                strip[c, j] = ends[c, j + 1] - ends[c, j]
-        for c in _ODD_Y:
-            strip[c, half] = 0.0
-        for a, (ee, oe, eo, oo) in enumerate(PACKS):
-            for b, (even, odd) in enumerate(((ee, eo), (oe, oo))):
-                for j in range(half + 1):
-                    out[2 * a + b, first + n, j] = strip[even, j] + strip[odd, j]
-                for j in range(1, half):
-                    out[2 * a + b, first + n, py - j] = strip[even, j] - strip[odd, j]
+        x = xs[n]
+        p = _distance2(x, z, ys[1] - ys[0])
+        for j in range(ys.size):
+            y = ys[j]
+            q = y * y + z * z
+            r = np.sqrt(x * x + q)
+            over_r, over_t = 1.0 / r, 1.0 / (r + z)
+            ln_y, ln_x, psi_xx = logs[0, n, j], logs[1, n, j], angles[0, n, j]
+            # A = psi_xx + psi_yy, as ln(R + z) is harmonic: two arctangents serve three integrals.
+            solid = psi_xx + angles[1, n, j]
+            y_r, x_r = y * over_r, x * over_r
+            z_p, z_q = z / p, z / q
+            zzy_p, zzx_q = z * z_p * y_r, z * z_q * x_r
+            zxy_p, zxy_q = z_p * x * y_r, z_q * x * y_r
+            out[0, n, j] = zzy_p - y_r - 2.0 * ln_y
+            out[1, n, j] = x_r - ln_x
+            out[2, n, j] = y_r - ln_y
+            out[3, n, j] = zzx_q - x_r - 2.0 * ln_x
+            out[4, n, j] = solid - zxy_p
+            out[5, n, j] = z * over_r
+            out[6, n, j] = solid - zxy_q
+            out[7, n, j] = -zzy_p
+            out[8, n, j] = -zzx_q
+            out[9, n, j] = solid + zxy_p + zxy_q
+            out[10, n, j] = psi_xx
+            out[11, n, j] = logs[2, n, j]
+            out[12, n, j] = -x * over_t
+            out[13, n, j] = -y * over_t
+            out[14, n, j] = 0.0
+
+
+@compiled(fastmath=ANY_ORDER)
+def _pack_edges(out, first, corners, packs):
+    """Set packs of `out` to integrals along edges from corner terms, at both images in y."""
+    half = out.shape[2] // 2
+    for n in range(corners.shape[1]):
+        for a in range(8):
+            # Half a period away odd functions have to vanish, as in `layer_table`.
+            even, odd = packs[a // 2, a % 2], packs[a // 2, 2 + a % 2]
+            out[a, first + n, half] = corners[even, n, half + 1] - corners[even, n, half]
+            for j in range(half):
+                e = corners[even, n, j + 1] - corners[even, n, j]
+                o = corners[odd, n, j + 1] - corners[odd, n, j]
+                out[a, first + n, j] = e + o
+                if j > 0:
+                    out[a, first + n, 2 * half - j] = e - o
