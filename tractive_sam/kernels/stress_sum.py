@@ -63,7 +63,6 @@ NODE = 0.5 / math.sqrt(3.0)
 """Place of the Gauss-Legendre nodes of a side, from its middle, over its length."""
 
 
-@compiled
 def cumulative_sums(tractions):
     """Return cumulative sums of tractions (3, n_x, n_y) over patches, (n_x + 1, n_y + 1, 3, 4).
 
@@ -71,8 +70,15 @@ def cumulative_sums(tractions):
     patches.
     """
     fields, nx, ny = tractions.shape
-    sums = np.empty((nx + 1, ny + 1, fields, 4))
-    sums[0] = sums[:, 0] = 0.0
+    sums = np.zeros((nx + 1, ny + 1, fields, 4))
+    _accumulate(sums, tractions)
+    return sums
+
+
+@compiled
+def _accumulate(sums, tractions):
+    """Set all but the first rows of `sums` to those of `cumulative_sums`."""
+    fields, nx, ny = tractions.shape
     for i in range(nx):
         for k in range(fields):
             of_row = of_row_j = 0.0
@@ -83,12 +89,11 @@ def cumulative_sums(tractions):
                 sums[i + 1, j + 1, k, 1] = sums[i, j + 1, k, 1] + i * of_row
                 sums[i + 1, j + 1, k, 2] = sums[i, j + 1, k, 2] + of_row_j
                 sums[i + 1, j + 1, k, 3] = sums[i, j + 1, k, 3] + i * of_row_j
-    return sums
 
 
 @compiled
 def stress_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
-    """Set `out` to the stresses at groups of points; distant patches are combined in blocks.
+    """Add the stresses at groups of points to `out`; distant patches are combined in blocks.
 
     A quadtree: a block of patches with sides of at most `widest` times its distance is replaced by
     point forces at 2 x 2 nodes that have its load and its moments. Wider blocks are halved, and
@@ -97,8 +102,8 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
 
     Parameters
     ----------
-    out : ndarray, shape (6, m, n)
-        Stresses in the order of `stress.COMPONENTS`, in the unit of the tractions.
+    out : ndarray, shape (m, 6, n)
+        Stresses in the order of `stress.COMPONENTS`, in the unit of the tractions, are added to it.
     points : ndarray, shape (m, n, 3)
         (x, y, z) with the depth z > 0.
     around : ndarray, shape (m, 3)
@@ -119,15 +124,9 @@ def stress_around(out, points, around, signs, poisson, corner, sums, sides, bloc
         Longest side of a block over its distance, below 1. With 0.3 the relative error of the
         stress under smooth tractions is 2e-3, and almost equal at points near one another.
     """
-    count = points.shape[1]
-    stress, load = np.empty((1, 6, count)), (corner, sums, sides, blocks, widest)
     for m in range(len(points)):
-        stress[:] = 0.0
-        of_body = signs[m : m + 1], poisson[m : m + 1]
-        _sum_around(stress, points[m], around[m], *of_body, *load)
-        for component in range(6):
-            for n in range(count):
-                out[component, m, n] = stress[0, component, n]
+        group = points[m], around[m]
+        _sum_around(out, m, m + 1, *group, signs, poisson, corner, sums, sides, blocks, widest)
 
 
 @compiled
@@ -167,9 +166,11 @@ def stress_at_columns(
             for n in range(count):
                 points[n, 0], points[n, 1], points[n, 2] = x[i], y[first + n // k], depths[n % k]
             around = np.array((x[i], 0.5 * (y[first] + y[last - 1]), depths[0]))
-            load = corner, sums, sides, blocks, widest
             stress[:] = 0.0
-            _sum_around(stress, points[:count], around, signs, poisson, *load)
+            group = points[:count], around, signs, poisson
+            _sum_around(
+                stress, np.int64(0), signs.size, *group, corner, sums, sides, blocks, widest
+            )
             for n in range(count):
                 for body in range(signs.size):
                     for component in range(6):
@@ -178,12 +179,13 @@ def stress_at_columns(
 
 
 @compiled(inner=True)
-def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks, widest):
-    """Add to `out` the stresses (bodies, 6, ...) at a group of points, by blocks of patches."""
+def _sum_around(
+    out, first, last, points, around, signs, poisson, corner, sums, sides, blocks, widest
+):
+    """Add to `out[first:last]` the stresses (6, ...) of bodies at a group of points, by blocks."""
     # Forces that are summed at a time.
     at_once = 512
     nx, ny = sums.shape[0] - 1, sums.shape[1] - 1
-    blocks_x, blocks_y = blocks
     forces, at_nodes = np.empty((5, at_once), dtype=np.float32), np.empty((3, 2, 2))
     # Lengths are from what the points are near, over its depth.
     per_depth = 1.0 / around[2]
@@ -196,12 +198,14 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
     count = np.int64(0)  # a literal 0 would compile the callees another time
     # Blocks that wait, (first in x, first in y, number in x, number in y): no more than halvings.
     waiting = np.empty((128, 4), dtype=np.int64)
-    for i in range(0, nx, blocks_x):
-        for j in range(0, ny, blocks_y):
-            waiting[0, 0], waiting[0, 1], waiting[0, 2], waiting[0, 3] = i, j, blocks_x, blocks_y
+    for i in range(nx // blocks[0]):
+        for j in range(ny // blocks[1]):
+            waiting[0, 0], waiting[0, 1] = i * blocks[0], j * blocks[1]
+            waiting[0, 2], waiting[0, 3] = blocks
             count_waiting = 1
             while count_waiting > 0:
-                a, b, m, n = waiting[count_waiting - 1]
+                top = count_waiting - 1
+                a, b, m, n = waiting[top, 0], waiting[top, 1], waiting[top, 2], waiting[top, 3]
                 x = (corner[0] - around[0]) * per_depth + (a + 0.5 * m) * dx
                 y = (corner[1] - around[1]) * per_depth + (b + 0.5 * n) * dy
                 longest = widest * math.sqrt(x * x + y * y + 1.0)
@@ -210,11 +214,11 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
                     if split_x and not (split_y and n * dy > m * dx):
                         m //= 2
                         a += m
-                        waiting[count_waiting - 1, 2] = m
+                        waiting[top, 2] = m
                     else:
                         n //= 2
                         b += n
-                        waiting[count_waiting - 1, 3] = n
+                        waiting[top, 3] = n
                     waiting[count_waiting, 0], waiting[count_waiting, 1] = a, b
                     waiting[count_waiting, 2], waiting[count_waiting, 3] = m, n
                     count_waiting += 1
@@ -228,7 +232,7 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
                     at_x = x + m * dx * _node(k, pieces_x)
                     for h in range(2 * pieces_y):
                         if count == at_once:
-                            _add_to_bodies(out, places, forces, count, signs, poisson)
+                            _add_to_bodies(out, first, last, places, forces, count, signs, poisson)
                             count = np.int64(0)
                         forces[0, count] = at_x
                         forces[1, count] = y + n * dy * _node(h, pieces_y)
@@ -237,7 +241,7 @@ def _sum_around(out, points, around, signs, poisson, corner, sums, sides, blocks
                                 share * at_nodes[load, k // pieces_x, h // pieces_y]
                             )
                         count += 1
-    _add_to_bodies(out, places, forces, count, signs, poisson)
+    _add_to_bodies(out, first, last, places, forces, count, signs, poisson)
 
 
 @compiled(inner=True)
@@ -277,9 +281,9 @@ def _set_at_nodes(out, sums, a, b, m, n):
 
 
 @compiled(inner=True)
-def _add_to_bodies(out, places, forces, count, signs, poisson):
+def _add_to_bodies(out, first, last, places, forces, count, signs, poisson):
     """Add to `out` the stresses (bodies, 6, n) of point forces; p_x, p_y times a sign per body."""
-    for body in range(signs.size):
+    for body in range(first, last):
         _add_forces(out[body], places, forces, count, signs[body], poisson[body])
 
 

@@ -161,10 +161,10 @@ class MultiLevel:
         elements are combined in equal blocks for all the points.
         """
         widest = self.narrow if closely else self.widest
-        stress = np.empty((6, *points.shape[:2]))
+        stress = np.zeros((len(points), 6, points.shape[1]))
         rows = self._of_bodies.take(bodies, axis=1)  # contiguous, as the kernel is compiled for
         stress_sum.stress_around(stress, points, around, *rows, *self._summed, widest)
-        return self._criterion(stress)
+        return self._criterion(stress.swapaxes(0, 1))
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """Return (value, position) of the largest stress at the surface of each body.
