@@ -4,6 +4,7 @@ import atexit
 import os
 from collections.abc import Callable
 from functools import cache, lru_cache
+from math import ceil
 from threading import Lock, get_ident
 from typing import Generic, TypeVar
 
@@ -28,9 +29,12 @@ def fast_length(n: int) -> int:
     return eight if eight <= 1.03 * two else two
 
 
-def padded_length(n: int) -> int:
-    """Return a length that FFTW transforms fast and that holds a linear convolution of n."""
-    return fast_length(2 * n - 1)
+def padded_length(n: int, reach: float = 1.0) -> int:
+    """Return a length that FFTW transforms fast and that holds a linear convolution of n.
+
+    With a `reach` below 1 the convolution is linear for offsets up to this part of n.
+    """
+    return fast_length(ceil((1.0 + reach) * n) - 1)
 
 
 def plan(

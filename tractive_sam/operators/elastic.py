@@ -13,6 +13,7 @@ isotropic friction of unit coefficient.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
 import numpy as np
@@ -63,6 +64,15 @@ class Operators:
     def coarsened(self) -> "Operators":
         """Operators of these bodies and units on elements of twice the size."""
         return self.on(self.lattice.coarsened())
+
+    @cached_property
+    def approximate(self) -> "Operators":
+        """Operators in which elements far from each other also act on their periodic images.
+
+        A convolution takes about half the time. It differs for offsets above three quarters of the
+        mesh, where kernels are small and smooth.
+        """
+        return self.on(replace(self.lattice, reach=0.5))
 
     @cached_property
     def part(self) -> Callable[[tuple[int, int]], "Operators"]:

@@ -23,11 +23,23 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Shape (n_x, n_y) and side lengths of elements; the mesh data that a convolution needs."""
+    """Shape (n_x, n_y) and side lengths of elements; the mesh data that a convolution needs.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Number of elements (n_x, n_y).
+    dx, dy : float
+        Side lengths of an element, mm.
+    reach : float
+        Part of the mesh up to which convolutions are linear; elements at larger distances also act
+        on their periodic images.
+    """
 
     shape: tuple[int, int]
     dx: float
     dy: float
+    reach: float = 1.0
 
     def with_shape(self, shape: tuple[int, int]) -> "Lattice":
         """Return a lattice with these element sizes and another number of elements."""
@@ -36,7 +48,7 @@ class Lattice:
     @property
     def padded(self) -> tuple[int, int]:
         """Periods (p_x, p_y) of the operators' tables, for linear convolutions."""
-        return padded_length(self.shape[0]), padded_length(self.shape[1])
+        return padded_length(self.shape[0], self.reach), padded_length(self.shape[1], self.reach)
 
     @property
     def cyclic(self) -> tuple[int, int]:

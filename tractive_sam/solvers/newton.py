@@ -195,9 +195,11 @@ class Newton:
     ) -> tuple[Iterate, Cost]:
         """Return the iterate after one Newton step, and the cost of the step."""
         elements = at.pressure.size
-        system = System(problem, at, self.precision(goal, at.residual, tolerance, elements))
+        kind = self.precision(goal, at.residual, tolerance, elements)
+        approximate = kind is np.float32 and elements >= self.gmres_from
+        system = System(problem, at, kind, approximate)
         response: np.ndarray | None = None
-        if system.kind is np.float64 or elements < self.gmres_from:
+        if not approximate:
             vector, response_to_step = conjugate_residuals(system, goal, self.krylov)
             rounded = float(np.finfo(system.kind).eps * np.linalg.norm(response_to_step[-2:]))
             if rounded <= self.rounding * tolerance * at.drag:

@@ -134,6 +134,8 @@ class Iterate:
 class System:
     """Linear system of a Newton step at an iterate, in the number type `kind`.
 
+    An `approximate` system has the response of `Problem.approximate`.
+
     An element in contact asks that its gap close, one that has left that its pressure vanish, and
     the friction law for what `Linearisation` says. A slipping traction follows its bound along its
     direction, and with it the pressure.
@@ -144,8 +146,11 @@ class System:
         Work done.
     """
 
-    def __init__(self, problem: Problem, at: Iterate, kind: type[np.floating]):
+    def __init__(
+        self, problem: Problem, at: Iterate, kind: type[np.floating], approximate: bool = False
+    ):
         self.problem, self.at, self.kind = problem, at, kind
+        self._respond = (problem.approximate if approximate else problem).response
         self.operators, self.vectors = problem.operators, problem.forces.vectors
         self.free, self.under_load = not problem.is_pressure_fixed, problem.load is not None
         self.shape = problem.shape
@@ -217,7 +222,7 @@ class System:
     def response(self, vector: np.ndarray) -> np.ndarray:
         """Return the elastic gap and slip due to the fields in a vector of unknowns."""
         self.applications += 1
-        return self.problem.response(self.fields(vector))
+        return self._respond(self.fields(vector))
 
     def product(self, vector: np.ndarray, response: np.ndarray) -> np.ndarray:
         """Return the matrix times a vector with a known response; the next call overwrites it."""

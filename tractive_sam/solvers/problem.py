@@ -309,6 +309,11 @@ class Problem:
         concat, normal = backend_of(fields).concat, self.operators.normal
         return concat((normal(fields[:1, ...]), self._tangential(fields[1:, ...])))
 
+    @cached_property
+    def approximate(self) -> Self:
+        """Problem with the approximate operators; only its response is used."""
+        return replace(self, normal=replace(self.normal, operators=self.operators.approximate))
+
     def bound(self, pressure: np.ndarray) -> Bound:
         """Return the traction bound of the friction law under a pressure, at zero slip."""
         return self._fixed_bound if self.is_pressure_fixed else self.friction.bound(pressure)
