@@ -22,7 +22,9 @@ Product = Callable[[np.ndarray, np.ndarray], None]
 """In-place product of kernels (entries, m) and spectra (fields, m), as in `kernels.spectral`."""
 
 
-def tile_edges(fields: int, padded: tuple[int, int], cache: int = 2**19) -> list[int]:
+def tile_edges(
+    fields: int, padded: tuple[int, int], cache: int = 2**19, whole: int = 2**22
+) -> list[int]:
     """Return the column indices that bound the tiles of a spectrum: first columns and the end.
 
     Parameters
@@ -35,10 +37,13 @@ def tile_edges(fields: int, padded: tuple[int, int], cache: int = 2**19) -> list
         Size of a tile, bytes. The time changes by less than 5 % between a quarter and all of the
         second-level cache (1 to 2 MiB). A tile has eight columns at least, which are two lines of
         the cache.
+    whole : int
+        Size of a spectrum, bytes, up to which it is one tile: without copies to and from tiles a
+        convolution takes up to a quarter less time as long as the third-level cache holds it.
     """
     px, columns = padded[0], padded[1] // 2 + 1
     width = max(8, cache // (16 * fields * px))
-    count = max(1, round(columns / width))
+    count = 1 if 16 * fields * px * columns <= whole else round(columns / width)
     return [k * columns // count for k in range(count + 1)]
 
 
@@ -63,24 +68,22 @@ def column_stride(px: int, gap: int = 4) -> int:
 
 
 def split_kernels(spectra: np.ndarray, fields: int, padded: tuple[int, int]) -> list[np.ndarray]:
-    """Return spectra (entries, p_x, p_y/2 + 1) as one contiguous array (entries, m) per tile."""
-    edges = tile_edges(fields, padded)
-    if len(edges) == 2:
-        entries, px, half = spectra.shape
-        columns = np.zeros((entries, half, column_stride(px)), spectra.dtype)
-        columns[..., :px] = spectra.swapaxes(1, 2)
-        return [columns.reshape(entries, -1)]
-    tiles = (spectra[..., a:b] for a, b in pairwise(edges))
-    return [np.ascontiguousarray(tile).reshape(len(spectra), -1) for tile in tiles]
+    """Return spectra (entries, p_x, p_y/2 + 1) as one contiguous array (entries, m) per tile.
+
+    A tile has its columns one after the other, at the distance `column_stride`.
+    """
+    entries, px, half = spectra.shape
+    columns = np.zeros((entries, half, column_stride(px)), spectra.dtype)
+    columns[..., :px] = spectra.swapaxes(1, 2)
+    tiles = (columns[:, a:b] for a, b in pairwise(tile_edges(fields, padded)))
+    return [np.ascontiguousarray(tile).reshape(entries, -1) for tile in tiles]
 
 
 def join_kernels(tiles: Sequence[np.ndarray], padded: tuple[int, int]) -> np.ndarray:
     """Return the spectra (entries, p_x, p_y/2 + 1) that `split_kernels` divided into tiles."""
     entries, px = len(tiles[0]), padded[0]
-    if len(tiles) == 1:
-        columns = tiles[0].reshape(entries, padded[1] // 2 + 1, column_stride(px))
-        return columns[..., :px].swapaxes(1, 2)
-    return np.concatenate([tile.reshape(entries, px, -1) for tile in tiles], axis=2)
+    stored = [tile.reshape(entries, -1, column_stride(px)) for tile in tiles]
+    return np.concatenate(stored, axis=1)[..., :px].swapaxes(1, 2)
 
 
 class Convolver(Protocol):
@@ -167,18 +170,22 @@ class RowBuffer(NamedTuple):
 
 
 class ColumnBuffer(NamedTuple):
-    """Padded columns of one tile (array), and its in-place FFTs along x, forward and backward."""
+    """Padded columns of one tile, and their in-place FFTs along x, forward and backward.
+
+    Columns are stored contiguously, which FFTW transforms in 0.8 to 0.95 of the time.
+    """
 
     columns: np.ndarray
     forward: Any
     backward: Any
 
     @classmethod
-    def create(cls, shape: tuple[int, int, int], single: bool) -> "ColumnBuffer":
-        """Return a zero buffer (fields, p_x, columns), complex64 if `single`, with planned FFTs."""
-        columns = pyfftw.zeros_aligned(shape, dtype=_number_types(single)[1])
-        directions = ("FFTW_FORWARD", "FFTW_BACKWARD")
-        return cls(columns, *(plan(columns, columns, 1, each) for each in directions))
+    def create(cls, fields: int, count: int, px: int, single: bool) -> "ColumnBuffer":
+        """Return a zero buffer (fields, columns, p_x + gap), complex64 if `single`, with FFTs."""
+        stored = fields, count, column_stride(px)
+        columns = pyfftw.zeros_aligned(stored, dtype=_number_types(single)[1])
+        used, directions = columns[..., :px], ("FFTW_FORWARD", "FFTW_BACKWARD")
+        return cls(columns, *(plan(used, used, 2, each) for each in directions))
 
 
 class Worker:
@@ -202,9 +209,9 @@ class Worker:
         heights = {b - a for a, b in self._blocks}
         self._rows = {n: RowBuffer.create(n, padded[1], single) for n in heights}
         edges = tile_edges(fields, padded)
-        self._tiles = [spectra[..., a:b] for a, b in pairwise(edges)][share]
-        shapes = {tile.shape[-1]: (fields, padded[0], tile.shape[-1]) for tile in self._tiles}
-        self._columns = {n: ColumnBuffer.create(shape, single) for n, shape in shapes.items()}
+        self._tiles = [spectra[..., a:b].swapaxes(1, 2) for a, b in pairwise(edges)][share]
+        widths = {tile.shape[1] for tile in self._tiles}
+        self._columns = {n: ColumnBuffer.create(fields, n, padded[0], single) for n in widths}
 
     def transform_rows(self, fields: np.ndarray) -> None:
         """Transform this thread's rows of fields (fields * n_x, n_y) along y into its spectra."""
@@ -217,13 +224,13 @@ class Worker:
     def convolve_columns(self, kernels: Sequence[np.ndarray], product: Product) -> None:
         """Convolve the tiles of this thread along x: pad, transform, multiply, transform back."""
         for tile, kernel in zip(self._tiles, kernels[self._share], strict=True):
-            buffer, count = self._columns[tile.shape[-1]], tile.shape[1]
-            buffer.columns[:, :count] = tile
-            buffer.columns[:, count:] = 0.0
+            buffer, nx = self._columns[tile.shape[1]], tile.shape[2]
+            buffer.columns[..., :nx] = tile
+            buffer.columns[..., nx:] = 0.0
             buffer.forward.execute()
             product(kernel, buffer.columns.reshape(len(tile), -1))
             buffer.backward.execute()
-            tile[:] = buffer.columns[:, :count]
+            tile[:] = buffer.columns[..., :nx]
 
     def restore_rows(self, out: np.ndarray) -> None:
         """Transform the rows of this thread back along y, into its rows of `out`.
