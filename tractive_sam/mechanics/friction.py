@@ -421,17 +421,8 @@ class Linearisation:
             The slip is taken at the leading faces, see `FrictionLaw.linearise`; the step does not
             include the change by the pressure.
         """
-        friction.tangent_row(
-            self.state,
-            self.direction,
-            self.kappa,
-            self.across,
-            self.contact,
-            step,
-            slip,
-            out,
-            self.staggered,
-        )
+        law = self.state, self.direction, self.kappa, self.across, self.contact
+        friction.tangent_row(*law, step, slip, out, self.staggered)
         if self.falling is not None:
             out -= self.falling.change(slip, self.contact) * self.direction
 
@@ -467,21 +458,9 @@ class Linearisation:
         shape = self.kappa.shape
         rough, share, behind, front = np.empty((4, *shape))
         up = np.empty((2, *shape))
-        friction_inverse.prepare_step(
-            self.state,
-            self.direction,
-            self.kappa,
-            self.across,
-            self.contact,
-            stiffness,
-            self_displacement,
-            float(self.staggered),
-            rough,
-            share,
-            behind,
-            front,
-            up,
-        )
+        law = self.state, self.direction, self.kappa, self.across, self.contact
+        given = stiffness, self_displacement, float(self.staggered)
+        friction_inverse.prepare_step(*law, *given, rough, share, behind, front, up)
         return InverseOfStep(self, stiffness, rough, share, behind, front, up)
 
 
@@ -559,18 +538,8 @@ class InverseOfStep:
         law, along = self.law, np.empty(self.share.shape)
         smooth, out = np.empty_like(rows), np.empty_like(rows)
         here = law.state, law.direction
-        friction_inverse.share_out(
-            *here,
-            law.kappa,
-            self.stiffness,
-            self.share,
-            self.behind,
-            self.front,
-            self.up,
-            rows,
-            along,
-            smooth,
-        )
+        factors = law.kappa, self.stiffness, self.share, self.behind, self.front, self.up
+        friction_inverse.share_out(*here, *factors, rows, along, smooth)
         smooth = inverse(smooth)
         friction_inverse.gather(*here, self.share, self.rough, rows, smooth, out)
         return out
