@@ -9,12 +9,10 @@ import typer
 from rich.table import Table
 
 from tractive_sam.cli.output import (
-    ExitStatus,
     console,
-    error_exit,
+    invalid_exit,
     print_note,
     report_compiling,
-    report_errors,
     report_warnings,
 )
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
@@ -38,7 +36,7 @@ def explain(
     from tractive_sam.studies import is_study
     from tractive_sam.tables import is_design, is_table
 
-    with report_errors(), report_warnings():
+    with report_warnings():
         if is_table(scene) or is_design(scene):
             title, sections = _describe_table(scene, settings)
         elif is_study(scene):
@@ -91,7 +89,7 @@ def _describe_study(
 def _refuse_settings(file: str | Path, settings: list[str] | None, kind: str) -> None:
     """End with an error if `--set` is given for a file that is not a scene."""
     if settings:
-        raise error_exit(ExitStatus.INVALID, f"--set changes a scene only, and {file} is {kind}")
+        raise invalid_exit(f"--set changes a scene only, and {file} is {kind}")
 
 
 def _mention_tables(study: str) -> None:

@@ -8,11 +8,11 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
-    ExitStatus,
-    error_exit,
+    incomplete_exit,
+    invalid_exit,
     print_line,
     print_note,
-    report_errors,
+    report_interrupt,
     report_warnings,
 )
 from tractive_sam.cli.scene_input import RESULTS, Settings, read_scene
@@ -66,27 +66,22 @@ def export(
     if surface and (revolution is not None or depth is not None or elements is not None):
         cure = "omit --revolution, --depth and --elements"
         message = f"--surface exports every stored revolution, without a depth; {cure}"
-        raise error_exit(ExitStatus.INVALID, message)
+        raise invalid_exit(message)
     output = output or Path(f"{Path(source).stem}-{'surface' if surface else body}.vtkhdf")
-    with report_errors():
-        check_volume(output, overwrite=True)
+    check_volume(output, overwrite=True)
+    with report_interrupt(f"{output} was not written"), report_warnings():
+        opened = _open_source(source, settings, revolution)
         try:
-            with report_warnings():
-                opened = _open_source(source, settings, revolution)
-                try:
-                    opened = _select_block(opened, block)
-                    if surface:
-                        export_surface(opened, output, overwrite=True)
-                    else:
-                        export_volume(
-                            opened, output, body=body.value, revolution=revolution, depth=depth,
-                            elements=elements, overwrite=True,
-                        )  # fmt: skip
-                except (LookupError, ValueError) as error:
-                    raise error_exit(ExitStatus.INVALID, f"{source}: {error}") from None
-        except KeyboardInterrupt:
-            message = f"interrupted; {output} was not written"
-            raise error_exit(ExitStatus.INCOMPLETE, message) from None
+            opened = _select_block(opened, block)
+            if surface:
+                export_surface(opened, output, overwrite=True)
+            else:
+                export_volume(
+                    opened, output, body=body.value, revolution=revolution, depth=depth,
+                    elements=elements, overwrite=True,
+                )  # fmt: skip
+        except (LookupError, ValueError) as error:
+            raise invalid_exit(f"{source}: {error}") from None
     print_line(output)
 
 
@@ -112,7 +107,7 @@ def _open_source(
     if Path(source).suffix in RESULTS:
         if settings:
             message = f"--set changes a scene, and {source} is a results file; omit --set"
-            raise error_exit(ExitStatus.INVALID, message)
+            raise invalid_exit(message)
         history = ts.open_history(source)
         if not history.finished:
             print_note(f"{source} is {history.status}: {history.message}")
@@ -120,10 +115,8 @@ def _open_source(
     scene = read_scene(source, settings)
     if revolution is not None:
         cure = f"compute them by tractive-sam run {source}, and export the results file"
-        raise error_exit(
-            ExitStatus.INVALID, f"--revolution: a scene has no revolutions yet; {cure}"
-        )
+        raise invalid_exit(f"--revolution: a scene has no revolutions yet; {cure}")
     contact = ts.solve(scene, throw=False)
     if not contact.converged:
-        raise error_exit(ExitStatus.INCOMPLETE, f"not a solution: {contact.message}")
+        raise incomplete_exit(f"not a solution: {contact.message}")
     return contact

@@ -10,15 +10,16 @@ from rich.table import Table
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
-    ExitStatus,
     Quiet,
+    check_folder,
     console,
-    error_exit,
+    incomplete_exit,
+    invalid_exit,
     print_line,
     print_message,
     print_note,
     report_compiling,
-    report_errors,
+    report_interrupt,
     report_warnings,
     show_progress,
 )
@@ -51,47 +52,38 @@ def fit(
         Replace a file that contains the fit of another scene.
     """
     if output.suffix != ".nc":
-        raise error_exit(ExitStatus.INVALID, f"{output}: the result is a netCDF file; use FILE.nc")
+        raise invalid_exit(f"{output}: the result is a netCDF file; use FILE.nc")
     for path in filter(None, (output, scene)):
-        _check_folder(path)
-    with report_errors():
-        from tractive_sam.fitting import Evaluations
-        from tractive_sam.fitting import fit as fit_design
+        check_folder(path)
+    from tractive_sam.fitting import Evaluations
+    from tractive_sam.fitting import fit as fit_design
 
-        try:
-            with report_compiling(), show_progress() as update, report_warnings():
+    note = f"{output} holds the computations so far; repeat the command to resume from them"
+    with (
+        report_interrupt(note),
+        report_compiling(),
+        show_progress() as update,
+        report_warnings(),
+    ):
 
-                def report(done: Evaluations) -> None:
-                    contacts, rolls, _ = done.cost
-                    share = 1.0 - 0.98 ** len(done.stored)  # the number of steps is not known
-                    update(share, f"{contacts} contacts, {rolls} rolls", "")
+        def report(done: Evaluations) -> None:
+            contacts, rolls, _ = done.cost
+            share = 1.0 - 0.98 ** len(done.stored)  # the number of steps is not known
+            update(share, f"{contacts} contacts, {rolls} rolls", "")
 
-                result = fit_design(
-                    file, output, workers=workers, overwrite=overwrite, next_test=design,
-                    progress=report,
-                )  # fmt: skip
-        except KeyboardInterrupt:
-            note = f"{output} holds the computations so far; repeat the command to resume from them"
-            raise error_exit(ExitStatus.INCOMPLETE, f"interrupted; {note}") from None
-        if scene is not None:
-            from tractive_sam.output_file import write_file
+        result = fit_design(
+            file, output, workers=workers, overwrite=overwrite, next_test=design, progress=report
+        )
+    if scene is not None:
+        from tractive_sam.output_file import write_file
 
-            write_file(scene, result.scene.to_toml())
+        write_file(scene, result.scene.to_toml())
     if not quiet:
         print_fit(result)
     print_message(f"{output}: {result.status}")
     if result.status != "done":
-        raise error_exit(
-            ExitStatus.INCOMPLETE,
-            "no convergence; raise fit.iterations, or start from the values in the file",
-        )
-
-
-def _check_folder(path: Path) -> None:
-    """End with an error if the folder of an output file does not exist."""
-    if not path.absolute().parent.is_dir():
-        raise error_exit(
-            ExitStatus.INVALID, f"{path}: the folder {path.parent} does not exist; create it first"
+        raise incomplete_exit(
+            "no convergence; raise fit.iterations, or start from the values in the file"
         )
 
 
@@ -114,15 +106,13 @@ def print_fit(result: "ts.FitResult") -> None:
 
 def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
     """Print a fit as text or JSON, exit if CSV is requested; return whether the file is a fit."""
-    from tractive_sam.fitting import is_fit
+    from tractive_sam import fitting
 
-    if not is_fit(file):
+    if not fitting.is_fit(file):
         return False
     if as_csv:
-        raise error_exit(
-            ExitStatus.INVALID, f"--csv prints results, and {file} is a fit; use --json"
-        )
-    result = _open_fit(file)
+        raise invalid_exit(f"--csv prints results, and {file} is a fit; use --json")
+    result = fitting.open_fit(file)
     if as_json:
         print_line(json.dumps(result.to_dict(), allow_nan=False))
     elif result.finished:
@@ -135,33 +125,27 @@ def show_fit(file: Path, as_json: bool, as_csv: bool) -> bool:
 
 def plot_fit(file: Path, folder: Path | None, format: str, dpi: int, measured: bool) -> bool:
     """Save figures of a complete fit, exit with `measured`; return whether the file is a fit."""
-    from tractive_sam.fitting import is_fit
+    from tractive_sam import fitting
 
-    if not is_fit(file):
+    if not fitting.is_fit(file):
         return False
     _refuse_measured(file, measured)
     result = _open_complete_fit(file)
-    with report_errors():
-        from tractive_sam.fitting import save_fit_figures
-
-        folder = folder or Path(f"{file.stem}-figures")
-        for path in save_fit_figures(result, folder, format=format, dpi=dpi):
-            print_line(path)
+    folder = folder or Path(f"{file.stem}-figures")
+    for path in fitting.save_fit_figures(result, folder, format=format, dpi=dpi):
+        print_line(path)
     return True
 
 
 def write_fit_report(file: Path, output: Path | None, measured: bool) -> bool:
     """Write the page of a complete fit, exit with `measured`; return whether it is a fit."""
-    from tractive_sam.fitting import is_fit
+    from tractive_sam import fitting
 
-    if not is_fit(file):
+    if not fitting.is_fit(file):
         return False
     _refuse_measured(file, measured)
     result = _open_complete_fit(file)
-    with report_errors():
-        from tractive_sam.fitting import report_fit
-
-        print_line(report_fit(result, output or Path(f"{file.stem}.html")))
+    print_line(fitting.report_fit(result, output or Path(f"{file.stem}.html")))
     return True
 
 
@@ -169,21 +153,15 @@ def _refuse_measured(file: Path, measured: bool) -> None:
     """End with an error if `--measured` is given for a fit, which contains its data."""
     if measured:
         cure = "its figures show the data of the fit; --measured is for files of tractive-sam run"
-        raise error_exit(ExitStatus.INVALID, f"{file} is a fit: {cure}")
-
-
-def _open_fit(file: Path) -> "ts.FitResult":
-    """Open the file of a fit; end with an error if that fails."""
-    with report_errors():
-        from tractive_sam.fitting import open_fit
-
-        return open_fit(file)
+        raise invalid_exit(f"{file} is a fit: {cure}")
 
 
 def _open_complete_fit(file: Path) -> "ts.FitResult":
     """Open the file of a fit that has estimates; otherwise end with an error."""
-    result = _open_fit(file)
+    from tractive_sam import fitting
+
+    result = fitting.open_fit(file)
     if not result.finished:
         cure = "tractive-sam fit resumes it"
-        raise error_exit(ExitStatus.INVALID, f"{file} holds no estimates yet; {cure}")
+        raise invalid_exit(f"{file} holds no estimates yet; {cure}")
     return result

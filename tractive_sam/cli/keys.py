@@ -6,7 +6,7 @@ import typer
 from rich import box
 from rich.table import Table
 
-from tractive_sam.cli.output import ExitStatus, console, error_exit, report_errors
+from tractive_sam.cli.output import console, invalid_exit
 
 
 def keys(
@@ -25,12 +25,9 @@ def keys(
     groups = list(key_groups(Scene))
     names = [name for group in groups for name in group.names if name]
     wanted = None if table is None else table.strip("[]")
-    with report_errors():
-        if wanted is not None and wanted not in names:
-            allowed = suggest_name(wanted, names)
-            raise error_exit(
-                ExitStatus.INVALID, f"a scene has no table {shorten(table)}; {allowed}"
-            )
+    if wanted is not None and wanted not in names:
+        allowed = suggest_name(wanted, names)
+        raise invalid_exit(f"a scene has no table {shorten(table)}; {allowed}")
     out = console()
     for group in groups:
         inside = wanted is None or any(f"{name}.".startswith(f"{wanted}.") for name in group.names)

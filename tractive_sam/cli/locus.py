@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 import tractive_sam as ts
-from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_message, report_errors
+from tractive_sam.cli.output import print_line, print_message, refuse
 from tractive_sam.cli.run import Resume, run
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
@@ -34,16 +34,13 @@ def locus(
     """
     import numpy as np
 
-    with report_errors():
-        from tractive_sam.scene import contact_locus
+    from tractive_sam.scene import contact_locus
 
-        read = read_scene(scene, settings)
-        try:
-            contacts = contact_locus(read, np.linspace(-reach, reach, positions))
-            values = contacts.conicity(amplitude), contacts.klingel_conicity(amplitude)
-        except ValueError as error:
-            raise error_exit(ExitStatus.INVALID, str(error)) from None
-        _write(contacts, read, output)
+    read = read_scene(scene, settings)
+    with refuse(ValueError):
+        contacts = contact_locus(read, np.linspace(-reach, reach, positions))
+        values = contacts.conicity(amplitude), contacts.klingel_conicity(amplitude)
+    _write(contacts, read, output)
     print_message(
         f"equivalent conicity at {amplitude:g} mm: {values[0]:.4f} (harmonic), "
         f"{values[1]:.4f} (Klingel's motion)"
@@ -97,18 +94,14 @@ def wear(
     from tractive_sam.run import require_wear
 
     if scene.endswith(".h5"):
-        with report_errors():
-            history = ts.open_history(scene)
+        history = ts.open_history(scene)
     else:
-        with report_errors():
-            require_wear(read_scene(scene, settings))
+        require_wear(read_scene(scene, settings))
         output.mkdir(parents=True, exist_ok=True)
         run(scene, settings, output / "wear.h5", None, resume, not resume, quiet=True)
         history = ts.open_history(output / "wear.h5")
-    try:
+    with refuse(ValueError):
         worn = WornProfiles.from_history(history)
-    except ValueError as error:
-        raise error_exit(ExitStatus.INVALID, str(error)) from None
     for path in worn.write(output):
         print_line(path)
     _save_figure(plot.worn_wheel_and_rail(worn), output / "profiles.png")

@@ -10,6 +10,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from enum import IntEnum
 from io import TextIOWrapper
+from pathlib import Path
 from typing import Annotated, Any, TextIO, TypeAlias
 
 import typer
@@ -188,6 +189,22 @@ def error_exit(status: ExitStatus, *parts: str | tuple[str, str]) -> typer.Exit:
     return typer.Exit(status)
 
 
+def invalid_exit(*parts: str | tuple[str, str]) -> typer.Exit:
+    """Print an error of the input; return the exception that ends the command with status 2."""
+    return error_exit(ExitStatus.INVALID, *parts)
+
+
+def incomplete_exit(*parts: str | tuple[str, str]) -> typer.Exit:
+    """Print why a result is missing; return the exception that ends the command with status 3."""
+    return error_exit(ExitStatus.INCOMPLETE, *parts)
+
+
+def check_folder(path: Path) -> None:
+    """End with an error if the folder of an output file does not exist."""
+    if not path.absolute().parent.is_dir():
+        raise invalid_exit(f"{path}: the folder {path.parent} does not exist; create it first")
+
+
 @contextmanager
 def show_progress() -> Iterator[Callable[[float, str, str], None]]:
     """Show the progress of the block on the standard error; yield the function that updates it.
@@ -237,35 +254,55 @@ def report_compiling() -> Iterator[None]:
         yield
 
 
-@contextmanager
-def report_errors() -> Iterator[None]:
-    """End the command with a message if the block raises an error that the user can correct."""
+def exit_after(error: Exception) -> typer.Exit | None:
+    """Print an error that the user can correct; return the exception that ends the command.
+
+    Returns None after any other error.
+    """
     from tractive_sam.extras import MissingExtraError
     from tractive_sam.output_file import OutputError, OutputPlaceError
     from tractive_sam.schema import SceneError
     from tractive_sam.store import GapError, ResultsError, StorageError
 
+    status, text = ExitStatus.INVALID, str(error)
+    match error:
+        case SceneError():
+            return _fault_exit(error.faults, error.subject)
+        case GapError():
+            return _fault_exit([error])
+        case StorageError():
+            status = ExitStatus.INCOMPLETE
+        case OutputPlaceError() | ResultsError() | MissingExtraError():
+            pass
+        case OutputError():
+            status = ExitStatus.INCOMPLETE
+        case OSError() if error.filename is not None:  # without one, it is of the output itself
+            cure = "choose another file, or change its permissions"
+            text = f"{error.filename} cannot be used: {error.strerror}; {cure}"
+        case MemoryError():
+            cure = "choose a coarser [grid]; tractive-sam explain estimates the memory of a scene"
+            text = f"the memory is too small; {cure}"
+        case _:
+            return None
+    return error_exit(status, text)
+
+
+@contextmanager
+def refuse(*errors: type[Exception], status: ExitStatus = ExitStatus.INVALID) -> Iterator[None]:
+    """End the command with the message of such an error if the block raises it."""
     try:
         yield
-    except SceneError as error:
-        raise _fault_exit(error.faults, error.subject) from None
-    except GapError as error:
-        raise _fault_exit([error]) from None
-    except OutputPlaceError as error:
-        raise error_exit(ExitStatus.INVALID, str(error)) from None
-    except (StorageError, OutputError) as error:
-        raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
-    except (ResultsError, MissingExtraError) as error:
-        raise error_exit(ExitStatus.INVALID, str(error)) from None
-    except OSError as error:
-        if error.filename is None:
-            raise  # of the output itself
-        cure = "choose another file, or change its permissions"
-        message = f"{error.filename} cannot be used: {error.strerror}; {cure}"
-        raise error_exit(ExitStatus.INVALID, message) from None
-    except MemoryError:
-        cure = "choose a coarser [grid]; tractive-sam explain estimates the memory of a scene"
-        raise error_exit(ExitStatus.INVALID, f"the memory is too small; {cure}") from None
+    except errors as error:
+        raise error_exit(status, str(error)) from None
+
+
+@contextmanager
+def report_interrupt(note: str) -> Iterator[None]:
+    """End the command with a note if a signal interrupts the block."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise incomplete_exit(f"interrupted; {note}") from None
 
 
 def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
@@ -273,7 +310,7 @@ def _fault_exit(faults: Sequence[Any], subject: str = "scene") -> typer.Exit:
     from tractive_sam.schema import SceneError
 
     count = f"{len(faults)} faults" if len(faults) > 1 else "1 fault"
-    leave = error_exit(ExitStatus.INVALID, f"{count} in the {subject}")
+    leave = invalid_exit(f"{count} in the {subject}")
     for fault in faults[: SceneError.max_listed]:
         text = f": given {fault.given}; allowed: {fault.allowed}"
         print_message("  ", (fault.key, "bold"), text, error=True)

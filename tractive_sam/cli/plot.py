@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-import tractive_sam as ts
 from tractive_sam.cli.fit import plot_fit
-from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_note, report_errors
+from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse
 from tractive_sam.cli.show import Results
 
 
@@ -45,16 +44,6 @@ Measured = Annotated[
         "Qx_over_P or 'worn_mass B'.",
     ),
 ]
-
-
-def _find_blocks(history: "ts.History", names: list[str]) -> list[int]:
-    """Return the indices of named duty blocks ("all": every one); end with an error if unknown."""
-    if names == ["all"]:
-        return list(range(len(history.block_names)))
-    try:
-        return [history.place_of(name) for name in names]
-    except LookupError as error:
-        raise error_exit(ExitStatus.INVALID, str(error)) from None
 
 
 def plot(
@@ -93,25 +82,24 @@ def plot(
     """
     if plot_fit(file, output, format.value, dpi, measured is not None):
         return
-    with report_errors():
-        from tractive_sam.plot import Measurements, animate, save_all
-        from tractive_sam.store import open_history
+    from tractive_sam.plot import Measurements, animate, save_all
+    from tractive_sam.store import open_history
 
-        history = open_history(file)
-        blocks = _find_blocks(history, block or [])
-        try:
-            points = None if measured is None else Measurements.from_file(measured)
-            folder = output or Path(f"{file.stem}-figures")
-            paths = save_all(
-                history, folder, format, units=units, dpi=dpi, blocks=blocks, titles=title,
-                width=width, measured=points,
-            )  # fmt: skip
-            if animated:
-                paths.append(animate(history, folder / "evolution.gif"))
-        except ValueError as error:
-            raise error_exit(ExitStatus.INVALID, str(error)) from None
+    history = open_history(file)
+    with refuse(LookupError):
+        every = range(len(history.block_names))
+        blocks = every if block == ["all"] else [*map(history.place_of, block or ())]
+    with refuse(ValueError):
+        points = None if measured is None else Measurements.from_file(measured)
+        folder = output or Path(f"{file.stem}-figures")
+        paths = save_all(
+            history, folder, format, units=units, dpi=dpi, blocks=blocks, titles=title,
+            width=width, measured=points,
+        )  # fmt: skip
+        if animated:
+            paths.append(animate(history, folder / "evolution.gif"))
     if not paths:
-        raise error_exit(ExitStatus.INVALID, f"{file} contains no record to draw; resume its run")
+        raise invalid_exit(f"{file} contains no record to draw; resume its run")
     if not history.finished:
         print_note(f"{file} is {history.status}: {history.message}")
     if history.block_names and not block:

@@ -19,7 +19,8 @@ from tractive_sam.cli.locus import locus, wear
 from tractive_sam.cli.output import (
     ExitStatus,
     discard_output,
-    error_exit,
+    exit_after,
+    incomplete_exit,
     print_line,
     replace_missing_signs,
     running_command,
@@ -38,20 +39,23 @@ from tractive_sam.safe_text import printable_text
 
 @contextmanager
 def _handle_end() -> Iterator[None]:
-    """End the command with its exit status after a signal, or when its output has no reader."""
+    """End the command with its exit status after an error, a signal, or a closed output."""
     try:
         interrupt.raise_if_interrupted()
         yield
     except KeyboardInterrupt:
-        raise error_exit(ExitStatus.INCOMPLETE, "interrupted") from None
+        raise incomplete_exit("interrupted") from None
     except (BrokenPipeError, SystemExit):  # rich raises the latter while it prints help
         discard_output(sys.stdout)
         raise typer.Exit(ExitStatus.DONE) from None
+    except typer.Exit:
+        raise
     except Exception as error:
-        # The messages of typer contain arguments as they were given.
         message = getattr(error, "message", None)
-        if isinstance(message, str):
+        if isinstance(message, str):  # of typer, and contains arguments as they were given
             vars(error)["message"] = printable_text(message)
+        elif leave := exit_after(error):
+            raise leave from None
         raise
 
 
@@ -111,7 +115,7 @@ def run_program() -> None:
         app()
     except OSError as error:  # of the output itself: commands report all others
         discard_output(sys.stdout)
-        leave = error_exit(ExitStatus.INCOMPLETE, f"the output is lost: {error}")
+        leave = incomplete_exit(f"the output is lost: {error}")
         raise SystemExit(leave.exit_code) from None
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from tractive_sam.cli.fit import write_fit_report
-from tractive_sam.cli.output import ExitStatus, error_exit, print_line, print_note, report_errors
+from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse
 from tractive_sam.cli.plot import Measured
 from tractive_sam.cli.show import Results
 
@@ -25,20 +25,17 @@ def report(
     """
     if write_fit_report(file, output, measured is not None):
         return
-    with report_errors():
-        from tractive_sam import pages
-        from tractive_sam.plot import Measurements
-        from tractive_sam.store import open_history
+    from tractive_sam import pages
+    from tractive_sam.plot import Measurements
+    from tractive_sam.store import open_history
 
-        history = open_history(file)
-        if not len(history):
-            raise error_exit(ExitStatus.INVALID, f"{file} has no record to show; resume its run")
-        path = output or Path(f"{file.stem}.html")
-        try:
-            points = None if measured is None else Measurements.from_file(measured)
-            pages.report(history, path, points)
-        except ValueError as error:
-            raise error_exit(ExitStatus.INVALID, str(error)) from None
+    history = open_history(file)
+    if not len(history):
+        raise invalid_exit(f"{file} has no record to show; resume its run")
+    path = output or Path(f"{file.stem}.html")
+    with refuse(ValueError):
+        points = None if measured is None else Measurements.from_file(measured)
+        pages.report(history, path, points)
     if not history.finished:
         print_note(f"{file} is {history.status}: {history.message}")
     print_line(path)

@@ -6,11 +6,10 @@ from typing import Annotated
 import typer
 
 from tractive_sam.cli.output import (
-    ExitStatus,
-    error_exit,
+    incomplete_exit,
     print_line,
     print_message,
-    report_errors,
+    report_interrupt,
     report_warnings,
     show_progress,
 )
@@ -37,21 +36,18 @@ def reproduce(
     from tractive_sam.results import NotConverged
 
     size, chapters = paper.REDUCED if reduced else paper.FULL, len(paper.CHAPTERS)
-    with report_errors():
-        try:
-            with show_progress() as update, report_warnings():
-                page = paper.reproduce(
-                    output,
-                    size=size,
-                    format=format,
-                    progress=lambda done, text: update(done / chapters, text, ""),
-                )
-        except KeyboardInterrupt:
-            message = "interrupted; the page was not written"
-            raise error_exit(ExitStatus.INCOMPLETE, message) from None
-        except NotConverged as error:
-            raise error_exit(ExitStatus.INCOMPLETE, f"not a solution: {error}") from None
-        except RuntimeError as error:
-            raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
+    note = "the page was not written"
+    try:
+        with report_interrupt(note), show_progress() as update, report_warnings():
+            page = paper.reproduce(
+                output,
+                size=size,
+                format=format,
+                progress=lambda done, text: update(done / chapters, text, ""),
+            )
+    except NotConverged as error:
+        raise incomplete_exit(f"not a solution: {error}") from None
+    except RuntimeError as error:
+        raise incomplete_exit(str(error)) from None
     print_message(f"{page} needs no network and no other file: open it in any browser, or print it")
     print_line(page)

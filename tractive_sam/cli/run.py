@@ -7,14 +7,13 @@ import typer
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
-    ExitStatus,
     Quiet,
     console,
-    error_exit,
+    incomplete_exit,
+    invalid_exit,
     print_message,
     print_note,
     report_compiling,
-    report_errors,
     report_warnings,
 )
 from tractive_sam.cli.scene_input import STANDARD_INPUT, SceneName, Settings, read_scene
@@ -54,17 +53,15 @@ def run(
     """
     if resume and overwrite:
         message = "--resume continues a results file, --overwrite replaces it: use one of them"
-        raise error_exit(ExitStatus.INVALID, message)
-    with report_errors():
-        requested = read_scene(scene, settings)
-        if output is None and scene == STANDARD_INPUT:
-            message = "-o FILE.h5 is needed for a scene from the standard input"
-            raise error_exit(ExitStatus.INVALID, message)
-        path = output or Path(Path(scene).name).with_suffix(".h5")
-        if path.exists() and not (resume or overwrite):
-            raise error_exit(ExitStatus.INVALID, _describe_existing(path, requested))
-        worn = None if start is None else ts.open_history(start)
-        history, printed = _compute(requested, path, worn, resume)
+        raise invalid_exit(message)
+    requested = read_scene(scene, settings)
+    if output is None and scene == STANDARD_INPUT:
+        raise invalid_exit("-o FILE.h5 is needed for a scene from the standard input")
+    path = output or Path(Path(scene).name).with_suffix(".h5")
+    if path.exists() and not (resume or overwrite):
+        raise invalid_exit(_describe_existing(path, requested))
+    worn = None if start is None else ts.open_history(start)
+    history, printed = _compute(requested, path, worn, resume)
     if not quiet:
         _print_results(history, verbose, printed)
     print_message(f"{path}: {history.status}; {history.message}")
@@ -73,7 +70,7 @@ def run(
             "inaccurate": "less accurate than requested; see the error bars",
             "not resolved": "the mesh does not resolve the contact",
         }.get(history.status, "the computation ended early; the file contains the records so far")
-        raise error_exit(ExitStatus.INCOMPLETE, message)
+        raise incomplete_exit(message)
 
 
 def _compute(
@@ -90,12 +87,11 @@ def _compute(
                 scene, path, start=start, overwrite=True, resume=resume, progress=progress
             )
     except KeyboardInterrupt:
-        cure = f"; {path} contains the records so far, and --resume continues it"
         written = resume or _modified_at(path) != before
-        message = f"interrupted{cure if written else ''}"
-        raise error_exit(ExitStatus.INCOMPLETE, message) from None
+        cure = f"; {path} contains the records so far, and --resume continues it"
+        raise incomplete_exit(f"interrupted{cure if written else ''}") from None
     except OSError as error:
-        raise error_exit(ExitStatus.INCOMPLETE, f"{path} cannot be written: {error}") from None
+        raise incomplete_exit(f"{path} cannot be written: {error}") from None
     return history, {str(note.message) for note in notes}
 
 

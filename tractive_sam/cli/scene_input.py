@@ -6,7 +6,7 @@ from typing import Annotated, TypeAlias
 import typer
 
 import tractive_sam as ts
-from tractive_sam.cli.output import ExitStatus, error_exit, report_warnings
+from tractive_sam.cli.output import invalid_exit, report_warnings
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes that distinguish a results file from a scene."""
@@ -100,7 +100,7 @@ def _from_standard_input(max_bytes: int = 2**26) -> "ts.Scene":
         return Scene.from_toml_text(read_piped(max_bytes))
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or "not a text in UTF-8"
-        raise error_exit(ExitStatus.INVALID, f"standard input cannot be read: {reason}") from None
+        raise invalid_exit(f"standard input cannot be read: {reason}") from None
 
 
 def _refuse_results_and_studies(name: str) -> None:
@@ -109,7 +109,7 @@ def _refuse_results_and_studies(name: str) -> None:
 
     if Path(name).suffix in RESULTS and Path(name).is_file():
         cure = f"tractive-sam show, plot or report {name}; run SCENE --start {name} starts from it"
-        raise error_exit(ExitStatus.INVALID, f"{name} is a results file, not a scene: {cure}")
+        raise invalid_exit(f"{name} is a results file, not a scene: {cure}")
     if is_study(name):
         cure = f"tractive-sam study {name} -o DIR, or tractive-sam table {name} -o FILE.nc"
-        raise error_exit(ExitStatus.INVALID, f"{name} has axes and is not a single scene: {cure}")
+        raise invalid_exit(f"{name} has axes and is not a single scene: {cure}")

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from tractive_sam.cli.output import console, print_line, report_errors
+from tractive_sam.cli.output import console, print_line
 
 
 def scenes(
@@ -24,8 +24,7 @@ def scenes(
 
     if write is not None:
         path = Path(f"{write}.toml")
-        with report_errors():
-            write_file(path, commented_scene(write), exclusive=True)
+        write_file(path, commented_scene(write), exclusive=True)
         print_line(path)
         return
     table = Table.grid(padding=(0, 2))

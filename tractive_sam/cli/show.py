@@ -11,7 +11,7 @@ import typer
 import tractive_sam as ts
 from tractive_sam.cli.explain import print_description
 from tractive_sam.cli.fit import show_fit
-from tractive_sam.cli.output import ExitStatus, console, error_exit, print_line, report_errors
+from tractive_sam.cli.output import console, invalid_exit, print_line
 from tractive_sam.safe_text import csv_cell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
@@ -34,10 +34,10 @@ def show(
         Print every record as a line of CSV instead of tables.
     """
     if as_json and as_csv:
-        raise error_exit(ExitStatus.INVALID, "--json and --csv: use one of them")
+        raise invalid_exit("--json and --csv: use one of them")
     if file.suffix == ".nc" and not file.is_file():
         cure = "tractive-sam fit and tractive-sam table write result files"
-        raise error_exit(ExitStatus.INVALID, f"{file} does not exist; {cure}")
+        raise invalid_exit(f"{file} does not exist; {cure}")
     if show_fit(file, as_json, as_csv):
         return
     from tractive_sam.tables import is_table
@@ -45,10 +45,9 @@ def show(
     if is_table(file):
         _show_table(file, as_json, as_csv)
         return
-    with report_errors():
-        from tractive_sam.store import open_history
+    from tractive_sam.store import open_history
 
-        history = open_history(file)
+    history = open_history(file)
     if as_json:
         print_line(json.dumps(history.to_dict(), allow_nan=False))
         return
@@ -85,9 +84,8 @@ def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
     if as_csv:
         cure = f"tractive-sam table {file} --text FILE.txt writes its nodes"
         message = f"--csv prints results, and {file} is a table of creep forces; {cure}"
-        raise error_exit(ExitStatus.INVALID, message)
-    with report_errors():
-        table = open_table(file)
+        raise invalid_exit(message)
+    table = open_table(file)
     if as_json:
         print_line(json.dumps(table_as_dict(table), allow_nan=False))
     else:

@@ -10,10 +10,12 @@ from tractive_sam import interrupt
 from tractive_sam.cli.output import (
     ExitStatus,
     Quiet,
-    error_exit,
+    incomplete_exit,
+    invalid_exit,
     print_message,
     print_note,
-    report_errors,
+    refuse,
+    report_interrupt,
     report_warnings,
     show_progress,
 )
@@ -51,40 +53,34 @@ def study(
 
     check_workers(scheduler, workers)
     if scheduler is not None and encrypted:
-        raise error_exit(ExitStatus.INVALID, f"--encrypted: {studies.SCHEDULER_ENCRYPTS}")
-    with report_errors():
-        try:
-            with report_warnings():
-                requested = studies.Study.from_toml(file)
-            with interrupt.protect_cleanup(), show_progress() as update, report_warnings():
-                results = studies.study(
-                    requested,
-                    output,
-                    scheduler=scheduler,
-                    workers=workers,
-                    encrypted=encrypted,
-                    progress=lambda state: update(state.share, *_describe_progress(state)),
-                    say=print_note,
-                )
-        except KeyboardInterrupt:
-            message = f"interrupted; repeat the command to continue the study in {output}"
-            raise error_exit(ExitStatus.INCOMPLETE, message) from None
-        except studies.SchedulerLostError as error:
-            raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
+        raise invalid_exit(f"--encrypted: {studies.SCHEDULER_ENCRYPTS}")
+    cure = f"repeat the command to continue the study in {output}"
+    with report_interrupt(cure), refuse(studies.SchedulerLostError, status=ExitStatus.INCOMPLETE):
+        with report_warnings():
+            requested = studies.Study.from_toml(file)
+        with interrupt.protect_cleanup(), show_progress() as update, report_warnings():
+            results = studies.study(
+                requested,
+                output,
+                scheduler=scheduler,
+                workers=workers,
+                encrypted=encrypted,
+                progress=lambda state: update(state.share, *_describe_progress(state)),
+                say=print_note,
+            )
     print_failures(results)
     report_versions(results)
     complete = f"{results.counts['complete']} of {len(results)} cases complete"
     print_message(f"{output}: {complete}; tractive-sam study-show {output}")
     if not results.complete:
-        message = "not all cases are complete; repeat the command to try them again"
-        raise error_exit(ExitStatus.INCOMPLETE, message)
+        raise incomplete_exit("not all cases are complete; repeat the command to try them again")
 
 
 def check_workers(scheduler: str | None, workers: int | None) -> None:
     """End with an error if both a scheduler and a number of workers are given."""
     if scheduler is not None and workers is not None:
-        message = "--workers: not with a scheduler; start its workers by dask worker ADDRESS"
-        raise error_exit(ExitStatus.INVALID, message)
+        cure = "start its workers by dask worker ADDRESS"
+        raise invalid_exit(f"--workers: not with a scheduler; {cure}")
 
 
 def _describe_progress(state: "ts.studies.StudyProgress") -> tuple[str, str]:

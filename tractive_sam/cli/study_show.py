@@ -8,15 +8,7 @@ from rich import box
 from rich.table import Table
 
 import tractive_sam as ts
-from tractive_sam.cli.output import (
-    ExitStatus,
-    console,
-    error_exit,
-    print_line,
-    print_message,
-    print_note,
-    report_errors,
-)
+from tractive_sam.cli.output import console, print_line, print_message, print_note, refuse
 from tractive_sam.cli.plot import Format
 
 
@@ -51,24 +43,21 @@ def study_show(
     format
         Format of the figures.
     """
-    with report_errors():
-        from tractive_sam.scene import parse_settings
-        from tractive_sam.studies import open_study, save_figures
+    from tractive_sam.scene import parse_settings
+    from tractive_sam.studies import open_study, save_figures
 
-        results, names = open_study(directory), tuple(quantity or ())
-        fixed = parse_settings(at or ())
-        written = []
-        try:
-            if csv is not None:
-                results.save_csv(csv, quantities=names, units=units)
-                written.append(csv)
-            if netcdf is not None:
-                results.save_netcdf(netcdf)
-                written.append(netcdf)
-            if figures is not None:
-                written += save_figures(results, figures, quantities=names, at=fixed, format=format)
-        except ValueError as error:
-            raise error_exit(ExitStatus.INVALID, str(error)) from None
+    results, names = open_study(directory), tuple(quantity or ())
+    fixed = parse_settings(at or ())
+    written = []
+    with refuse(ValueError):
+        if csv is not None:
+            results.save_csv(csv, quantities=names, units=units)
+            written.append(csv)
+        if netcdf is not None:
+            results.save_netcdf(netcdf)
+            written.append(netcdf)
+        if figures is not None:
+            written += save_figures(results, figures, quantities=names, at=fixed, format=format)
     if (csv, netcdf, figures) == (None, None, None):
         console().print(_case_table(results))
     print_failures(results)

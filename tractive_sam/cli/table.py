@@ -11,10 +11,12 @@ import tractive_sam as ts
 from tractive_sam.cli.output import (
     ExitStatus,
     Quiet,
-    error_exit,
+    check_folder,
+    incomplete_exit,
+    invalid_exit,
     print_message,
     print_note,
-    report_errors,
+    refuse,
     report_warnings,
     show_progress,
 )
@@ -69,11 +71,10 @@ def table(
     _check_arguments(file, output, writers)
     check_workers(scheduler, workers or None)
     _check_names(header, fmu)
-    with report_errors():
-        built = _build(file, output, scheduler, workers) if output else ts.open_table(file)
-        for path, write in writers.items():
-            if path is not None:
-                write(built, path)
+    built = _build(file, output, scheduler, workers) if output else ts.open_table(file)
+    for path, write in writers.items():
+        if path is not None:
+            write(built, path)
     print_message(f"{output or file}: {built.nodes} nodes{_describe_cost_and_errors(built.about)}")
 
 
@@ -83,34 +84,33 @@ def _check_arguments(file: str, output: Path | None, writers: Mapping[Path | Non
 
     exists = is_table(file)
     if not (exists or Path(file).exists()):
-        names = ", ".join(builtin_tables())
-        message = f"{file} is neither a file nor a built-in table; built-in tables: {names}"
-        raise error_exit(ExitStatus.INVALID, message)
+        names = f"built-in tables: {', '.join(builtin_tables())}"
+        raise invalid_exit(f"{file} is neither a file nor a built-in table; {names}")
     if output is None and not (exists and writers):
         needed = "--output, --header, --fmu, --text or --figure" if exists else "--output FILE.nc"
-        raise error_exit(ExitStatus.INVALID, f"{file}: {needed} is needed")
+        raise invalid_exit(f"{file}: {needed} is needed")
     for path in filter(None, (output, *writers)):
-        if not path.absolute().parent.is_dir():
-            message = f"{path}: the folder {path.parent} does not exist; create it first"
-            raise error_exit(ExitStatus.INVALID, message)
+        check_folder(path)
 
 
 def _build(file: str, output: Path, scheduler: str | None, workers: int) -> "ts.CreepTable":
     """Build a table into a file, with a progress display of its nodes, and return it."""
     rounds: list[int] = []
-    try:
-        with show_progress() as update, report_warnings():
+    without_result = ConnectionError, RuntimeError  # no scheduler, or an unsolved contact
+    with (
+        refuse(*without_result, status=ExitStatus.INCOMPLETE),
+        show_progress() as update,
+        report_warnings(),
+    ):
 
-            def report(state: "ts.tables.TableProgress") -> None:
-                nodes = f"{state.nodes} nodes"
-                update(state.done / state.nodes, nodes, "" if state.round in rounds else nodes)
-                rounds.append(state.round)
+        def report(state: "ts.tables.TableProgress") -> None:
+            nodes = f"{state.nodes} nodes"
+            update(state.done / state.nodes, nodes, "" if state.round in rounds else nodes)
+            rounds.append(state.round)
 
-            return ts.build_table(
-                file, output, report, scheduler=scheduler, workers=workers, say=print_note
-            )
-    except (ConnectionError, RuntimeError) as error:  # no scheduler, or an unsolved contact
-        raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
+        return ts.build_table(
+            file, output, report, scheduler=scheduler, workers=workers, say=print_note
+        )
 
 
 def _describe_cost_and_errors(about: Mapping[str, Any]) -> str:
@@ -132,16 +132,13 @@ def _check_names(header: Path | None, fmu: Path | None) -> None:
     from tractive_sam.extras import check_extra
     from tractive_sam.lookup import check_name
 
-    try:
-        for path in filter(None, (header, fmu)):
+    for path in filter(None, (header, fmu)):
+        with refuse(ValueError):
             check_name(path.stem)
-        if header is not None and header.suffix != ".h":
-            raise ValueError(f"{header}: a file ending in .h is needed, which FILE.c includes")
-    except ValueError as error:
-        raise error_exit(ExitStatus.INVALID, str(error)) from None
+    if header is not None and header.suffix != ".h":
+        raise invalid_exit(f"{header}: a file ending in .h is needed, which FILE.c includes")
     if fmu is not None:
-        with report_errors():
-            check_extra("fmpy", "--fmu")
+        check_extra("fmpy", "--fmu")
 
 
 def _write_header(built: "ts.CreepTable", path: Path) -> None:
@@ -161,7 +158,7 @@ def _write_fmu(built: "ts.CreepTable", path: Path, fmi: Literal[2, 3]) -> None:
             cure = "fmpy compile adds the binary on a machine with a compiler"
             print_note(f"{path} contains only sources, as cc is not installed; {cure}")
     except RuntimeError as error:
-        raise error_exit(ExitStatus.INCOMPLETE, str(error)) from None
+        raise incomplete_exit(str(error)) from None
 
 
 def _write_text(built: "ts.CreepTable", path: Path) -> None:
@@ -179,4 +176,4 @@ def _write_figure(built: "ts.CreepTable", path: Path) -> None:
     try:
         table_errors(built).savefig(path, dpi=DPI)
     except ValueError as error:
-        raise error_exit(ExitStatus.INVALID, f"{path}: {error}") from None
+        raise invalid_exit(f"{path}: {error}") from None
