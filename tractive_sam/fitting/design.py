@@ -17,6 +17,7 @@ from tractive_sam.schema import (
     Table,
     ValidEntries,
     entry,
+    optional,
     shorten,
     suggest_name,
 )
@@ -113,7 +114,7 @@ class Fit(Table):
     'linear'
     """
 
-    title: str = entry("title", "a text", "")
+    title: str = entry("title", default="")
     scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
     free: Names = entry(
         "numeric keys of the scene that are fitted", "a list of dotted keys", min_length=1
@@ -121,52 +122,36 @@ class Fit(Table):
     data: tuple[Data, ...] = entry("the data sets", "at least one [[fit.data]]", min_length=1)
     parameter: tuple[Parameter, ...] = entry("starts, bounds and priors", "a list of tables", ())
     test: tuple[CandidateTest, ...] = entry("candidates of the next test", "a list of tables", ())
-    target: str | None = entry(
+    target: str | None = optional(
         "parameter with the uncertainty that the next test is to reduce; by default all together",
         "one of free",
-        None,
     )
     loss: Literal["linear", "soft_l1", "huber", "cauchy", "arctan"] = entry(
-        "loss of a residual; all but linear give less weight to outliers",
-        '"linear", "soft_l1", "huber", "cauchy" or "arctan"',
-        "linear",
+        "loss of a residual; all but linear give less weight to outliers", default="linear"
     )
     starts: int = entry(
-        "starts of the search; those beyond the first are random",
-        "an integer from 1 to 100",
-        1,
-        ge=1,
-        le=100,
+        "starts of the search; those beyond the first are random", default=1, ge=1, le=100
     )
     seed: int = entry("seed of random starts", "an integer from 0", 0, ge=0)
     intervals: Literal["linear", "profile"] = entry(
-        "intervals by the linearised model, or by the profile likelihood",
-        '"linear" or "profile"',
-        "linear",
+        "intervals by the linearised model, or by the profile likelihood", default="linear"
     )
-    scatter: bool = entry(
-        "whether the scatter of the residuals scales the noise", "true or false", False
-    )
-    level: float = entry(
-        "probability of the intervals", "a number from 0.5 to 0.999", 0.95, ge=0.5, le=0.999
-    )
-    step: float | None = entry(
+    scatter: bool = entry("whether the scatter of the residuals scales the noise", default=False)
+    level: float = entry("probability of the intervals", default=0.95, ge=0.5, le=0.999)
+    step: float | None = optional(
         "step of differences over the value; by default 1e-4 of contacts and 1e-2 of rolls",
-        "a number above 0, at most 0.2",
-        None,
         gt=0,
         le=0.2,
     )
-    iterations: int = entry("most iterations", "an integer from 1 to 1000", 50, ge=1, le=1000)
+    iterations: int = entry("most iterations", default=50, ge=1, le=1000)
     curve: int = entry(
         "points of the model curve of each creep curve, for figures; 0: at measured points only",
-        "an integer from 0 to 200",
-        25,
+        default=25,
         ge=0,
         le=200,
     )
     mesh_check: bool = entry(
-        "whether the solution is computed on a finer mesh as well", "true or false", True
+        "whether the solution is computed on a finer mesh as well", default=True
     )
     checks: ClassVar[tuple[Check, ...]] = (
         _check_parameters,
@@ -197,7 +182,7 @@ class FitDesign(Document):
     ('friction.mu',)
     """
 
-    fit: Fit = entry("the fit", "")
+    fit: Fit = entry("the fit")
     error_class: ClassVar[type[SceneError]] = FitError
 
     def __init__(self, /, **entries: Any) -> None:

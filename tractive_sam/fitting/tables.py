@@ -17,6 +17,7 @@ from tractive_sam.schema import (
     Table,
     ValidEntries,
     entry,
+    optional,
     shorten,
     suggest_name,
 )
@@ -88,9 +89,9 @@ class Noise(Table):
     0.2
     """
 
-    absolute: Positive | None = entry("in units of the observation", "a number above 0", None)
-    relative: Positive | None = entry("over the measured value", "a number above 0", None)
-    column: str | None = entry("column of the file that holds it", "a name", None)
+    absolute: Positive | None = optional("in units of the observation")
+    relative: Positive | None = optional("over the measured value")
+    column: str | None = optional("column of the file that holds it", "a name")
     checks: ClassVar[tuple[Check, ...]] = (_check_noise,)
 
 
@@ -161,14 +162,9 @@ class Observation(Table):
     observe: Names = entry(
         "columns of a record that are observed", "a name, or a list of names", min_length=1
     )
-    body: Literal["A", "B"] | None = entry(
-        "body of a column that both bodies have", '"A" or "B"', None
-    )
-    at: Real | None = entry(
-        "revolution or distance of the observed record; the last by default; 0: unworn bodies",
-        "a number of at least 0",
-        None,
-        ge=0,
+    body: Literal["A", "B"] | None = optional("body of a column that both bodies have")
+    at: Real | None = optional(
+        "revolution or distance of the observed record; the last by default; 0: unworn bodies", ge=0
     )
     set: Changes = entry(
         "entries of the scene for this test", "a table of dotted keys", default_factory=dict
@@ -185,9 +181,9 @@ class Data(Observation):
     ('creepage.longitudinal',)
     """
 
-    file: str | None = entry("file with a header row and columns", "a file name", None)
-    values: Columns | None = entry(
-        "the columns themselves, instead of a file", "a table of lists of numbers", None
+    file: str | None = optional("file with a header row and columns", "a file name")
+    values: Columns | None = optional(
+        "the columns themselves, instead of a file", "a table of lists of numbers"
     )
     vary: Names = entry(
         "columns that are set in the scene, row by row; revolution and distance choose the record",
@@ -207,7 +203,7 @@ class Data(Observation):
         "a table of texts",
         default_factory=dict,
     )
-    label: str = entry("name in messages and figures", "a text", "")
+    label: str = entry("name in messages and figures", default="")
     checks: ClassVar[tuple[Check, ...]] = (
         _check_source,
         _check_observations,
@@ -270,16 +266,14 @@ class Parameter(Table):
     """
 
     key: str = entry("the free entry", "one of free")
-    start: Real | None = entry("first value; by default the value in the scene", default=None)
-    lower: Real | None = entry("lower bound", default=None)
-    upper: Real | None = entry("upper bound", default=None)
-    prior: tuple[Real, Real] | None = entry(
-        "normal distribution known before the data", "[mean, standard deviation]", None
+    start: Real | None = optional("first value; by default the value in the scene")
+    lower: Real | None = optional("lower bound")
+    upper: Real | None = optional("upper bound")
+    prior: tuple[Real, Real] | None = optional(
+        "normal distribution known before the data", "[mean, standard deviation]"
     )
-    scale: Literal["log", "linear"] | None = entry(
-        "in what it is fitted; by default the logarithm of a positive one",
-        '"log" or "linear"',
-        None,
+    scale: Literal["log", "linear"] | None = optional(
+        "in what it is fitted; by default the logarithm of a positive one"
     )
     checks: ClassVar[tuple[Check, ...]] = (_check_bounds, _check_scale, _check_prior)
 
@@ -306,8 +300,8 @@ class CandidateTest(Observation):
     (-0.001, -0.01)
     """
 
-    vary: str | None = entry("the entry that differs", "a dotted key", None)
-    values: Numbers | None = entry("its values", "a list of numbers", None)
+    vary: str | None = optional("the entry that differs", "a dotted key")
+    values: Numbers | None = optional("its values", "a list of numbers")
     noise: Positive | Noise = entry("standard deviation of the measurement", _NOISE)
     checks: ClassVar[tuple[Check, ...]] = (_check_test,)
 

@@ -28,6 +28,7 @@ from tractive_sam.schema import (
     ValidEntries,
     entry,
     exactly_one,
+    optional,
 )
 
 from .heat import Thermal
@@ -44,8 +45,8 @@ class Body(Table):
     32.5
     """
 
-    young: Positive | None = entry("Young's modulus, MPa", default=None)
-    shear: Positive | None = entry("shear modulus, MPa", default=None)
+    young: Positive | None = optional("Young's modulus, MPa")
+    shear: Positive | None = optional("shear modulus, MPa")
     poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
     radius_y: Radius = entry("radius in the lateral direction, mm", "a number, or inf (flat)")
@@ -54,15 +55,14 @@ class Body(Table):
         "the bodies wear in inverse proportion to it",
         default=1.0,
     )
-    width: Positive | None = entry(
+    width: Positive | None = optional(
         "lateral width, mm, centred at y = 0; edges are not modelled, but a note is printed if "
-        "the contact is near an edge",
-        default=None,
+        "the contact is near an edge"
     )
     density: Positive = entry(
         "density, kg/m3, for the worn mass; the default is for steel", default=7850.0
     )
-    thermal: InnerTable[Thermal | None] = entry("thermal properties", default=None)
+    thermal: InnerTable[Thermal | None] = optional("thermal properties")
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property

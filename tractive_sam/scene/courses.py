@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from tractive_sam.schema import InnerTable, Positive, Real, Table, entry, number_to_tuple
+from tractive_sam.schema import InnerTable, Positive, Real, Table, entry, number_to_tuple, optional
 
 from .gap import Gap
 
@@ -114,8 +114,8 @@ class Profiles(Table):
     True
     """
 
-    A: InnerTable[Gap | None] = entry("profile of the upper body", default=None)
-    B: InnerTable[Gap | None] = entry("profile of the lower body", default=None)
+    A: InnerTable[Gap | None] = optional("profile of the upper body")
+    B: InnerTable[Gap | None] = optional("profile of the lower body")
 
     @property
     def by_table(self) -> dict[str, Gap]:

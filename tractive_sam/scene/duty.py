@@ -20,6 +20,7 @@ from tractive_sam.schema import (
     ValidEntries,
     entry,
     not_both,
+    optional,
     shorten,
 )
 
@@ -39,13 +40,11 @@ class BlockLoad(Table):
     450.0
     """
 
-    normal: Positive | None = entry("normal load P, N; in a line contact, N/mm", default=None)
-    approach: Real | None = entry("approach of the bodies, mm; see load.approach", default=None)
-    pressure: Positive | None = entry(
-        "peak contact pressure p0 according to Hertz, MPa", default=None
-    )
-    force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
-    force_y: Real | None = entry("prescribed force Q_y on body A, N or N/mm", default=None)
+    normal: Positive | None = optional("normal load P, N; in a line contact, N/mm")
+    approach: Real | None = optional("approach of the bodies, mm; see load.approach")
+    pressure: Positive | None = optional("peak contact pressure p0 according to Hertz, MPa")
+    force_x: Real | None = optional("prescribed force Q_x on body A, N or N/mm")
+    force_y: Real | None = optional("prescribed force Q_y on body A, N or N/mm")
     checks: ClassVar[tuple[Check, ...]] = (not_both("normal", "approach", "pressure"),)
 
 
@@ -58,10 +57,10 @@ class BlockCreepage(Table):
     -0.002
     """
 
-    longitudinal: Real | None = entry("longitudinal creepage xi_x", default=None)
-    lateral: Real | None = entry("lateral creepage xi_y", default=None)
-    spin: Real | None = entry("spin creepage phi, 1/mm", default=None)
-    speed: Positive | None = entry("rolling speed V, mm/s", default=None)
+    longitudinal: Real | None = optional("longitudinal creepage xi_x")
+    lateral: Real | None = optional("lateral creepage xi_y")
+    spin: Real | None = optional("spin creepage phi, 1/mm")
+    speed: Positive | None = optional("rolling speed V, mm/s")
 
 
 class BlockFriction(Table):
@@ -73,10 +72,8 @@ class BlockFriction(Table):
     (0.1, 0.1)
     """
 
-    mu: OptionalOrthotropicPositive = entry(
-        "friction coefficients along the axes e1, e2", default=None
-    )
-    angle: Real | None = entry("angle from x to e1, degrees", default=None, ge=-360, le=360)
+    mu: OptionalOrthotropicPositive = optional("friction coefficients along the axes e1, e2")
+    angle: Real | None = optional("angle from x to e1, degrees", ge=-360, le=360)
 
 
 class BlockWheelset(Table):
@@ -88,10 +85,10 @@ class BlockWheelset(Table):
     4.0
     """
 
-    y: Real | None = entry("lateral position, mm, positive to the right", default=None)
-    yaw: Real | None = entry("yaw angle, mrad", default=None, ge=-100, le=100)
-    load: Positive | None = entry("vertical force on this wheel, N", default=None)
-    side: Literal["right", "left"] | None = entry("wheel that is computed", default=None)
+    y: Real | None = optional("lateral position, mm, positive to the right")
+    yaw: Real | None = optional("yaw angle, mrad", ge=-100, le=100)
+    load: Positive | None = optional("vertical force on this wheel, N")
+    side: Literal["right", "left"] | None = optional("wheel that is computed")
 
 
 class Block(Table):

@@ -22,6 +22,7 @@ from tractive_sam.schema import (
     allow_laws,
     entry,
     not_both,
+    optional,
     shorten,
 )
 
@@ -84,17 +85,16 @@ class FatigueVolume(Table):
     0.9
     """
 
-    constant: float | None = entry(
+    constant: float | None = optional(
         "material constant A, in N, mm and cycles; without this key, no life is computed",
-        default=None,
         ge=1e-100,
         le=1e100,
     )
     survival: float = entry(
         "survival probability of the complete volume", default=0.9, gt=0.0, lt=1.0
     )
-    slope: Positive | None = entry(
-        "Weibull slope; the default is 10/9, or 9/8 for a line contact", default=None
+    slope: Positive | None = optional(
+        "Weibull slope; the default is 10/9, or 9/8 for a line contact"
     )
     limit: NotNegative = entry("stress below which there is no damage, MPa", default=0.0)
     stress_exponent: Positive = entry(
@@ -133,21 +133,19 @@ class Fatigue(LawTable):
     ('dang-van', 519.6)
     """
 
-    shear_yield: Positive | None = entry("yield stress in shear k, MPa", default=None)
-    yield_strength: Positive | None = entry("yield stress in tension, sqrt 3 k, MPa", default=None)
+    shear_yield: Positive | None = optional("yield stress in shear k, MPa")
+    yield_strength: Positive | None = optional("yield stress in tension, sqrt 3 k, MPa")
     criterion: CriterionName | NamedLaw = entry(
         "fatigue criterion", allow_laws(get_args(CriterionName)), "dang-van"
     )
-    sensitivity: NotNegative | None = entry(
+    sensitivity: NotNegative | None = optional(
         "sensitivity of the criterion to normal stress: a for Dang Van and Crossland, k for "
         "Findley and Fatemi-Socie",
         "a number of at least 0; the upper bound depends on the criterion",
-        None,
     )
-    limit: Positive | None = entry(
+    limit: Positive | None = optional(
         "fatigue limit of the criterion, MPa; the utilisation is the equivalent stress divided "
-        "by this limit",
-        default=None,
+        "by this limit"
     )
     cycles: Positive = entry("number of cycles to failure at a utilisation of 1", default=1e7)
     exponent: Positive = entry(
@@ -161,7 +159,7 @@ class Fatigue(LawTable):
     bodies: Annotated[tuple[Literal["A", "B"], ...], AfterValidator(check_distinct)] = entry(
         "bodies for which fatigue is computed", default=("A", "B"), min_length=1
     )
-    volume: InnerTable[FatigueVolume | None] = entry("life of the stressed volume", default=None)
+    volume: InnerTable[FatigueVolume | None] = optional("life of the stressed volume")
     tolerance: float = entry(
         "error of the damage, divided by the largest damage; a jump is shortened if its error "
         "exceeds 0.3 times this tolerance; the column damage_error contains the total error",

@@ -25,6 +25,7 @@ from tractive_sam.schema import (
     allow_laws,
     entry,
     exactly_one,
+    optional,
 )
 
 from .describe import format_pair
@@ -158,8 +159,8 @@ class Friction(LawTable):
     (0.33, 0.33)
     """
 
-    static: OptionalOrthotropicPositive = entry(
-        "friction coefficients at rest, for a law that falls with the sliding speed", default=None
+    static: OptionalOrthotropicPositive = optional(
+        "friction coefficients at rest, for a law that falls with the sliding speed"
     )
     mu: OrthotropicPositive = entry(
         "friction coefficients along the axes e1, e2", default_factory=_mu_at_rest
@@ -171,46 +172,38 @@ class Friction(LawTable):
         allow_laws(get_args(FrictionName)),
         "constant",
     )
-    kinetic: OptionalOrthotropicPositive = entry(
+    kinetic: OptionalOrthotropicPositive = optional(
         "friction coefficients at high sliding speed",
         "a number above 0, or a pair in the ratio of the coefficients at rest",
-        None,
     )
-    half_speed: Positive | None = entry(
-        "sliding speed at which half of the decrease has occurred, mm/s", default=None
+    half_speed: Positive | None = optional(
+        "sliding speed at which half of the decrease has occurred, mm/s"
     )
-    A: Real | None = entry(
+    A: Real | None = optional(
         "ratio of the friction at high speed to the friction at rest, for Polach's law instead "
         "of kinetic",
-        default=None,
         ge=0,
         le=1,
     )
-    B: Positive | None = entry(
-        "rate of decay, s/m, for Polach's law instead of half_speed", default=None
-    )
+    B: Positive | None = optional("rate of decay, s/m, for Polach's law instead of half_speed")
     memory: NotNegative = entry(
         "sliding distance over which the coefficients adapt to sliding speed and temperature, mm; "
         "with 0, they adapt immediately",
         default=0.0,
     )
-    temperature: Factors | None = entry(
+    temperature: Factors | None = optional(
         "factor on the friction coefficients as a function of the surface temperature, degrees "
         "C; linear between the pairs and constant beyond; requires [heat]",
         "pairs [temperature, factor] with ascending temperatures and factors above 0",
-        None,
         min_length=1,
     )
-    across: LateralFactors | None = entry(
+    across: LateralFactors | None = optional(
         "factor on the friction coefficients as a function of the lateral position y, mm, for "
         "example for a wet stripe; linear between the pairs and constant beyond",
         "pairs [y, factor] with ascending y and factors above 0",
-        None,
         min_length=1,
     )
-    strength: Positive | None = entry(
-        "shear strength: upper limit of the traction, MPa", default=None
-    )
+    strength: Positive | None = optional("shear strength: upper limit of the traction, MPa")
     layer: NotNegative = entry("shear compliance h/G3 of an interfacial layer, mm/MPa", default=0.0)
     start: Literal["rest", "sliding"] = entry(
         "solution to compute if there are several: the one reached from friction at rest, or "

@@ -24,6 +24,7 @@ from tractive_sam.schema import (
     Table,
     ValidEntries,
     entry,
+    optional,
 )
 
 TEXTS = (".csv", ".txt", ".dat", ".tsv", ".xyz", ".asc")
@@ -169,29 +170,27 @@ class Gap(Table):
     True
     """
 
-    file: _File | None = entry("file of the measured separation", default=None)
-    x: _Axis | None = entry("x of the rows of separation, mm", "an array", None)
-    y: _Axis | None = entry("y of the columns of separation, mm", "an array", None)
-    separation: _Array | None = entry(
-        "separation that is added to the separation of the radii, mm", "an array", None
+    file: _File | None = optional("file of the measured separation")
+    x: _Axis | None = optional("x of the rows of separation, mm", "an array")
+    y: _Axis | None = optional("y of the columns of separation, mm", "an array")
+    separation: _Array | None = optional(
+        "separation that is added to the separation of the radii, mm", "an array"
     )
-    body: Literal["A", "B"] | None = entry(
-        "body to which the heights belong; by default, the values are a separation", default=None
+    body: Literal["A", "B"] | None = optional(
+        "body to which the heights belong; by default, the values are a separation"
     )
     positive: Literal["outward", "inward"] = entry(
         "direction of positive heights: out of the body (peaks) or into it (depths)",
         default="outward",
     )
-    unit: _Unit | None = entry(
-        "unit of the separation or the heights; by default, the unit in the file header, or mm",
-        default=None,
+    unit: _Unit | None = optional(
+        "unit of the separation or the heights; by default, the unit in the file header, or mm"
     )
-    length_unit: _Unit | None = entry(
-        "unit of x and y; by default, the unit in the file header, or mm", default=None
+    length_unit: _Unit | None = optional(
+        "unit of x and y; by default, the unit in the file header, or mm"
     )
-    step: PositivePair | None = entry(
-        "spacing of a matrix without x and y, in the unit of x and y; the matrix is centred at 0",
-        default=None,
+    step: PositivePair | None = optional(
+        "spacing of a matrix without x and y, in the unit of x and y; the matrix is centred at 0"
     )
     profile: Literal["x", "y"] = entry(
         "direction of a profile with two columns, or of arrays with a single coordinate: across "

@@ -25,6 +25,7 @@ from tractive_sam.schema import (
     Table,
     ValidEntries,
     entry,
+    optional,
     shorten,
     suggest_name,
 )
@@ -89,26 +90,24 @@ class LoadHistory(Table):
         "CSV file with a line of column names, followed by rows of numbers in the units of a "
         "scene; columns are keys of [load], [creepage] and [friction], for example normal and "
         "longitudinal, shift_y, and revolutions (number of revolutions that a row represents, 1 "
-        "by default)",
+        "by default)"
     )
     levels: Integer = entry("number of levels of each column", default=8, ge=1, le=MAX_LEVELS)
     binning: Literal["levels"] = entry(
         "method that combines rows into blocks", _BY_LEVELS, "levels"
     )
-    rows: int | None = entry(
-        "number of rows of the file", "not to be given: written when the file is read", None
+    rows: int | None = optional(
+        "number of rows of the file", "not to be given: written when the file is read"
     )
-    error: dict[str, float] | None = entry(
+    error: dict[str, float] | None = optional(
         "error of each column: root mean square of the difference between a revolution and its "
         "block, divided by the largest magnitude of the column",
         "not to be given: written when the file is read",
-        None,
     )
-    work_error: float | None = entry(
+    work_error: float | None = optional(
         "relative error of the mean of |load x creepage| over the revolutions, to which the wear "
         "in full slip is proportional; unknown if columns give pressure, approach or forces",
         "not to be given: written when the file is read",
-        None,
     )
     checks: ClassVar[tuple[Check, ...]] = (_check_results_of_binning,)
 

@@ -17,6 +17,7 @@ from tractive_sam.schema import (
     SceneError,
     Table,
     entry,
+    optional,
     warn,
 )
 
@@ -74,33 +75,27 @@ class Scene(Document):
     body: InnerTable[Bodies] = entry("the two bodies")
     load: InnerTable[Load] = entry("the load")
     creepage: InnerTable[Creepage] = entry("the creepages", default=Creepage())
-    elasticity: InnerTable[ElasticBodies | None] = entry(
-        "the elastic law of the bodies", default=None
-    )
-    friction: InnerTable[Friction | None] = entry("the friction law", default=None)
-    wear: InnerTable[Wear | None] = entry("the wear law", default=None)
-    grid: InnerTable[Mesh | None] = entry("the grid", default=None)
-    accuracy: InnerTable[Accuracy | None] = entry("the requested accuracy", default=None)
-    gap: InnerTable[Gap | None] = entry("the separation added to the radii", default=None)
-    wheel: InnerTable[WheelTable | None] = entry("body A as a wheel", default=None)
-    rail: InnerTable[RailTable | None] = entry("body B as a rail", default=None)
-    wheelset: InnerTable[WheelsetTable | None] = entry("the position of the wheelset", default=None)
-    heat: InnerTable[Heat | None] = entry("the flash temperature", default=None)
-    subsurface: InnerTable[Subsurface | None] = entry("the subsurface stress", default=None)
-    fatigue: InnerTable[Fatigue | None] = entry("the fatigue of the material", default=None)
-    transient: InnerTable[Transient | None] = entry(
-        "changes over the rolling distance", default=None
-    )
-    process: InnerTable[ProcessTable | None] = entry("a process of another package", default=None)
+    elasticity: InnerTable[ElasticBodies | None] = optional("the elastic law of the bodies")
+    friction: InnerTable[Friction | None] = optional("the friction law")
+    wear: InnerTable[Wear | None] = optional("the wear law")
+    grid: InnerTable[Mesh | None] = optional("the grid")
+    accuracy: InnerTable[Accuracy | None] = optional("the requested accuracy")
+    gap: InnerTable[Gap | None] = optional("the separation added to the radii")
+    wheel: InnerTable[WheelTable | None] = optional("body A as a wheel")
+    rail: InnerTable[RailTable | None] = optional("body B as a rail")
+    wheelset: InnerTable[WheelsetTable | None] = optional("the position of the wheelset")
+    heat: InnerTable[Heat | None] = optional("the flash temperature")
+    subsurface: InnerTable[Subsurface | None] = optional("the subsurface stress")
+    fatigue: InnerTable[Fatigue | None] = optional("the fatigue of the material")
+    transient: InnerTable[Transient | None] = optional("changes over the rolling distance")
+    process: InnerTable[ProcessTable | None] = optional("a process of another package")
     observer: tuple[ObserverTable, ...] = entry(
         "observers of other packages", "at least one observer, [[observer]]", (), min_length=1
     )
     duty: tuple[Block, ...] = entry(
         "blocks of a duty cycle", "at least one block, [[duty]]", (), min_length=1
     )
-    load_history: InnerTable[LoadHistory | None] = entry(
-        "the load history of the blocks", default=None
-    )
+    load_history: InnerTable[LoadHistory | None] = optional("the load history of the blocks")
     solver: InnerTable[Solver] = entry("the solver", default=Solver())
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(

@@ -19,6 +19,7 @@ from tractive_sam.schema import (
     Table,
     ValidEntries,
     entry,
+    optional,
 )
 
 from .courses import CreepageCourse, FrictionCourse, Knots, LoadCourse
@@ -57,10 +58,9 @@ class CourseTable(Table):
     friction: InnerTable[FrictionCourse] = entry(
         "courses of the friction", default=FrictionCourse()
     )
-    step: Positive | None = entry(
+    step: Positive | None = optional(
         "longest step, mm; the default is one element, a tenth of the distance between two "
-        "knots for shifts, or a quarter of the contact length for adaptive steps",
-        default=None,
+        "knots for shifts, or a quarter of the contact length for adaptive steps"
     )
     stepping: Literal["even", "adaptive"] = entry(
         "steps of equal length, except before a knot (even), or steps as long as their error "
@@ -68,10 +68,7 @@ class CourseTable(Table):
         default="even",
     )
     tolerance: Real = entry(
-        "relative error of the tractions in an adaptive step",
-        default=1e-3,
-        gt=0,
-        le=0.1,
+        "relative error of the tractions in an adaptive step", default=1e-3, gt=0, le=0.1
     )
     forced: ClassVar[tuple[tuple[str, str], ...]] = (
         ("force_x", "longitudinal"),

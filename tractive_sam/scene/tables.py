@@ -26,6 +26,7 @@ from tractive_sam.schema import (
     entry,
     exactly_one,
     number_to_tuple,
+    optional,
     shorten,
 )
 
@@ -52,20 +53,18 @@ class Load(Table):
     120.0
     """
 
-    normal: Positive | None = entry("normal load P, N; in a line contact, N/mm", default=None)
-    approach: Real | None = entry(
+    normal: Positive | None = optional("normal load P, N; in a line contact, N/mm")
+    approach: Real | None = optional(
         "approach of the bodies, mm; it is zero at the first touch of the unworn bodies or at "
         "the zero of the separation (see gap.datum)",
         'a number above 0; with gap.datum = "separation", any number',
-        None,
     )
-    pressure: Positive | None = entry(
+    pressure: Positive | None = optional(
         "peak contact pressure p0 of the unworn bodies according to Hertz, MPa; the load "
-        "follows from it",
-        default=None,
+        "follows from it"
     )
-    force_x: Real | None = entry("prescribed force Q_x on body A, N or N/mm", default=None)
-    force_y: Real | None = entry("prescribed force Q_y on body A, N or N/mm", default=None)
+    force_x: Real | None = optional("prescribed force Q_x on body A, N or N/mm")
+    force_y: Real | None = optional("prescribed force Q_y on body A, N or N/mm")
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach", "pressure"),)
     renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
 
@@ -110,9 +109,8 @@ class Creepage(Table):
     longitudinal: Real = entry("longitudinal creepage xi_x", default=0.0)
     lateral: Real = entry("lateral creepage xi_y", default=0.0)
     spin: Real = entry("spin creepage phi, 1/mm", default=0.0)
-    speed: Positive | None = entry(
-        "rolling speed V, mm/s; required by [heat] and by laws that depend on the sliding speed",
-        default=None,
+    speed: Positive | None = optional(
+        "rolling speed V, mm/s; required by [heat] and by laws that depend on the sliding speed"
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
@@ -207,21 +205,18 @@ class Mesh(Table):
     (41, 121)
     """
 
-    half_length: OptionalPositivePerAxis = entry(
+    half_length: OptionalPositivePerAxis = optional(
         "half-lengths of the domain in x and y, mm; by default, they follow from the contact",
         "a pair of numbers above 0",
-        None,
     )
-    elements: _ElementsPerAxis | None = entry(
+    elements: _ElementsPerAxis | None = optional(
         "numbers of elements of the mesh in x and y; by default, they follow from the contact",
         "a pair of integers from 3 to 1e6",
-        None,
     )
-    centre: _Centre | None = entry(
+    centre: _Centre | None = optional(
         "centre of the domain in x and y, mm; by default, the origin, which is the vertex of "
         "the radii",
         "a pair of numbers",
-        None,
     )
     checks: ClassVar[tuple[Check, ...]] = (
         _check_grid_is_not_empty,

@@ -17,6 +17,7 @@ from tractive_sam.schema import (
     Row,
     ValidEntries,
     entry,
+    optional,
 )
 
 from .courses import Knots, NotBelowZero, Profiles, Saved
@@ -84,13 +85,13 @@ class Transient(CourseTable):
     distance: Knots = entry(
         "knots: rolling distances, mm",
         "a list of two or more ascending numbers; two equal numbers are a jump",
-        default=(),
+        (),
         min_length=2,
     )
     stage: tuple[Stage, ...] = entry(
         "stages in their order, in place of distance and courses",
         "at least one stage, [[transient.stage]]",
-        default=(),
+        (),
         min_length=1,
     )
     profile: InnerTable[Profiles] = entry(
@@ -108,11 +109,10 @@ class Transient(CourseTable):
             sorted({*entries["distance"], *(s for k in entries["stage"] for s in k.distance)})
         ),
     )
-    cycle_start: NotBelowZero | None = entry(
+    cycle_start: NotBelowZero | None = optional(
         "distance at which the stress history of [fatigue] begins, mm, for example the start of "
         "the last cycle; the default is the first knot",
         "a number from the first knot to below the last",
-        default=None,
     )
     checks: ClassVar[tuple[Check, ...]] = (_check_stages, _check_save, _check_cycle_start)
 

@@ -21,6 +21,7 @@ from tractive_sam.schema import (
     ValidEntries,
     allow_laws,
     entry,
+    optional,
 )
 
 from .describe import format_pair
@@ -82,21 +83,20 @@ class Wear(LawTable):
         f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {allow_laws(())}",
         "archard",
     )
-    set: str | Sets | None = entry(
-        "name of the coefficient set of a measured law", "a name, or { A = ..., B = ... }", None
+    set: str | Sets | None = optional(
+        "name of the coefficient set of a measured law", "a name, or { A = ..., B = ... }"
     )
     by: Literal["element", "contact"] = entry(
         "area A for laws that depend on T-gamma/A: each element, or the complete contact",
         default="element",
     )
-    intensity: OptionalOrthotropicNotNegative = entry(
-        "wear intensities along the axes e1, e2 for the sum of both bodies, 1/MPa", default=None
+    intensity: OptionalOrthotropicNotNegative = optional(
+        "wear intensities along the axes e1, e2 for the sum of both bodies, 1/MPa"
     )
-    coefficient: SpecificWearRate = entry(
+    coefficient: SpecificWearRate = optional(
         "specific wear rates k along the axes e1, e2, mm3/(N m), or for the energy law, mm3/J "
         "of the work along each axis; for the sum of both bodies, or for each body",
         "a number of at least 0, a pair of them, or { A = ..., B = ... }",
-        None,
     )
     revolutions: Integer = entry(
         "number of revolutions of body A, or of body B if A is flat; not with [transient]",
@@ -113,11 +113,10 @@ class Wear(LawTable):
         default_factory=lambda wear: tuple(sorted({0, wear["revolutions"]})),
         min_length=1,
     )
-    temperature: Factors | None = entry(
+    temperature: Factors | None = optional(
         "factor on the wear depth as a function of the surface temperature, degrees C; linear "
         "between the pairs and constant beyond; requires [heat]",
         "pairs [temperature, factor] with ascending temperatures and factors above 0",
-        None,
         min_length=1,
     )
     stepping: Literal["adaptive", "every-revolution", "saved"] = entry(
@@ -134,10 +133,9 @@ class Wear(LawTable):
     tolerance: Real = entry(
         "error of the adaptive stepping, divided by the wear depth", default=1e-3, gt=0, le=0.1
     )
-    step_depth: Positive | None = entry(
+    step_depth: Positive | None = optional(
         "largest depth that an adaptive step removes from the profiles of wheel and rail, mm; "
-        "the default is 0.01",
-        default=None,
+        "the default is 0.01"
     )
     law_names: ClassVar[tuple[str, ...]] = get_args(LawName)
     law_fields: ClassVar[tuple[str, ...]] = ("set", "by", "intensity", "coefficient")

@@ -17,8 +17,8 @@ from tractive_sam.schema import (
     OptionalOrthotropicNotNegative,
     Table,
     ValidEntries,
-    entry,
     exactly_one,
+    optional,
 )
 
 PER_INTENSITY = 1e3
@@ -34,8 +34,8 @@ class Coefficients(Table):
     0.003
     """
 
-    A: NotNegative | None = entry("specific wear rate k of body A, mm3/(N m)", default=None)
-    B: NotNegative | None = entry("specific wear rate k of body B, mm3/(N m)", default=None)
+    A: NotNegative | None = optional("specific wear rate k of body A, mm3/(N m)")
+    B: NotNegative | None = optional("specific wear rate k of body B, mm3/(N m)")
 
 
 if TYPE_CHECKING:
@@ -91,20 +91,15 @@ class WearLaws(Table):
 
     table: (
         Annotated[tuple[tuple[NotNegative, NotNegative], ...], AfterValidator(_check_points)] | None
-    ) = entry(
+    ) = optional(
         "wear rate of each body as a function of the frictional work: pairs of W = T-gamma/A, "
         "N/mm2, and rate, ug/(m mm2); linear from the origin through the points, and "
         "extrapolated beyond the last point",
         "a list of pairs [W, rate] with ascending W",
-        None,
         min_length=1,
     )
-    A: LawOrTable | None = entry(
-        "law of body A; without a law, the body does not wear", default=None
-    )
-    B: LawOrTable | None = entry(
-        "law of body B; without a law, the body does not wear", default=None
-    )
+    A: LawOrTable | None = optional("law of body A; without a law, the body does not wear")
+    B: LawOrTable | None = optional("law of body B; without a law, the body does not wear")
     checks: ClassVar[tuple[Check, ...]] = (_check_table_of_rates,)
 
 
@@ -117,8 +112,8 @@ class Sets(Table):
     'low'
     """
 
-    A: str | None = entry("coefficient set of body A", "a name", None)
-    B: str | None = entry("coefficient set of body B", "a name", None)
+    A: str | None = optional("coefficient set of body A", "a name")
+    B: str | None = optional("coefficient set of body B", "a name")
 
 
 def laws_of_bodies(law: str | WearLaws | NamedLaw) -> dict[str, str | None]:

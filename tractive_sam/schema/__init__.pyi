@@ -33,6 +33,7 @@ from .field_types import Radius as Radius
 from .field_types import Real as Real
 from .field_types import entry as entry
 from .field_types import number_to_tuple as number_to_tuple
+from .field_types import optional as optional
 from .keys import Key as Key
 from .keys import KeyGroup as KeyGroup
 from .keys import join_key as join_key

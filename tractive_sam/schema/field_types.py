@@ -122,3 +122,8 @@ def entry(meaning: str, allowed: str | None = None, default: Any = ..., **bounds
         Constraints, see `pydantic.Field`.
     """
     return Field(default, title=meaning, description=allowed, **bounds)
+
+
+def optional(meaning: str, allowed: str | None = None, **bounds: Any) -> Any:
+    """Define a field of a table as `entry` does; without the key its value is None."""
+    return entry(meaning, allowed, None, **bounds)

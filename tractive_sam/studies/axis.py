@@ -18,6 +18,7 @@ from tractive_sam.schema import (
     Table,
     ValidEntries,
     entry,
+    optional,
     required,
     shorten,
 )
@@ -103,12 +104,12 @@ class Values(Table):
     """
 
     key: Key = entry("the entry that varies", _KEY)
-    values: tuple[Any, ...] | None = entry(
-        "the values, one by one", "a list of at least one value", None, min_length=1
+    values: tuple[Any, ...] | None = optional(
+        "the values, one by one", "a list of at least one value", min_length=1
     )
-    start: Real | None = entry("first value of a range", default=None)
-    stop: Real | None = entry("last value of a range", default=None)
-    number: int | None = entry("number of values of a range", default=None, ge=2, le=MAX_CASES)
+    start: Real | None = optional("first value of a range")
+    stop: Real | None = optional("last value of a range")
+    number: int | None = optional("number of values of a range", ge=2, le=MAX_CASES)
     spacing: Spacing = entry("spacing of a range", default="linear")
     checks: ClassVar[tuple[Check, ...]] = (_check_values, _check_spacing, _check_range)
 

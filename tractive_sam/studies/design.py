@@ -25,6 +25,7 @@ from tractive_sam.schema import (
     SceneError,
     ValidEntries,
     entry,
+    optional,
     shorten,
     suggest_name,
 )
@@ -131,7 +132,7 @@ class Study(Document):
     title: str = entry("title", default="")
     scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
     axis: tuple[Axis, ...] = entry("the axes", "a list of tables", ())
-    latin: Latin | None = entry("the Latin hypercube", default=None)
+    latin: Latin | None = optional("the Latin hypercube")
     keep: Literal["all", "scalars"] = entry(
         "what is stored of each case: a results file, or the numbers of its last record",
         default="all",

@@ -10,7 +10,7 @@ import numpy as np
 
 from tractive_sam.lookup import check_axis_name
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Check, Fault, ValidEntries, entry, shorten
+from tractive_sam.schema import Check, Fault, ValidEntries, optional, shorten
 from tractive_sam.studies import Axis
 
 
@@ -77,11 +77,11 @@ class TableAxis(Axis):
     [0.3, 0.225]
     """
 
-    name: str | None = entry(
-        "what a table calls it", "a name; by default the last part of the key", None
+    name: str | None = optional(
+        "what a table calls it", "a name; by default the last part of the key"
     )
-    at: tuple[float, ...] | None = entry(
-        "places of the values along the axis", "ascending numbers; the values by default", None
+    at: tuple[float, ...] | None = optional(
+        "places of the values along the axis", "ascending numbers; the values by default"
     )
     checks: ClassVar[tuple[Check, ...]] = (
         *Axis.checks,

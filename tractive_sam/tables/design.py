@@ -21,6 +21,7 @@ from tractive_sam.schema import (
     SceneError,
     ValidEntries,
     entry,
+    optional,
     required,
     shorten,
 )
@@ -147,10 +148,9 @@ class TableDesign(Document):
     """
 
     title: str = entry("title", default="")
-    scene: Scene | None = entry(
+    scene: Scene | None = optional(
         "the scene of the contact, instead of any contact of Hertz of alike bodies",
         "a built-in name, a scene file, or the tables of a scene",
-        None,
     )
     axis: tuple[TableAxis, ...] = entry("further axes", "a list of tables", ())
     ellipticity: Ratios = entry(
