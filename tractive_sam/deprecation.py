@@ -1,7 +1,5 @@
 """Former names, which work for one more version with a warning that states the new name."""
 
-from __future__ import annotations
-
 import sys
 import warnings
 from collections.abc import Callable, Mapping

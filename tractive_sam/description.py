@@ -5,8 +5,6 @@ sections of rows, each a label and a text. This module contains no physics: a mo
 quantity also describes it.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """Packages of extras, and the message for a missing one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib.util import find_spec

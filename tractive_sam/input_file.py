@@ -1,7 +1,5 @@
 """Safe input: regular files only, up to a size limit."""
 
-from __future__ import annotations
-
 import csv
 import errno
 import os

@@ -1,7 +1,5 @@
 """Names of a package that are looked up when first used, also in a zip archive."""
 
-from __future__ import annotations
-
 import os
 from typing import Any
 

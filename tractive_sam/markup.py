@@ -1,7 +1,5 @@
 """Safe HTML: text is escaped unless it is `Html`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from html import escape
 from string import Template

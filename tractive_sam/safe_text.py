@@ -1,7 +1,5 @@
 """Text from files and names, safe for terminals and spreadsheets."""
 
-from __future__ import annotations
-
 import re
 
 _COMMANDS = re.compile(

@@ -12,8 +12,6 @@ The map is not averaged over the elements. An average would lower all summits, a
 pressure, without a warning, and would shift profiles that are resolved.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Answers of computations in the file of a fit: an interrupted fit resumes from them."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """One computation of a fit: a scene, and the numbers of its records that are compared."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import warnings

@@ -1,7 +1,5 @@
 """Measured values of the data sets, read and checked."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress

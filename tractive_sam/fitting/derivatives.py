@@ -1,7 +1,5 @@
 """Derivatives of the columns of a record, from the Jacobian of a contact."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from operator import itemgetter
 from typing import Any
@@ -37,7 +35,7 @@ def derivatives_of(
         Columns of the Jacobian.
     contact : State
         The contact.
-    jacobian : xarray.DataArray
+    jacobian : "xarray.DataArray"
         Jacobian of the contact.
 
     Returns

@@ -1,7 +1,5 @@
 """Estimates, their covariance, and what the data do not determine."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -65,7 +63,7 @@ class Estimate:
         return (np.sqrt(self.weights) / self.problem.noise)[:, None] * self.jacobian
 
     @cached_property
-    def directions(self) -> Directions:
+    def directions(self) -> "Directions":
         """Directions of the coordinates, split by whether data and priors determine them."""
         prior = self.problem.prior_jacobian(self.u)
         return Directions.of(np.concatenate([self.weighted, prior]))
@@ -157,7 +155,7 @@ class Directions:
     """Noise of derivatives by differences, over the largest of them."""
 
     @classmethod
-    def of(cls, weighted: np.ndarray) -> Directions:
+    def of(cls, weighted: np.ndarray) -> "Directions":
         """Split the coordinate space by the singular values of weighted derivatives."""
         _, sizes, rows = np.linalg.svd(weighted, full_matrices=True)
         sizes = np.pad(sizes, (0, rows.shape[0] - sizes.size))

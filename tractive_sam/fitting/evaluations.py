@@ -1,7 +1,5 @@
 """Answers of cases: computed once, here or by workers, and stored as they come."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
@@ -140,7 +138,7 @@ class Evaluations:
     stored: dict[str, Answer] = field(default_factory=dict)
     save: Callable[[], None] | None = None
     interval: float = 2.0
-    progress: Callable[[Evaluations], None] | None = None
+    progress: Callable[["Evaluations"], None] | None = None
     _saved: float = field(default_factory=monotonic)
 
     def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:

@@ -1,7 +1,5 @@
 """Figures of a fit."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path

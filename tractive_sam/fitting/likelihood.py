@@ -1,7 +1,5 @@
 """Intervals by the profile likelihood: one parameter is fixed, and all others are fitted again."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Predictions between the measured points of a creep curve, for figures."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The next test: which candidate reduces the uncertainty of the parameters most."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

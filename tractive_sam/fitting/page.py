@@ -1,7 +1,5 @@
 """The page of a fit: estimates, what is not determined, figures, and residuals."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path

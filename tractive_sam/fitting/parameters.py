@@ -1,7 +1,5 @@
 """Free parameters, and the coordinates in which they are fitted."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -42,7 +40,7 @@ class Parameters:
     prior: np.ndarray
 
     @classmethod
-    def of(cls, fit: Fit) -> Parameters:
+    def of(cls, fit: Fit) -> "Parameters":
         """Return the free parameters of a fit, with start, scale, bounds and priors."""
         tables = [fit.settings_of(key) for key in fit.free]
         start = np.array([start_of(fit.scene, table.key, table.start) for table in tables])

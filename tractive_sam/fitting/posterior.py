@@ -1,7 +1,5 @@
 """The posterior of a fit, for samplers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any

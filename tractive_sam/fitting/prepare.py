@@ -4,8 +4,6 @@ A mesh that follows the contact, and steps that follow the error, jump while par
 of squares would have steps. Both are chosen once, at the first values of the parameters.
 """
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Predictions of all data sets, and their derivatives, at any values of the parameters."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A measured profile against a predicted one: unknown lateral offset, tilt and level."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The result of a fit, and its file."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from dataclasses import dataclass
@@ -65,7 +63,7 @@ class FitResult:
 
     Attributes
     ----------
-    dataset : xarray.Dataset
+    dataset : "xarray.Dataset"
         All numbers: values, intervals and correlation over ``parameter``; measured values,
         predictions, residuals and errors over ``point``; the answers of all computations.
 
@@ -83,7 +81,7 @@ class FitResult:
     True
     """
 
-    dataset: xarray.Dataset
+    dataset: "xarray.Dataset"
 
     def __repr__(self) -> str:
         return text_table("Fit", self.summary() | self._remarks())
@@ -335,7 +333,7 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _describe_model_error(dataset: xarray.Dataset) -> str:
+def _describe_model_error(dataset: "xarray.Dataset") -> str:
     """Return the error of the mesh relative to the noise as text; "" if not computed."""
     if "model_error" not in dataset:
         return ""

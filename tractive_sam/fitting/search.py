@@ -1,7 +1,5 @@
 """Search for the least cost of a fit."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Scenes and predictions of one data set, at any values of the parameters."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from collections.abc import Mapping
@@ -64,7 +62,7 @@ class Series:
         start: Parameters,
         done: Evaluations | None,
         shared: prepare.SharedRecords | None = None,
-    ) -> Series:
+    ) -> "Series":
         """Prepare a data set at the first values: check its scenes, and fix meshes and steps.
 
         Parameters

@@ -1,7 +1,5 @@
 """Tables of a fit file: data sets, parameters and candidate tests."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal

@@ -1,7 +1,5 @@
 """Variables of the file of a fit."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 

@@ -1,7 +1,5 @@
 """Sentences on undetermined parameters and caveats of a fit."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

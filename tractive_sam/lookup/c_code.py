@@ -1,7 +1,5 @@
 """Write a table as C99: a header with one function, and its source, which needs only libm."""
 
-from __future__ import annotations
-
 import re
 from importlib.resources import files
 from keyword import kwlist

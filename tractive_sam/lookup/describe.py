@@ -1,7 +1,5 @@
 """The description of a table of creep forces."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -6,8 +6,6 @@ agree with `CreepTable`; it returns no result for a point that needs more care (
 infinite creepages, values outside the table), which `CreepTable` evaluates or refuses.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Mapping
 from math import atan2, cos, hypot, isfinite, isqrt, log, pi, sin, sqrt

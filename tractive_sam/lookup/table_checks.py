@@ -1,7 +1,5 @@
 """Checks of the parts of a table of creep forces: names for C and XML, axes and arrays."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Write a table as columns of text."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Duty cycles and wear laws: the wear of each block, and its regime."""
 
-from __future__ import annotations
-
 import numpy as np
 from matplotlib.axes import Axes
 
@@ -97,7 +95,7 @@ def _has_wear_regimes(history: History) -> bool:
 
 
 @history_figure("wear-regimes", shown=_has_wear_regimes)
-def wear_regimes(source: History | State, laws: ts.Laws | None = None) -> Figure:
+def wear_regimes(source: History | State, laws: "ts.Laws | None" = None) -> Figure:
     """Rate of wear of the elements over their frictional work, T-gamma/A.
 
     A history shows its last stored contact, a duty cycle the last one of each block. A dot is an
@@ -160,7 +158,7 @@ def _last_contacts(source: History | State) -> dict[str, State]:
     return {name: history.state() for name, history in (blocks or {"": source}).items()}
 
 
-def _wear_law(contact: State, laws: ts.Laws | None, *, warm: bool) -> ts.WearLaw | None:
+def _wear_law(contact: State, laws: "ts.Laws | None", *, warm: bool) -> "ts.WearLaw | None":
     """Return the wear law of a contact, at its temperature if `warm`; None without wear."""
     # Loads compilers, which no other figure needs.
     from tractive_sam.contact import Laws, Model, wear_law_at  # noqa: PLC0415
@@ -170,7 +168,7 @@ def _wear_law(contact: State, laws: ts.Laws | None, *, warm: bool) -> ts.WearLaw
     return wear_law_at(model, contact) if warm else model.wear_law
 
 
-def _wear_rates(contact: State, laws: ts.Laws | None) -> dict[str, np.ndarray]:
+def _wear_rates(contact: State, laws: "ts.Laws | None") -> dict[str, np.ndarray]:
     """Return wear rates (n_x, n_y) of each body that wears, µg/(m mm²); empty without wear."""
     law = _wear_law(contact, laws, warm=True)
     fields = contact.pressure, contact.traction, contact.slip
@@ -195,7 +193,7 @@ def _frictional_work(contact: State) -> np.ndarray:
 
 
 def _draw_elements(
-    axes: Axes, name: str, contact: State, laws: ts.Laws | None, lowest: float
+    axes: Axes, name: str, contact: State, laws: "ts.Laws | None", lowest: float
 ) -> bool:
     """Draw wear rate over work of a contact's elements; return whether any element wears."""
     work, rates = _frictional_work(contact), _wear_rates(contact, laws)
@@ -212,7 +210,7 @@ def _draw_elements(
 
 
 def _draw_laws(
-    axes: Axes, contact: State, laws: ts.Laws | None, limits: tuple[float, float]
+    axes: Axes, contact: State, laws: "ts.Laws | None", limits: tuple[float, float]
 ) -> None:
     """Draw the wear laws that have regimes over work, with the limits of their regimes."""
     law, wear = _wear_law(contact, laws, warm=False), contact.scene.wear

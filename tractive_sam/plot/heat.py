@@ -1,7 +1,5 @@
 """Figures of heat and of friction that varies: temperature and local friction."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Figures of wheel and rail: contact points, rolling radii, conicity, patches and worn profiles."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

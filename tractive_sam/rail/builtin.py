@@ -8,8 +8,6 @@ Manchester benchmark (Shackleton & Iwnicki 2008, Vehicle System Dynamics 46, 129
 radii with slightly different limits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 

@@ -1,7 +1,5 @@
 """Profile files: two columns, as instruments and vehicle programs write them."""
 
-from __future__ import annotations
-
 import re
 from os import PathLike
 from pathlib import Path
@@ -130,7 +128,7 @@ def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
         curve = scipy.interpolate.CubicSpline(s, points)
         return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
 
-    def fit(exponent: float) -> scipy.interpolate.BSpline:
+    def fit(exponent: float) -> "scipy.interpolate.BSpline":
         return scipy.interpolate.make_smoothing_spline(s, points, lam=10.0**exponent)
 
     def excess(exponent: float) -> float:

@@ -1,7 +1,5 @@
 """Contact locus of a wheelset: contact points, rolling radii and equivalent conicity."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -113,7 +111,7 @@ class ContactLocus:
         return self.tape_distance * self.nominal_radius / 2.0 * (2.0 * np.pi / wavelength) ** 2
 
     @property
-    def _potential(self) -> scipy.interpolate.PPoly:
+    def _potential(self) -> "scipy.interpolate.PPoly":
         """Potential energy of the lateral motion (Klingel), a function of the position."""
         values = self.radius_difference / (self.tape_distance * self.nominal_radius)
         return scipy.interpolate.make_interp_spline(self.y, values, k=1).antiderivative()

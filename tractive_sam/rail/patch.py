@@ -1,7 +1,5 @@
 """A contact patch of a wheel and a rail in its own tangent plane."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self

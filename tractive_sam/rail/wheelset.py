@@ -6,8 +6,6 @@ turned by the yaw about z, and by the roll about its own x-axis; a positive roll
 wheel. A left wheel is computed as a right one in the mirror: y, yaw and roll change their signs.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self, TypeVar

@@ -1,7 +1,5 @@
 """Free rolling of cylinders of unlike materials, in the limit of little friction."""
 
-from __future__ import annotations
-
 from tractive_sam.mechanics import CombinedMaterial
 
 

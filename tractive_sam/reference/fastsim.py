@@ -1,7 +1,5 @@
 """Kalker's simplified theory, by his algorithm FASTSIM."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

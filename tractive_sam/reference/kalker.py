@@ -9,8 +9,6 @@ Convention: a is the semi-axis in the rolling direction x, c² = a b, forces act
 Source: Kalker, Three-Dimensional Elastic Bodies in Rolling Contact (1990).
 """
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Kalker's creep coefficients as tabulated."""
 
-from __future__ import annotations
-
 POISSON_RATIOS = (0.0, 0.25, 0.5)
 """Combined Poisson's ratios of the three columns of every coefficient."""
 

@@ -1,7 +1,5 @@
 """Forces of a Hertz contact in full slip with spin."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

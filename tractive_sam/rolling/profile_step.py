@@ -12,8 +12,6 @@ are linearly implicit in the response J_j of R_j, so that they are not limited b
     (1 - dN sum w_j D_j J_j I_j) dE = dN sum w_j D_j R_j.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -87,7 +85,9 @@ class PositionWear:
         return state
 
     @classmethod
-    def restore(cls, share: float, contact: State, state: Mapping[str, np.ndarray]) -> PositionWear:
+    def restore(
+        cls, share: float, contact: State, state: Mapping[str, np.ndarray]
+    ) -> "PositionWear":
         """Return the wear at a position from its stored arrays and its contact."""
         pressure, *traction = state["fields"]
         *half_length, approach = state["numbers"].tolist()

@@ -1,7 +1,5 @@
 """Wear of the profiles of wheel and rail over the positions of a duty, see `profile_step`."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -55,7 +53,7 @@ class WornStep(Step):
         depths: Depths,
         positions: tuple[PositionWear, ...],
         mesh: Grid,
-    ) -> WornStep:
+    ) -> "WornStep":
         """Return the step of solved positions, with the wear depths that the next step adds."""
         schedule = scene.schedule
         lengths = [stop - revolution for stop in schedule.stops if stop > revolution]
@@ -93,7 +91,7 @@ class WornStep(Step):
         """
         return False
 
-    def on(self, grid: Grid) -> WornStep:
+    def on(self, grid: Grid) -> "WornStep":
         """Raise a ValueError: the contacts of worn profiles have separate meshes."""
         raise ValueError("the contacts of worn profiles have separate meshes")
 

@@ -1,7 +1,5 @@
 """The patches of a wheel on a rail, one record each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

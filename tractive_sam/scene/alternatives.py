@@ -1,7 +1,5 @@
 """Keys of a scene that exclude each other."""
 
-from __future__ import annotations
-
 _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("body.A.young",), ("body.A.shear",)),
     (("body.B.young",), ("body.B.shear",)),

@@ -1,7 +1,5 @@
 """The built-in scenes."""
 
-from __future__ import annotations
-
 from importlib import resources
 from os import PathLike
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Checks between the tables of a scene."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """A commented scene file: a built-in scene with a comment on every key, given or not."""
 
-from __future__ import annotations
-
 from tractive_sam.schema import Key, KeyGroup, key_groups
 
 from .catalogue import builtin_text

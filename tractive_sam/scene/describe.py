@@ -1,7 +1,5 @@
 """Summaries of a scene, made from the rows of its tables (`Table.describe`)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from typing import Any

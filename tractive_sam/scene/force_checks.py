@@ -1,7 +1,5 @@
 """Checks of prescribed tangential forces: friction must be able to carry them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """The [heat] table, and the thermal properties of the bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Checks of line contacts: bodies infinitely long in y, in plane strain."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

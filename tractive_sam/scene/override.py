@@ -1,7 +1,5 @@
 """Change the tables of a scene by dotted key."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Any
 

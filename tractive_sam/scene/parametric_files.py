@@ -1,7 +1,5 @@
 """Files of documents that vary a scene along axes: studies and tables of creep forces."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

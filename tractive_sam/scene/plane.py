@@ -1,7 +1,5 @@
 """Planes on which the subsurface stress is computed."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Literal
@@ -26,7 +24,7 @@ class Plane:
     unit: Literal["", "a", "b"] = ""
 
     @classmethod
-    def parse(cls, text: object) -> Plane:
+    def parse(cls, text: object) -> "Plane":
         """Return the plane that a text ``<axis>=<number>[a|b]`` describes.
 
         Raises

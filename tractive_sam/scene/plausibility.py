@@ -4,8 +4,6 @@
 probably meant, and what to do. The scene is computed as given.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

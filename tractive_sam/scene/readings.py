@@ -1,7 +1,5 @@
 """Values of a scene and of a result that have a plausible range."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -57,12 +55,12 @@ class Pair:
     rough: bool = False
 
     @classmethod
-    def from_tables(cls, bodies: Bodies, load: Load) -> Pair:
+    def from_tables(cls, bodies: Bodies, load: Load) -> "Pair":
         """Return the pair of two bodies under a load, with its Hertz contact."""
         return cls(bodies, bodies.hertz(load), f"load.{load.prescribed_key}")
 
     @classmethod
-    def from_scene(cls, scene: Any) -> Pair:
+    def from_scene(cls, scene: Any) -> "Pair":
         """Return the pair of a scene's bodies, under the largest load of its [transient]."""
         hertz, key, schedule = scene.hertz, f"load.{scene.load.prescribed_key}", scene.schedule
         largest = 0.0 if hertz is None or not schedule.own_load else hertz.load

@@ -1,7 +1,5 @@
 """Smallest number of elements that resolves a contact."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

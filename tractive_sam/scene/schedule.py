@@ -4,8 +4,6 @@ A scene without [wear] is a single contact. [wear] is rolled revolution by revol
 [transient] step by step over a distance, or over a parameter if the bodies only shift.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar

@@ -3,8 +3,6 @@
 Units mm, N, MPa, degrees, revolutions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeVar

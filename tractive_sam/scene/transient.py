@@ -3,8 +3,6 @@
 See `stage` for courses.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Describe the course of wear: its steps, the turns of the bodies, and their densities."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Descriptions of the values that a field allows, from its type and its constraints."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from pathlib import Path
 from types import NoneType, UnionType

@@ -1,7 +1,5 @@
 """Checks of entries that exclude each other."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from .faults import Fault

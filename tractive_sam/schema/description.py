@@ -4,8 +4,6 @@
 if a table is absent. The table of an array has `describe_array` in addition.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from tractive_sam.description import Row

@@ -1,7 +1,5 @@
 """Documents: tables with a file, for example a scene or a study."""
 
-from __future__ import annotations
-
 from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar, Self

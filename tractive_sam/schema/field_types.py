@@ -1,7 +1,5 @@
 """Types of the entries of a document, and the definition of a field."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from pathlib import Path

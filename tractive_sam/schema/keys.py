@@ -4,8 +4,6 @@ All of it is taken from the fields that read the document. Docstrings, the comma
 and the commented scene files print it.
 """
 
-from __future__ import annotations
-
 import inspect
 import re
 import textwrap

@@ -7,8 +7,6 @@ of installed packages, or uses modules that are already imported, and calls only
 class that the table needs. A scene file can neither contain code nor run code of another library.
 """
 
-from __future__ import annotations
-
 import inspect
 import json
 import re

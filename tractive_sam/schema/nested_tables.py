@@ -1,7 +1,5 @@
 """Change nested tables by dotted key."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

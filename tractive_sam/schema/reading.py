@@ -4,8 +4,6 @@ Each entry is read separately, so that a fault hides no other one. The checks be
 run on the entries that are valid.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Mapping
 from contextlib import suppress

@@ -4,8 +4,6 @@ Pydantic checks the type and the bounds of each entry; `reading` collects the fa
 and of the checks between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """What a class of tables defines: its keys, its checks, other forms of its entries."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from operator import methodcaller
 from typing import Any, ClassVar, get_args, get_origin
@@ -46,7 +44,7 @@ class TableBase(BaseModel):
         return None
 
     @staticmethod
-    def table_class(info: FieldInfo) -> type[TableBase] | None:
+    def table_class(info: FieldInfo) -> "type[TableBase] | None":
         """Return the class of the tables in a field (one or an array of them); None for values."""
         return inner_table(info) or array_item(info)
 

@@ -1,7 +1,5 @@
 """Convert TOML text to nested tables, and nested tables to TOML text."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Entries of a table that are valid, for the checks between them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 
@@ -23,7 +21,7 @@ class ValidEntries(dict[str, Any]):
     def __missing__(self, key: str) -> Any:
         raise InvalidEntryError(key)
 
-    def add(self, key: str, inner: ValidEntries) -> None:
+    def add(self, key: str, inner: "ValidEntries") -> None:
         """Add the valid entries of the inner table `key`."""
         self.update({f"{key}.{name}": value for name, value in inner.items()})
         self.given.update(f"{key}.{name}" for name in inner.given)

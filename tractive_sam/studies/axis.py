@@ -1,7 +1,5 @@
 """The axes of a study: keys of the scene and their values."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, get_args
@@ -148,7 +146,7 @@ def _check_variables(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _find_repeated_keys(
-    name: str, before: list[str], tables: Iterable[Values | Bounds]
+    name: str, before: list[str], tables: Iterable["Values | Bounds"]
 ) -> Iterator[Fault]:
     """Yield a fault for each table with a key that is already among those before it."""
     for k, table in enumerate(tables):
@@ -177,7 +175,7 @@ class Axis(Values):
         _check_zipped_entries,
     )
 
-    def dimension(self) -> Dimension:
+    def dimension(self) -> "Dimension":
         """Return the values of the axis and its zipped keys as one dimension of the cases."""
         columns = {axis.key: axis.column() for axis in (self, *self.zip)}
         return Dimension(self.key, columns)
@@ -219,7 +217,7 @@ class Latin(Table):
     seed: int = entry("seed of the samples", default=0, ge=0)
     checks: ClassVar[tuple[Check, ...]] = (_check_variables,)
 
-    def dimension(self) -> Dimension:
+    def dimension(self) -> "Dimension":
         """Return the samples as a dimension of the cases: values of all keys."""
         from scipy.stats import qmc  # half a second, which other studies need not wait for
 

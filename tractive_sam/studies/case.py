@@ -1,7 +1,5 @@
 """The cases of a study: one scene each, all checked before the first is run."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

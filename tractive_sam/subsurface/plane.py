@@ -1,7 +1,5 @@
 """Stress on the planes that a scene names."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Stress in a volume, layer by layer."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Axes of a table besides the creepages: any keys of a scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, ClassVar

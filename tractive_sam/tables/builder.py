@@ -1,7 +1,5 @@
 """Refine a table: add nodes near check points with too large errors."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Describe tables of creep forces and their designs, as text and for JSON."""
 
-from __future__ import annotations
-
 import math
 from os import PathLike
 from time import process_time

@@ -1,7 +1,5 @@
 """The design of a table of creep forces."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Iterator
 from functools import cached_property

@@ -1,7 +1,5 @@
 """Error bars of the gradients of a table, from contacts that are held out."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -69,7 +67,7 @@ class GradientBars:
         *,
         inside: float = 0.98,
         shared: float = 0.05,
-    ) -> GradientBars:
+    ) -> "GradientBars":
         """Return error bars that cover the share `inside` of the errors at check points.
 
         Each check is compared with the bars of the others. At rest contacts are solved on many

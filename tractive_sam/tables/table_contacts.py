@@ -1,7 +1,5 @@
 """The contacts of a table: the jobs of its points, their solutions, and its nodes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
