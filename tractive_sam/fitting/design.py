@@ -1,5 +1,7 @@
 """The [fit] table of a fit file, and the checks between its entries."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Literal

@@ -1,5 +1,7 @@
 """The file of a fit."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -71,7 +73,7 @@ def write_fit(path: str | PathLike[str], result: FitResult) -> None:
 
 def make_dataset(
     variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
-) -> "xarray.Dataset":
+) -> xarray.Dataset:
     """Return an xarray Dataset from variables (dimensions, values, unit, description).
 
     Parameters

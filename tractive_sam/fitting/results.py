@@ -1,5 +1,7 @@
 """The result of a fit, and its file."""
 
+from __future__ import annotations
+
 import math
 import warnings
 from dataclasses import dataclass
@@ -81,7 +83,7 @@ class FitResult:
     True
     """
 
-    dataset: "xarray.Dataset"
+    dataset: xarray.Dataset
 
     def __repr__(self) -> str:
         return text_table("Fit", self.summary() | self._remarks())
@@ -333,7 +335,7 @@ def _number(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _describe_model_error(dataset: "xarray.Dataset") -> str:
+def _describe_model_error(dataset: xarray.Dataset) -> str:
     """Return the error of the mesh relative to the noise as text; "" if not computed."""
     if "model_error" not in dataset:
         return ""

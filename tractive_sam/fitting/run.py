@@ -1,5 +1,7 @@
 """The front door: from a fit file to its result."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import Any

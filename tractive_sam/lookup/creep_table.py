@@ -1,5 +1,7 @@
 """A table of creep forces: scaling, symmetries, interpolation and error."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -58,7 +60,7 @@ class Forces:
     Qx: np.ndarray | np.float64
     Qy: np.ndarray | np.float64
     Mz: np.ndarray | np.float64
-    _table: "CreepTable" = field(repr=False)
+    _table: CreepTable = field(repr=False)
     _arguments: tuple[tuple[ArrayLike, ...], tuple[str, ...]] = field(repr=False)
     _point: Point | None = field(default=None, repr=False)
 

@@ -1,5 +1,7 @@
 """Scalars of a stress tensor that do not depend on the axes."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

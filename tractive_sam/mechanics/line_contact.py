@@ -1,5 +1,7 @@
 """Hertz contact of two parallel cylinders."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

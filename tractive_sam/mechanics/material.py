@@ -1,5 +1,7 @@
 """Elastic constants of one body, and of two bodies seen as one half-space."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 
@@ -35,7 +37,7 @@ class Material:
             raise ValueError(f"Poisson's ratio must lie in (-1, 0.5], not {self.poisson}")
 
     @classmethod
-    def from_young(cls, young: float, poisson: float) -> "Material":
+    def from_young(cls, young: float, poisson: float) -> Material:
         """Return a material from Young's modulus, MPa, and Poisson's ratio.
 
         Parameters

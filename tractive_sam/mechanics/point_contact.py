@@ -1,5 +1,7 @@
 """Hertz contact of an ellipse, at machine precision for any ratio of its semi-axes."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

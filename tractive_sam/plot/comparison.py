@@ -1,5 +1,7 @@
 """A column of several histories over their course, in one figure."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Creep force over creepage: scaled curves, and curves with their maxima."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from itertools import cycle
 from typing import Any

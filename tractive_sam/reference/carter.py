@@ -1,5 +1,7 @@
 """Carter's tractive rolling of two equal-material cylinders."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 
@@ -41,7 +43,7 @@ class Carter:
     creepage: float
 
     @classmethod
-    def from_force_ratio(cls, hertz: HertzLine, mu: float, ratio: float) -> "Carter":
+    def from_force_ratio(cls, hertz: HertzLine, mu: float, ratio: float) -> Carter:
         """Return the solution with force `ratio` = Q/(mu P); ValueError outside [-1, 1].
 
         Raises

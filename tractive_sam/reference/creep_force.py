@@ -5,6 +5,8 @@ odd functions to negative parameters. Source of the numbering: Juliá & Rodrígu
 Int. J. Mech. Sci. 294 (2025) 110195.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -9,6 +9,8 @@ Source: Huber (1904), Hamilton & Goodman, J. Appl. Mech. 33 (1966) 371, and Hami
 197 (1983) 53, with the derivation in `_moments`.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

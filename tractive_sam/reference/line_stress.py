@@ -9,6 +9,8 @@ Sources: McEwen, Phil. Mag. 40 (1949) 454; Johnson, Contact Mechanics (1985), (4
 7.1.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

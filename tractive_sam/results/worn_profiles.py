@@ -1,5 +1,7 @@
 """Worn profiles of a wheel and a rail, read from a history."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -56,7 +58,7 @@ class WornProfiles:
     contact_y: np.ndarray
 
     @classmethod
-    def from_history(cls, history: History) -> "WornProfiles":
+    def from_history(cls, history: History) -> WornProfiles:
         """Read worn wheel and rail profiles from the history of a scene with [wheel] and [wear].
 
         Raises

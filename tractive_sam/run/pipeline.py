@@ -1,5 +1,7 @@
 """The two entry points from a scene to its results, `solve` and `roll`."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from contextlib import nullcontext
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """The two bodies: elastic constants, radii and hardness."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from typing import Any, ClassVar

@@ -1,5 +1,7 @@
 """The built-in scenes."""
 
+from __future__ import annotations
+
 from importlib import resources
 from os import PathLike
 from pathlib import Path

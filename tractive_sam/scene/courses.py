@@ -1,5 +1,7 @@
 """Courses of keys at the knots of a distance, and profiles that move with the bodies."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar

@@ -1,5 +1,7 @@
 """Load spectrum: blocks of load, creepage, friction and lateral position, repeated in order."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -167,7 +169,7 @@ class Spectrum:
     each: tuple[int, ...]
 
     @classmethod
-    def from_blocks(cls, blocks: tuple[Block, ...], scenes: tuple[Any, ...]) -> "Spectrum":
+    def from_blocks(cls, blocks: tuple[Block, ...], scenes: tuple[Any, ...]) -> Spectrum:
         """Return the spectrum of blocks and of their scenes; equal blocks are merged."""
         different: dict[str, int] = {}
         places = [

@@ -1,5 +1,7 @@
 """The [fatigue] table: shakedown, fatigue criterion and Wöhler curve of the material."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, get_args

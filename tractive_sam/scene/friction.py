@@ -1,5 +1,7 @@
 """The [friction] table: the friction law and what it depends on."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator
 from itertools import pairwise

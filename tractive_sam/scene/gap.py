@@ -1,5 +1,7 @@
 """The [gap] table: a measured or worn separation or profile, added to the radii."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

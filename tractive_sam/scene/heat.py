@@ -1,5 +1,7 @@
 """The [heat] table, and the thermal properties of the bodies."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from typing import Any, ClassVar
 

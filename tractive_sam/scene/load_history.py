@@ -1,5 +1,7 @@
 """A measured load history, and the blocks of a load spectrum that are made from it."""
 
+from __future__ import annotations
+
 import csv
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace

@@ -1,5 +1,7 @@
 """The [[observer]] tables: observers of other packages, which follow the records of a scene."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
 

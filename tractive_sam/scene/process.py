@@ -1,5 +1,7 @@
 """The [process] table: a process of another package."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar
 

@@ -1,5 +1,7 @@
 """The scene: all settings of a computation."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterable, Mapping
 from functools import cached_property
@@ -166,17 +168,17 @@ class Scene(Document):
             warn(note, PlausibilityWarning)
 
     @property
-    def blocks(self) -> tuple["Scene", ...]:
+    def blocks(self) -> tuple[Scene, ...]:
         """Scene of each block of [[duty]], in order; without [[duty]] the scene itself."""
         return self._blocks if self.duty else (self,)
 
     @cached_property
-    def _blocks(self) -> tuple["Scene", ...]:
+    def _blocks(self) -> tuple[Scene, ...]:
         """Scene of each block of [[duty]], in order; empty without [[duty]]."""
         return block_scenes(self)
 
     @property
-    def without_blocks(self) -> "Scene":
+    def without_blocks(self) -> Scene:
         """Copy of the scene without [[duty]] and [load_history]; itself if it has no blocks."""
         return self.replace(duty=None, load_history=None) if self.duty else self
 
@@ -186,7 +188,7 @@ class Scene(Document):
         return Spectrum.from_blocks(self.duty, self.blocks) if self.duty else None
 
     @classmethod
-    def from_name(cls, name: str) -> "Scene":
+    def from_name(cls, name: str) -> Scene:
         """Return a scene from a file, given its path, or a built-in one, given its name.
 
         Raises
@@ -197,7 +199,7 @@ class Scene(Document):
         return cls.from_toml(name) if is_path(name) else cls.builtin(name)
 
     @classmethod
-    def builtin(cls, name: str) -> "Scene":
+    def builtin(cls, name: str) -> Scene:
         """Return a built-in scene, by one of the names of `builtin_names`.
 
         Raises
@@ -222,7 +224,7 @@ class Scene(Document):
         """
         return hash_settings(self.settings(), without=("title", "load_history"))
 
-    def replace(self, **changes: Any) -> "Scene":
+    def replace(self, **changes: Any) -> Scene:
         """Return a new scene with entries changed by dotted key: ``**{"load.normal": 200.0}``.
 
         Tables may be given as well. A change may remove other keys, see `override`.
@@ -235,7 +237,7 @@ class Scene(Document):
         plain = {k: v.entries() if isinstance(v, Table) else v for k, v in changes.items()}
         return type(self)(**override(self.entries(), plain))
 
-    def with_set(self, settings: Iterable[str]) -> "Scene":
+    def with_set(self, settings: Iterable[str]) -> Scene:
         """Return a new scene with settings like ``load.normal=200`` or ``friction.mu=[0.4, 0.2]``.
 
         Raises
@@ -279,7 +281,7 @@ class Scene(Document):
         return Turns.from_radii(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
     @property
-    def under_largest_load(self) -> "Scene":
+    def under_largest_load(self) -> Scene:
         """Steady scene under the largest load of a [transient], from which the mesh follows."""
         return self.schedule.under_largest_load(self)
 

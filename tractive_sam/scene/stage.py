@@ -4,6 +4,8 @@ A course is a list of values of a key at the knots of the distance, linear betwe
 knots are a jump.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Literal
 

@@ -3,6 +3,8 @@
 Units mm, N, MPa, degrees, revolutions.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal, TypeVar

@@ -3,6 +3,8 @@
 See `stage` for courses.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from itertools import pairwise

@@ -1,5 +1,7 @@
 """The [wear] table: the wear law, its coefficients and the revolutions."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, get_args

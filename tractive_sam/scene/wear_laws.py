@@ -1,5 +1,7 @@
 """Wear laws of a scene: their coefficients, points and published sets of coefficients."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal

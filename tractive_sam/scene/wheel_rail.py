@@ -1,5 +1,7 @@
 """A wheel on a rail: its patches, and what follows from them for the other tables of a scene."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -60,7 +62,7 @@ class WheelRail:
     @classmethod
     def from_tables(
         cls, wheel: WheelTable, rail: RailTable, wheelset: WheelsetTable, e_star: float
-    ) -> "WheelRail":
+    ) -> WheelRail:
         """Place the wheel of three tables on the rail, and find its contact patches.
 
         Raises
@@ -71,14 +73,14 @@ class WheelRail:
         return _find(wheel.curve, wheel.radius, rail.curve, wheelset, e_star)
 
     @classmethod
-    def from_scene(cls, scene: Any) -> "WheelRail":
+    def from_scene(cls, scene: Any) -> WheelRail:
         """Place the wheel of a scene on its rail, and find its contact patches."""
         if scene.wheelset is None:
             raise ValueError("the scene has no [wheel], [rail] and [wheelset]")
         return cls.from_tables(scene.wheel, scene.rail, scene.wheelset, scene.material.E_star)
 
     @classmethod
-    def of_profiles(cls, scene: Any, wheel: Profile, rail: Profile) -> "WheelRail":
+    def of_profiles(cls, scene: Any, wheel: Profile, rail: Profile) -> WheelRail:
         """Place other profiles at the wheelset position of a scene, and find their patches.
 
         Parameters

@@ -1,5 +1,7 @@
 """The tables [wheel], [rail] and [wheelset]: profiles, and the position of a wheelset."""
 
+from __future__ import annotations
+
 import math
 import os
 from collections.abc import Iterator

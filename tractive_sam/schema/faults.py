@@ -1,5 +1,7 @@
 """Faults of a document, and the errors and warnings that report them."""
 
+from __future__ import annotations
+
 import difflib
 import inspect
 import re
@@ -37,7 +39,7 @@ class Fault:
     def __str__(self) -> str:
         return f"{self.key}: given {self.given}; allowed: {self.allowed}"
 
-    def under(self, table: str) -> "Fault":
+    def under(self, table: str) -> Fault:
         """Return the fault with its key prefixed by the name of an outer table.
 
         A fault of a complete document becomes one of the table that names the document.
@@ -46,7 +48,7 @@ class Fault:
             self, key=table if self.key in (self.FILE, self.SCENE) else f"{table}.{self.key}"
         )
 
-    def at(self, array: str, place: int) -> "Fault":
+    def at(self, array: str, place: int) -> Fault:
         """Return the fault with an index after the name of an array: ``duty[0]`` for ``duty``."""
         return replace(self, key=self.key.replace(array, f"{array}[{place}]", 1))
 

@@ -1,5 +1,7 @@
 """The design of a study: a scene and the keys that vary in it, checked together."""
 
+from __future__ import annotations
+
 import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,5 +1,7 @@
 """Stress of bodies in layers of the mesh, one after another."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Stress on the planes that a scene names."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 
 import numpy as np

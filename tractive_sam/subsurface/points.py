@@ -1,5 +1,7 @@
 """Stress at points, and along the path of a material point."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

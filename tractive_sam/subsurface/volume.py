@@ -1,5 +1,7 @@
 """Stress in a volume, layer by layer."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

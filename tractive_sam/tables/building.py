@@ -1,5 +1,7 @@
 """Build a table of creep forces, in this process or on workers."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from os import PathLike

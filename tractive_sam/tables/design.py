@@ -1,5 +1,7 @@
 """The design of a table of creep forces."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator
 from functools import cached_property
