@@ -1,6 +1,7 @@
 """Settings of all tests. The package is not imported here: coverage has not begun yet."""
 
 import functools
+import gc
 import os
 from importlib import import_module
 from pathlib import Path
@@ -33,6 +34,12 @@ def pytest_configure(config):
     for name in TERMINAL_VARIABLES:
         os.environ.pop(name, None)
     config.pluginmanager.register(cpu_time.CpuTime(config))
+
+
+def pytest_collection_finish():
+    """Let garbage collections pass over the tests and modules: they stay until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

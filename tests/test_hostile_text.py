@@ -238,7 +238,8 @@ def test_results(results, places, tmp_path, without_plotly, record_property):
     assert {("scene", None, ()), ("scene", "message", ()), ("scene", "status", ())} <= set(found)
     assert ("/history", layout.USER, (0, "unit")) in {(f"/{n}", k, at) for n, k, at in found}
     record_property("shown", len(found) * len(HOSTILE))
-    for text in HOSTILE:
+    commands = ((), check_terminal), (("--json",), json.loads), (("--csv",), check_csv)
+    for number, text in enumerate(HOSTILE):
         history = open_hostile(results, path, found, text)
         check_page(pages.report(history, page).read_text("utf-8"), harmless)
         assert Elements(history._repr_html_()).found <= {
@@ -246,9 +247,8 @@ def test_results(results, places, tmp_path, without_plotly, record_property):
             ("img", "alt", "src", "width"),
         }  # fmt: skip
         check_terminal(repr(history))
-        called("show", path)
-        json.loads(called("show", path, "--json"))
-        check_csv(called("show", path, "--csv"))
+        options, check = commands[number % len(commands)]
+        check(called("show", path, *options))
     for number, place in enumerate(places.refused):
         path.write_bytes(results.read_bytes())
         with suppress(SceneError):

@@ -2,9 +2,11 @@
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -94,9 +96,9 @@ def test_nothing_to_resume_is_a_new_roll(tmp_path):
     assert len(roll(short, tmp_path / "a.h5", resume=True)) == 2
 
 
-def test_another_scene_is_refused(tmp_path):
-    path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
-    before = roll(short, path)
+def test_another_scene_is_refused(worn_once):
+    path, short = worn_once
+    before = open_history(path)
     with pytest.raises(ResultsError, match=r"load\.normal.*300\.0.*200\.0"):
         roll(short.with_set(["load.normal=200.0"]), path, resume=True)
     with pytest.raises(ResultsError, match=r"grid|elements"):
@@ -129,10 +131,19 @@ def test_what_holds_anyway_may_be_reported(tmp_path):
     assert roll(reported, path, resume=True).finished
 
 
-@pytest.mark.parametrize(("name", "value"), [("jump", 0.5), ("jump", np.nan), ("approach", np.inf)])
-def test_a_record_that_cannot_be_is_reported(tmp_path, name, value):
-    path, short = tmp_path / "a.h5", coarse("wear.revolutions=1", "wear.save=[1]")
+@pytest.fixture(scope="module")
+def worn_once(tmp_path_factory):
+    """Return the path of a results file of one revolution, which tests copy, and its scene."""
+    path = tmp_path_factory.mktemp("worn") / "a.h5"
+    short = coarse("wear.revolutions=1", "wear.save=[1]")
     roll(short, path)
+    return path, short
+
+
+@pytest.mark.parametrize(("name", "value"), [("jump", 0.5), ("jump", np.nan), ("approach", np.inf)])
+def test_a_record_that_cannot_be_is_reported(worn_once, tmp_path, name, value):
+    stored, short = worn_once
+    path = Path(shutil.copy(stored, tmp_path))
     with h5py.File(path, "r+") as file:
         file["history"][name][-1] = value
     with pytest.raises(ResultsError, match=f"damaged.*{name}"):

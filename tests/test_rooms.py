@@ -3,6 +3,7 @@
 import ast
 import re
 import tomllib
+from functools import cache
 from pathlib import Path
 from pkgutil import iter_modules
 
@@ -45,6 +46,7 @@ def test_what_has_a_room_of_its_own():
     }
 
 
+@cache
 def lets_out(room):
     """The names that a room's door has."""
     doors = (PACKAGE / room).glob("__init__.py*")

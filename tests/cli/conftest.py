@@ -1,4 +1,6 @@
+import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -49,16 +51,22 @@ def make_record(number, scene=SCENE):
     return Record(make_values(number + 0.5, number, names, len(GRID.y)), names, fields)
 
 
-@pytest.fixture
-def stored(folder):
-    """A results file of thirty records."""
-    path = folder / "stored.h5"
+@pytest.fixture(scope="session")
+def thirty_records(tmp_path_factory):
+    """Return the path of a results file of thirty records, which tests copy."""
+    path = tmp_path_factory.mktemp("stored") / "stored.h5"
     with HistoryWriter(path, SCENE, GRID) as writer:
         for number in range(30):
             record = make_record(number)
             writer.append(record if number in (0, 29) else replace(record, fields={}))
         writer.finish("done", "as asked")
     return path
+
+
+@pytest.fixture
+def stored(folder, thirty_records):
+    """Return the path of a results file of thirty records, which a test may change."""
+    return Path(shutil.copy(thirty_records, folder))
 
 
 @pytest.fixture

@@ -69,10 +69,10 @@ def test_unreadable_results(call, folder, command):
 
 @pytest.mark.usefixtures("empty_pictures")
 def test_plot(call, stored, folder):
-    result = call("plot", stored)
+    result = call("plot", stored, "--animate")
     assert result.exit_code == 0
     files = {path.name for path in (folder / "stored-figures").iterdir()}
-    assert {"pressure-29.png", "forces.png"} <= files
+    assert {"pressure-29.png", "forces.png", "evolution.gif"} <= files
     assert len(result.stdout.splitlines()) == len(files)
 
 
@@ -81,12 +81,6 @@ def test_plot_elsewhere_in_another_format(call, stored, monkeypatch):
     monkeypatch.setattr(plot, "save_all", lambda *to, **look: requested.append(to[1:]) or ["a.svg"])
     assert call("plot", stored, "-o", "here", "--format", "svg").stdout == "a.svg\n"
     assert requested == [(Path("here"), "svg")]
-
-
-@pytest.mark.usefixtures("empty_pictures")
-def test_plot_with_an_animation(call, stored, folder):
-    assert call("plot", stored, "--animate").exit_code == 0
-    assert (folder / "stored-figures" / "evolution.gif").stat().st_size
 
 
 def test_plot_that_cannot_be_written(call, stored):

@@ -1,4 +1,5 @@
 import csv
+import shutil
 
 import pytest
 
@@ -25,6 +26,15 @@ def file(folder):
     path = folder / "study.toml"
     path.write_text(SMALL)
     return path
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Return the folder of a complete study, which tests copy."""
+    folder = tmp_path_factory.mktemp("study")
+    (folder / "study.toml").write_text(SMALL)
+    ts.study(folder / "study.toml", folder / "done", workers=0)
+    return folder / "done"
 
 
 def test_study_and_its_table(call, file):
@@ -174,8 +184,8 @@ def test_every_fault_of_a_study_is_reported(call, folder):
         (["done", "--csv", "no/folder/a.csv"], "cannot be written"),
     ],
 )
-def test_bad_show(call, file, arguments, reported):
-    call("study", file, "-o", "done", "--workers", "0")
+def test_bad_show(call, folder, done, arguments, reported):
+    shutil.copytree(done, folder / "done")
     result = call("study-show", *arguments)
     assert result.exit_code == 2
     assert reported in result.stderr

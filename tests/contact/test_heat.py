@@ -330,7 +330,9 @@ def test_wear_answers_to_the_temperature(cold):
     )
 
 
-@pytest.mark.parametrize("stepping", ["adaptive", "every-revolution"])
+@pytest.mark.parametrize(
+    "stepping", [pytest.param("adaptive", marks=pytest.mark.slow), "every-revolution"]
+)
 def test_wear_that_answers_to_the_temperature_resumes(cold, tmp_path, stepping):
     wear = {"intensity": 1e-8, "revolutions": 12, "save": [0, 4, 12], "stepping": stepping}
     scene = cold.replace(wear=wear | {"temperature": [[20.0, 1.0], [400.0, 5.0]]})

@@ -88,7 +88,14 @@ def test_its_energy_is_the_work_of_friction(name):
     np.testing.assert_allclose(np.diff(total), steps, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "worn",
+        "transient",
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("duty", "shift")),
+    ],
+)
 def test_a_resumed_run_is_the_uninterrupted_one(name, tmp_path):
     scene, path = SCENES[name], tmp_path / "a.h5"
     whole = ts.roll(scene)

@@ -88,7 +88,7 @@ def test_rate_is_that_of_the_temperature(method):
     assert 1.1 * law.k0 * hot.heat.bulks["A"] < rate < law.k0 * history["temperature_max"][-1]
 
 
-@pytest.mark.parametrize("law", [RunningIn(), Decaying()])
+@pytest.mark.parametrize("law", [RunningIn(), pytest.param(Decaying(), marks=pytest.mark.slow)])
 def test_resumed_run_is_the_whole_one(tmp_path, law):
     half = DISCS.with_set([f"wear.revolutions={LAST // 2}", f"wear.save=[{LAST // 2}]"])
     whole = DISCS.with_set([f"wear.save=[{LAST // 2}, {LAST}]"])

@@ -203,10 +203,10 @@ def find_critical_value(cycle, sum_k, product_k):
 def test_the_critical_plane_is_that_of_brute_force(sum_k, product_k):
     """Random cycles, components out of phase, and stress below lines, with many close maxima."""
     turn = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)[None, :, None]
-    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 4))
-    out_of_phase = mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 4)) * turn + 9.0 * phase)
+    mean, amplitude, phase = RNG.normal(size=(3, 6, 1, 2))
+    out_of_phase = mean + amplitude * np.sin(RNG.integers(1, 3, (6, 1, 2)) * turn + 9.0 * phase)
     below_lines = line(0.3, [0.1, 0.5], points=15)
-    for cycles in (random_cycles(4, 5), random_cycles(4), out_of_phase, below_lines):
+    for cycles in (random_cycles(2, 5), random_cycles(2), out_of_phase, below_lines):
         found = np.empty(cycles.shape[2])
         critical_plane.critical_plane(found, to_paths(cycles), sum_k, product_k)
         searched = [find_critical_value(one, sum_k, product_k) for one in np.moveaxis(cycles, 2, 0)]

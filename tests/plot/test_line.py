@@ -42,7 +42,7 @@ def test_pressures_of_the_stored_revolutions(history):
 
 
 def test_numbers_are_labelled_per_length(history):
-    (axes,) = render(plot.compare({"one": history}, "Qx")).axes
+    (axes,) = plot.compare({"one": history}, "Qx").axes
     assert axes.get_ylabel().endswith("per length (N/mm)")
     both = {"line": history, "other": strips.history()}
     assert plot.compare(both, "Qx_over_P").axes

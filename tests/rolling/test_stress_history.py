@@ -93,7 +93,11 @@ def test_fretting_of_a_cylinder_is_that_of_the_closed_form(cycled):
 
 @pytest.mark.parametrize(
     "criterion",
-    ["dang-van", pytest.param("findley", marks=pytest.mark.slow), "orthogonal-shear"],
+    [
+        "dang-van",
+        pytest.param("findley", marks=pytest.mark.slow),
+        pytest.param("orthogonal-shear", marks=pytest.mark.slow),
+    ],
 )
 def test_a_steady_transient_has_the_utilisation_of_steady_rolling(criterion):
     fatigue = {"criterion": criterion, "limit": 250.0, "shear_yield": 300.0, "elements": 8}
@@ -143,6 +147,7 @@ def test_a_longer_history_has_no_smaller_ball():
     assert history["damage"][-1, 0] == pytest.approx(1.0 / life)
 
 
+@pytest.mark.slow
 def test_what_is_stored_does_not_change_it():
     few, many = (
         ts.roll(fretting(CROSSLAND | SHORT, save=save)) for save in ([3.0], [0.05, 1.0, 1.55, 3.0])

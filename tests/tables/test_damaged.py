@@ -137,6 +137,11 @@ def test_attributes(steel, name, value):
         file.attrs[name] = value
     with pytest.raises(ResultsError, match=re.escape(str(steel))):
         ts.open_table(steel)
+
+
+def test_a_damaged_table_ends_the_command_as_invalid_input(steel):
+    with h5py.File(steel, "r+") as file:
+        file.attrs["axes"] = ""
     assert CliRunner().invoke(app, ["show", str(steel)]).exit_code == 2
 
 
