@@ -106,9 +106,8 @@ class Operators:
         along[1:-1] *= 2.0
         return np.ascontiguousarray(along.T)
 
-    @cached_property
     def _slip_spectra(self) -> np.ndarray:
-        """Spectra of the entries (11, 12, 22) of D_tt, from tractions to slip."""
+        """Return the spectra of the entries (11, 12, 22) of D_tt, from tractions to slip."""
         entries = self._tangential(*(self._slip(k) for k in ("xx", "xy", "yy")))
         return self._per_slip * np.stack(entries)
 
@@ -144,7 +143,7 @@ class Operators:
     @cached_property
     def slip(self) -> Convolution:
         """Operator D_tt from tangential tractions to slip at the leading faces of the elements."""
-        return self._convolution(self._slip_spectra)
+        return self._convolution(self._slip_spectra())
 
     @cached_property
     def self_influence(self) -> Entries:
@@ -212,7 +211,7 @@ class Operators:
     def coupled(self) -> Convolution:
         """Operator from pressure and tractions to (gap, slip), including A_nt and D_tn."""
         drag = [self._per_slip * self._slip(k) for k in ("xz", "yz")]
-        return self._with_pressure(drag, self._slip_spectra)
+        return self._with_pressure(drag, self._slip_spectra())
 
     @cached_property
     def coupled_displacement(self) -> Convolution:
