@@ -32,7 +32,7 @@ def contact_bytes(model: Model) -> float:
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     krylov = 25 if elements >= NEARBY.gmres_from else 3 * NEARBY.krylov
     spectra = 1.5 * (9 if fields == 3 else 3)
-    block = 8.0 * (padded * (spectra + 3.75 * fields + 7) + krylov * fields * elements)
+    block = 8.0 * (padded * (spectra + 3.75 * fields + 5) + krylov * fields * elements)
     observers = process_of(model).following
     return block * len(model.blocks) + sum(observer.bytes_needed(model) for observer in observers)
 
