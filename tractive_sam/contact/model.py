@@ -132,14 +132,11 @@ class Model:
 
     @property
     def shares_load(self) -> bool:
-        """Whether the patches of a wheel carry its load together.
+        """Whether the patches of a wheel carry its load together, at a depth to be found.
 
-        The normal force of a single patch is prescribed directly.
+        A single patch, too: the gap in an inclined plane depends on the depth.
         """
-        wheelset = self.scene.wheelset
-        if self.wheel_rail is None or wheelset is None or self.wheel_depth is not None:
-            return False
-        return wheelset.load is not None or len(self.wheel_rail.patches) > 1
+        return self.wheel_rail is not None and self.wheel_depth is None
 
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
