@@ -96,16 +96,18 @@ def _compute(
 
 
 def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> None:
-    """Print the last record (all quantities if `verbose`), the load, and notes not yet printed."""
+    """Print the last record (or all patches), the load, and notes; `verbose` for all quantities."""
     from tractive_sam.cli import tables
     from tractive_sam.results import caveats, describe_balances
 
     if not (history.finished or history.status == "inaccurate"):
         print_message(("not a solution: ", "bold red"), "the computation ended at the last record")
     if len(history):
+        if not history.scene.schedule.in_sequence:  # all patches of a wheel
+            console().print(tables.record_table(history))
         if verbose:
             console().print(tables.last_record(history, solver=True))
-        else:
+        elif history.scene.schedule.in_sequence:
             console().print(tables.main_results(history))
         console().print(tables.load_table(history))
     for text in describe_balances(history, only_if_open=True).values():

@@ -45,7 +45,8 @@ def select_columns(columns: Collection[str], creepages: bool = False) -> list[Co
     Parameters
     ----------
     columns : collection of str
-        Columns of the history; shifts of a transient replace the half widths.
+        Columns of the history; shifts of a transient replace the half widths, and patches of a
+        wheel have their place and forces.
     creepages : bool
         Whether to print the creepages, which follow from prescribed forces.
     """
@@ -67,6 +68,10 @@ def select_columns(columns: Collection[str], creepages: bool = False) -> list[Co
     shown_creepages = creepage_columns if creepages else ()
     if "shift_x" in columns:
         return [*forces, *shown_creepages, pressures[0], *shifts, pressures[1], *ends]
+    if "contact_angle" in columns:
+        patch = (Column("contact_y", "y\nmm", ".5g"), Column("contact_angle", "angle\ndeg", ".2f"))
+        newtons = (Column(name, f"{name}\nN", "z.0f") for name in ("P", "Qx", "Qy"))
+        return [*patch, *newtons, pressures[0], *widths, *ends]
     return [*forces, *shown_creepages, *pressures, *widths, *ends]
 
 

@@ -123,6 +123,9 @@ class ContactMap:
         """Add a colour bar next to the map."""
         bottom = MapLayout.current().bottom
         axes = add_bar_axes(self.figure, self.left + self.frame.width, bottom, self.frame.height)
+        length = 0.07 * current_options().font_scale * len(label.replace("$", ""))  # inches
+        if length > self.frame.height:  # the title of the map names the quantity, too
+            label = label[max(label.find("$"), 0) :]
         self.figure.colorbar(mesh, cax=axes, label=label)
         power = axes.yaxis.get_offset_text()  # away from the map's title and the label
         power.set(x=0.5, horizontalalignment="center")

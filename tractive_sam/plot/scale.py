@@ -7,6 +7,7 @@ from typing import Self
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.plot.options import current_options
 from tractive_sam.results import History, State
+from tractive_sam.scene import Scene
 
 
 @renamed_attributes(of_contact="from_contact", of_history="from_history", told="note")
@@ -24,7 +25,8 @@ class Scale:
         Whether they belong to the unworn contact by Hertz; else to the first contact that was
         computed.
     units : str
-        "hertz" if figures divide by them; "si-mm" if lengths are in mm and pressures in MPa.
+        "hertz" if figures divide by them; "si-mm" if lengths are in mm and pressures in MPa, as for
+        every wheel: its patches are no Hertz contacts.
 
     Examples
     --------
@@ -41,19 +43,25 @@ class Scale:
     @classmethod
     def from_contact(cls, contact: State) -> Self:
         """Return the scale of a contact: half widths and pressure by Hertz, or else its values."""
-        hertz = contact.scene.hertz
-        if hertz is not None:
-            return cls(hertz.a, hertz.b, hertz.p0, hertz=True)
-        return cls(contact.half_width_x, contact.half_width_y, contact.p_max, hertz=False)
+        values = contact.half_width_x, contact.half_width_y, contact.p_max
+        return cls._from_scene(contact.scene, values)
 
     @classmethod
     def from_history(cls, history: History) -> Self:
         """Return the scale of a history: Hertz's values, or values of its first contact."""
-        if math.isfinite(history.p0):
-            return cls(history.a0, history.b0, history.p0, hertz=True)
         names = ("half_width_x", "half_width_y", "p_max")
         a, b, p = (float(history[name][0]) for name in names)
-        return cls(a, b, p, hertz=False)
+        return cls._from_scene(history.scene, (a, b, p))
+
+    @classmethod
+    def _from_scene(cls, scene: Scene, values: tuple[float, float, float]) -> Self:
+        """Return the scale of a scene by Hertz, else these values; mm and MPa with [wheel]."""
+        if scene.wheelset is not None:
+            return cls(*values, hertz=False, units="si-mm")
+        hertz = scene.hertz
+        if hertz is not None:
+            return cls(hertz.a, hertz.b, hertz.p0, hertz=True)
+        return cls(*values, hertz=False)
 
     @property
     def relative(self) -> bool:

@@ -176,7 +176,7 @@ def describe_history(history: Recorded) -> dict[str, str]:
     solves = totals["contact_solves"]
     rows = {
         "unworn contact": f"a0 = {a0:.5g} mm, b0 = {b0:.5g} mm, p0 = {p0:.6g} MPa by Hertz"
-        if math.isfinite(p0)
+        if math.isfinite(p0) and history.scene.wheelset is None
         else "",
         "records": f"{len(history)}, {saved} with fields",
         **describe_load(history.scene),

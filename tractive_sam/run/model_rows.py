@@ -110,7 +110,7 @@ def describe_mesh(model: Model, refinement: RefinedContact | None) -> Iterator[R
         domain += f" around ({', '.join(f'{x:.4g}' for x in grid.centre[: grid.directions])}) mm"
     yield Row("domain", domain)
     yield Row("element", f"{' x '.join(f'{side:.4g}' for side in sides)} mm")
-    if hertz is not None:
+    if hertz is not None and model.patch is None:
         axes = zip(sides, (hertz.a, hertz.b), strict=False)
         across = " x ".join(f"{2 * axis / side:.0f}" for side, axis in axes)
         yield Row("across the unworn contact", f"{across} elements")

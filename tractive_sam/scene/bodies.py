@@ -104,12 +104,13 @@ class Bodies(Table):
         """Yield report rows: moduli and radii of each body, combined modulus and radii."""
         for name, body in (("A", self.A), ("B", self.B)):
             material = body.material
-            radii = f"R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
-            text = f"E = {material.young:g} MPa, nu = {material.poisson:g}, {radii}"
-            yield Row(f"body {name}", text, brief=True)
+            radii = f", R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
+            text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
+            yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
         pair, (radius_x, radius_y) = self.material, self.radii
         yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
-        yield Row("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm")
+        if scene.wheelset is None:
+            yield Row("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm")
 
     @property
     def materials(self) -> dict[str, Material]:

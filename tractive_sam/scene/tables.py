@@ -73,6 +73,8 @@ class Load(Table):
 
         Parameters as in `Table.describe`.
         """
+        if scene.wheelset is not None:
+            return  # reported with the wheelset; its patches are no Hertz contacts
         hertz, unit = scene.hertz, scene.force_unit
         key, value = self.prescribed_key, getattr(self, self.prescribed_key)
         name, unit_of_key = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
