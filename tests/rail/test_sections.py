@@ -84,6 +84,10 @@ def test_a_rail_on_a_ramp_is_touched_ahead(rails):
     patch = scene(ramp, x=0.0).wheel_rail.patches[0]
     expected = -patch.rolling_radius * m / np.hypot(1.0, m)
     assert patch.origin[0] == pytest.approx(expected, rel=2e-3)  # the wheel is a cone
+    # An axle that follows the ramp has no velocity normal to it, and thus no lateral creepage.
+    follows = scene(ramp, x=0.0, slope=m).wheel_rail.patches[0]
+    assert patch.creepages()[1] == pytest.approx(-m * np.sin(patch.angle), rel=0.02)
+    assert follows.creepages()[1] == pytest.approx(0.0, abs=2e-5)
 
 
 def test_position_and_marks_follow_the_track(rails):

@@ -198,12 +198,12 @@ class Patch:
         )
         at = at + np.multiply.outer(self.normal, np.ones((x.size, 1)) * height)
         at = at + np.multiply.outer(np.array([1.0, 0.0, 0.0]), x[:, None] * np.ones(y.size))
-        velocity = np.array([1.0, 0.0, 0.0])[:, None, None] + np.cross(spin, at, axisb=0, axisc=0)
+        velocity = self.wheel.velocity[:, None, None] + np.cross(spin, at, axisb=0, axisc=0)
         return np.stack((velocity[0], np.tensordot(self.lateral, velocity, 1)))
 
     def creepages(self, pitch: float = 0.0) -> tuple[float, float, float]:
         """Return longitudinal and lateral creepage and spin (1/mm) at the patch's origin."""
         axle = -(1.0 + pitch) / self.wheel.radius * self.wheel.turn[:, 1]
-        velocity = np.array([1.0, 0.0, 0.0]) + np.cross(axle, self.origin - self.wheel.centre)
+        velocity = self.wheel.velocity + np.cross(axle, self.origin - self.wheel.centre)
         spin = self.lateral @ np.cross(axle, np.array([1.0, 0.0, 0.0]))
         return float(velocity[0]), float(velocity @ self.lateral), float(spin)

@@ -90,6 +90,8 @@ class Wheel:
         Position of the wheelset: mm, rad, rad.
     z : float
         Depth of the axle below its nominal height, mm.
+    slope : float
+        Slope of the path of the axle, positive downwards.
     """
 
     tape_line = 70.0
@@ -102,6 +104,7 @@ class Wheel:
     yaw: float = 0.0
     roll: float = 0.0
     z: float = 0.0
+    slope: float = 0.0
 
     def mirrored(self) -> Self:
         """Return the left wheel mirrored to a right one: y, yaw and roll change their sign."""
@@ -119,6 +122,11 @@ class Wheel:
     def centre(self) -> Array:
         """Middle of the wheelset's axle in the track frame, mm."""
         return np.array([0.0, self.y, self.z - self.radius])
+
+    @property
+    def velocity(self) -> Array:
+        """Velocity of the axle over the rolling speed, in the track frame."""
+        return np.array([1.0, 0.0, self.slope])
 
     @property
     def datum(self) -> float:

@@ -117,7 +117,9 @@ def _find(
     if rail.steepest and "free" in (wheelset.roll, wheelset.pitch):
         raise ValueError("with sections of the rail, roll and pitch are numbers")
     rail = rail.seen_from(wheelset.x)
-    placed = Wheel(profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw)
+    placed = Wheel(
+        profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw, slope=wheelset.slope
+    )
     free = wheelset.roll == "free"
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
     placed = replace(placed, roll=roll)

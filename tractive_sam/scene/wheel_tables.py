@@ -213,6 +213,9 @@ class WheelsetTable(Table):
         '"free" or a number',
         "free",
     )
+    slope: Real = entry(
+        "slope of the path of the axle along the track, positive downwards", default=0.0
+    )
     load: Positive | None = entry("vertical force on this wheel, N", default=None)
     normal_load: Positive | None = entry("sum of the normal forces of the patches, N", default=None)
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("load", "normal_load"),)
