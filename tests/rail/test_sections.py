@@ -112,7 +112,7 @@ def test_position_and_marks_follow_the_track(rails):
         ({"rail.gauge": 1435.0, "rail.origin": [750.0, 0.0]}, "rail.origin"),
         ({"rail.origin": [750.0]}, "rail.origin"),
         ({"rail.profile": "60E1", "wheelset.x": 5.0}, "wheelset.x"),
-        ({"wheel.profile": "moving.slcs"}, "wheel.profile"),
+        ({"wheel.profile": "missing.slcs"}, "wheel.profile"),
     ],
 )
 def test_keys_that_need_another_rail_are_faults(rails, change, key):
@@ -144,5 +144,5 @@ def test_files_that_are_no_sections_are_faults(tmp_path, text, message):
 
 
 def test_a_locus_needs_one_profile(rails):
-    with pytest.raises(ValueError, match="one profile"):
+    with pytest.raises(ValueError, match="one rail profile"):
         ts.contact_locus(scene(rails("level", lambda x: 0.0, lambda x: 0.0)), [0.0])

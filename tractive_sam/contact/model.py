@@ -130,14 +130,6 @@ class Model:
             return None
         return -required(self.patch, "wheel").lowered(self.wheel_depth).opening
 
-    @property
-    def shares_load(self) -> bool:
-        """Whether the patches of a wheel carry its load together, at a depth to be found.
-
-        A single patch, too: the gap in an inclined plane depends on the depth.
-        """
-        return self.wheel_rail is not None and self.wheel_depth is None
-
     @cached_property
     def blocks(self) -> tuple["Model", ...]:
         """Models to solve: one for each different block of [[duty]], else this model alone."""

@@ -52,7 +52,8 @@ def equilibrium(
     State
         Converged or not: see its status and message.
     """
-    if model.shares_load:
+    # Also a single patch: the gap in an inclined plane depends on the depth of the wheel.
+    if model.wheel_rail is not None and model.wheel_depth is None:
         return max(solve_patches(model, depth, start, tolerance), key=lambda contact: contact.P)
     tolerance = tolerance or model.scene.solver.tolerance
     meter = ConvolutionMeter(model.operators.lattice.padded)

@@ -43,8 +43,8 @@ class Scale:
     @classmethod
     def from_contact(cls, contact: State) -> Self:
         """Return the scale of a contact: half widths and pressure by Hertz, or else its values."""
-        values = contact.half_width_x, contact.half_width_y, contact.p_max
-        return cls._from_scene(contact.scene, values)
+        a, b, p = contact.half_width_x, contact.half_width_y, contact.p_max
+        return cls._from_scene(contact.scene, (a, b, p))
 
     @classmethod
     def from_history(cls, history: History) -> Self:
@@ -59,9 +59,9 @@ class Scale:
         if scene.wheelset is not None:
             return cls(*values, hertz=False, units="si-mm")
         hertz = scene.hertz
-        if hertz is not None:
-            return cls(hertz.a, hertz.b, hertz.p0, hertz=True)
-        return cls(*values, hertz=False)
+        if hertz is None:
+            return cls(*values, hertz=False)
+        return cls(hertz.a, hertz.b, hertz.p0, hertz=True)
 
     @property
     def relative(self) -> bool:

@@ -8,6 +8,7 @@ from .contact import find_contact_points as find_contact_points
 from .contact import find_patches as find_patches
 from .contact import free_roll as free_roll
 from .contact import lowest_gap as lowest_gap
+from .files import SECTIONS as SECTIONS
 from .files import SUFFIXES as SUFFIXES
 from .files import UNITS as UNITS
 from .files import ProfileError as ProfileError

@@ -12,7 +12,10 @@ from tractive_sam.input_file import read_text
 
 from .profile import Array, Profile
 
-SUFFIXES = (".prw", ".prr", ".wheel", ".rail", ".whl", ".ban", ".csv", ".txt", ".dat")
+SECTIONS = ".slcs"
+"""Suffix of a file of sections of a rail."""
+
+SUFFIXES = (".prw", ".prr", ".wheel", ".rail", ".whl", ".ban", ".csv", ".txt", ".dat", SECTIONS)
 """Suffixes of profile files. All are text with a point on each line; other lines are skipped."""
 
 UNITS = {"mm": 1.0, "m": 1e3, "in": 25.4}

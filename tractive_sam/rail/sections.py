@@ -84,14 +84,11 @@ class RailSections:
 
     def _at(self, x: Array, number: Array) -> tuple[Array, Array]:
         """Return points (..., 2) and their derivatives by the number of a point, cubic in it."""
-        coefficients, x = self._along.c, np.clip(x, self.x[0], self.x[-1])
+        c, x = self._along.c, np.clip(x, self.x[0], self.x[-1])  # coefficients by power
         before = np.clip(np.searchsorted(self.x, x) - 1, 0, self.x.size - 2)
         k = np.minimum(number.astype(int), self.points.shape[1] - 2)
         beyond, t = (x - self.x[before])[..., None], (number - k)[..., None]
-        first, second = (
-            sum(coefficients[3 - power, before, node] * beyond**power for power in range(4))
-            for node in (k, k + 1)
-        )
+        first, second = (sum(c[3 - n, before, j] * beyond**n for n in range(4)) for j in (k, k + 1))
         a, da, b, db = first[..., :2], first[..., 2:], second[..., :2], second[..., 2:]
         cubic, square = da + db - 2.0 * (b - a), 3.0 * (b - a) - 2.0 * da - db
         points = a + t * (da + t * (square + t * cubic))
@@ -100,15 +97,11 @@ class RailSections:
     def section(self, x: float) -> Profile:
         """Return the cross-section at a position along the track, mm."""
         if x not in self._sections:
-            points, tangents = self._at(np.full(self.points.shape[1], x), self._numbers)
+            numbers = np.arange(float(self.points.shape[1]))
+            points, tangents = self._at(np.full(numbers.shape, x), numbers)
             tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
             self._sections[x] = Profile(arc_lengths(points, tangents), points, tangents)
         return self._sections[x]
-
-    @property
-    def _numbers(self) -> Array:
-        """Numbers of the points of a section."""
-        return np.arange(self.points.shape[1], dtype=float)
 
     def across(
         self,
@@ -136,7 +129,7 @@ class RailSections:
         for _ in range(3):
             slope = np.maximum(tangents @ axis, 0.01)
             number = number - ((points - origin) @ axis - v) / slope
-            number = np.clip(number, 0.0, self._numbers[-1])
+            number = np.clip(number, 0.0, self.points.shape[1] - 1.0)
             points, tangents = self._at(along, number)
         return points, np.arctan2(tangents[..., 1], tangents[..., 0]), number
 
@@ -176,8 +169,6 @@ def read_sections(path: str | PathLike[str], read: Callable[[Path], Profile]) ->
         lines = (re.split("[%!]", line)[0].strip() for line in text.splitlines())
         entries = [re.findall(r"'[^']*'|[^\s,]+", line) for line in lines if line]
         return _from_lines(entries, Path(path).parent, read)
-    except ProfileError:
-        raise
     except (OSError, ValueError) as error:
         raise ProfileError(f"{path}: cannot be read: {error}") from None
     except IndexError:

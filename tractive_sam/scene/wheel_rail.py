@@ -155,9 +155,7 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
     (2, 3)
     """
     if scene.wheelset is None or scene.rail.has_sections:
-        raise ValueError(
-            "contact_locus: a scene with [wheel], [rail] of one profile, and [wheelset] is needed"
-        )
+        raise ValueError("contact_locus: a scene with [wheelset], and one rail profile, is needed")
     wheelset = scene.wheelset
     wheel = Wheel(scene.wheel.curve, scene.wheel.radius, wheelset.inner, yaw=1e-3 * wheelset.yaw)
     roll = None if scene.wheelset.roll == "free" else 1e-3 * scene.wheelset.roll

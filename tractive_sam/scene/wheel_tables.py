@@ -13,6 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from tractive_sam.rail import (
     BUILTIN,
+    SECTIONS,
     SUFFIXES,
     Profile,
     Rail,
@@ -26,18 +27,15 @@ from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactl
 from .gap import absolute_path, check_exists
 from .schedule import PatchSchedule, Schedule
 
-SECTIONS = ".slcs"
-"""Suffix of a file of sections of a rail."""
 
-
-def _check_profile(name: str, built_in: tuple[str, ...], suffixes: tuple[str, ...]) -> str:
+def _check_profile(name: str, built_in: tuple[str, ...]) -> str:
     """Return a built-in name unchanged, or the absolute path of an existing profile file."""
     if name in built_in:
         return name
     listed = " or ".join(built_in)
-    if Path(name).suffix not in suffixes:
-        raise ValueError(f"{listed}, or a file ending in {', '.join(suffixes)}")
-    path = absolute_path(Path(name), suffixes)
+    if Path(name).suffix not in SUFFIXES:
+        raise ValueError(f"{listed}, or a file ending in {', '.join(SUFFIXES)}")
+    path = absolute_path(Path(name), SUFFIXES)
     check_exists(path, f"{listed}, or ")
     return str(path)
 
@@ -46,17 +44,9 @@ _Unit = Literal["mm", "m", "in"]
 _NameOrPath = Annotated[
     str, BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value)
 ]
-_WheelProfile = Annotated[
-    _NameOrPath,
-    AfterValidator(partial(_check_profile, built_in=("S1002",), suffixes=SUFFIXES)),
-]
+_WheelProfile = Annotated[_NameOrPath, AfterValidator(partial(_check_profile, built_in=("S1002",)))]
 _RailProfile = Annotated[
-    _NameOrPath,
-    AfterValidator(
-        partial(
-            _check_profile, built_in=("60E1", "UIC60-manchester"), suffixes=(*SUFFIXES, SECTIONS)
-        )
-    ),
+    _NameOrPath, AfterValidator(partial(_check_profile, built_in=("60E1", "UIC60-manchester")))
 ]
 _FreeOrReal = Literal["free"] | Real
 
