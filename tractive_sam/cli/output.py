@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from io import TextIOWrapper
 from pathlib import Path
+from time import monotonic
 from typing import Annotated, Any, TextIO, TypeAlias
 
 import typer
@@ -246,11 +247,18 @@ def report_warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 @contextmanager
 def report_compiling() -> Iterator[None]:
-    """Print a note if the block compiles kernels, as the first run then takes longer."""
+    """Print a note if the block compiles kernels, as in a first run, and their number so far."""
     from tractive_sam.kernels import compiled
 
-    line = "compiling kernels not yet used here: up to 30 seconds; later commands load them"
-    with compiled.notify_compilation(lambda: print_note(line)):
+    interval, next_time = 5.0, 0.0  # seconds
+
+    def report(number: int) -> None:
+        nonlocal next_time
+        if monotonic() >= next_time:
+            next_time = monotonic() + interval
+            print_note(f"compiling kernels, once (later commands load them): number {number}")
+
+    with compiled.notify_compilation(report):
         yield
 
 

@@ -85,23 +85,22 @@ def hash_sources(module: str) -> str:
 
 
 @contextmanager
-def notify_compilation(notify: Callable[[], None]) -> Iterator[None]:
-    """Call a function once if a kernel has to be compiled within the `with` block."""
-    with event.install_listener("numba:compile", _Once(notify)):
+def notify_compilation(notify: Callable[[int], None]) -> Iterator[None]:
+    """Call a function before each compilation in the `with` block, with the number of this one."""
+    with event.install_listener("numba:compile", _Counter(notify)):
         yield
 
 
-class _Once(event.Listener):
-    """Listener that calls a function at the first event only."""
+class _Counter(event.Listener):
+    """Listener that numbers the events, from 1, and calls a function with each number."""
 
-    def __init__(self, notify: Callable[[], None]) -> None:
-        self._notify: Callable[[], None] | None = notify
+    def __init__(self, notify: Callable[[int], None]) -> None:
+        self._notify, self._count = notify, 0
 
     def on_start(self, event: event.Event) -> None:
-        """Call the function when the first compilation starts."""
-        notify, self._notify = self._notify, None
-        if notify is not None:
-            notify()
+        """Call the function with the number of the compilation that starts."""
+        self._count += 1
+        self._notify(self._count)
 
     def on_end(self, event: event.Event) -> None:
         """Do nothing when a compilation ends (required by numba)."""
