@@ -196,7 +196,7 @@ class Results(Output):
         return len(history), history.status
 
     def _differences(self, history: ts.History) -> Iterator[str]:
-        costs = {"seconds", "residual", "operator_applications", "convolutions"}
+        costs = {"seconds", "residual", "operator_applications", "convolutions", "over_application"}
         for name in set(history.of_dims()) - costs:
             wanted = self.history[name][: len(history)]
             if not np.array_equal(history[name], wanted, equal_nan=True):

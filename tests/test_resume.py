@@ -44,6 +44,7 @@ def assert_same(history, wanted, exact=True):
         "residual",
         "operator_applications",
         "convolutions",
+        "over_application",
     }:
         np.testing.assert_allclose(history[name], wanted[name], **close, err_msg=name)
     np.testing.assert_allclose(history["wear_profile_A"], wanted["wear_profile_A"], **close)

@@ -51,3 +51,6 @@ def test_a_history_records_them(tmp_path):
     rolling = {"transient": {"distance": [0.0, 0.1], "step": 0.02}}
     steps = ts.roll(SPHERES.replace(**rolling))
     assert (steps["convolutions"][1:] > 0.0).all()
+    # Convolutions in single precision take no less than a quarter of the time.
+    for one in (history, steps):
+        assert (one["over_application"] > 0.25 * one["convolutions"])[1:].all()

@@ -105,8 +105,8 @@ def last_record(history: "ts.History", solver: bool = False) -> Table:
         Whether to include the quantities of the solver, which the totals summarize.
     """
     hidden: set[str] = set() if solver else {
-        "operator_applications", "convolutions", "jump", "converged", "solves", "seconds",
-        "next_step", "stretch",
+        "operator_applications", "convolutions", "over_application", "jump", "converged", "solves",
+        "seconds", "next_step", "stretch",
     }  # fmt: skip
     return _quantity_table(row for row in format_values(history, -1) if row[0] not in hidden)
 

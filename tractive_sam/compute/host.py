@@ -1,11 +1,13 @@
 """Arrays of NumPy with FFTW and numba: the backend of this machine's processor."""
 
 from collections.abc import Sequence
+from time import perf_counter
 from typing import Any, ClassVar
 
 import numpy as np
 
 from tractive_sam.compute.backend import Places
+from tractive_sam.compute.meter import count_time
 from tractive_sam.compute.tiles import Product, convolver
 from tractive_sam.kernels import friction, spectral
 
@@ -46,8 +48,12 @@ class Host:
         self, fields: np.ndarray, spectra: Sequence[np.ndarray], padded: tuple[int, int]
     ) -> np.ndarray:
         """Return the convolution in the precision of the fields (`Backend.convolve`)."""
-        plan = convolver(len(fields), fields.shape[1:], padded, fields.dtype == np.float32)
-        return plan(fields, spectra, self.products[len(spectra[0])])
+        single = fields.dtype == np.float32
+        plan, began = convolver(len(fields), fields.shape[1:], padded, single), perf_counter()
+        result = plan(fields, spectra, self.products[len(spectra[0])])
+        if not single:
+            count_time(len(fields), padded, began)
+        return result
 
     def project(self, traction: np.ndarray, radius: np.ndarray) -> np.ndarray:
         """Return tractions (2, n_x, n_y), those longer than their radius shortened to it."""

@@ -1,20 +1,35 @@
 """Count all convolutions of a solve: what it costs beside its operator applications."""
 
 from threading import local
+from time import perf_counter
 
 
-class _TransformedPoints(local):
-    """Count of FFT points (fields times padded elements) that this thread has transformed."""
+class _Transformed(local):
+    """FFT points (fields times padded elements) that this thread has transformed.
 
-    points = 0.0
+    Attributes
+    ----------
+    points : float
+        Number of points.
+    timed, seconds : float
+        Points of convolutions in double precision, and the time of these convolutions.
+    """
+
+    points = timed = seconds = 0.0
 
 
-_TRANSFORMED = _TransformedPoints()
+_TRANSFORMED = _Transformed()
 
 
 def count_transform(fields: int, padded: tuple[int, int]) -> None:
     """Add one padded FFT of several fields, forward or backward, to the count of this thread."""
     _TRANSFORMED.points += fields * padded[0] * padded[1]
+
+
+def count_time(fields: int, padded: tuple[int, int], began: float) -> None:
+    """Add the time since `began` to the time of convolutions of this thread in double precision."""
+    _TRANSFORMED.timed += 2 * fields * padded[0] * padded[1]
+    _TRANSFORMED.seconds += perf_counter() - began
 
 
 class ConvolutionMeter:
@@ -32,9 +47,26 @@ class ConvolutionMeter:
 
     def __init__(self, padded: tuple[int, int]) -> None:
         self._unit = 4.0 * padded[0] * padded[1]
-        self._before = _TRANSFORMED.points
+        self._before, self._began = _TRANSFORMED.points, perf_counter()
+        self._timed, self._seconds = _TRANSFORMED.timed, _TRANSFORMED.seconds
 
     @property
     def convolutions(self) -> float:
         """Work since the creation, in applications of the tangential operator (four transforms)."""
         return (_TRANSFORMED.points - self._before) / self._unit
+
+    @property
+    def over_application(self) -> float:
+        """Time since the creation over the time of one tangential application, or nan.
+
+        The time of an application follows from the points of convolutions in double precision since
+        then; nan means that there were none.
+        """
+        timed, seconds = _TRANSFORMED.timed - self._timed, _TRANSFORMED.seconds - self._seconds
+        application = seconds * self._unit / timed if timed else float("nan")
+        return (perf_counter() - self._began) / application
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Both measures by the names of their attributes in `results.Cost`."""
+        return {"convolutions": self.convolutions, "over_application": self.over_application}

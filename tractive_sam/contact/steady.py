@@ -63,7 +63,7 @@ def equilibrium(
         contact = solve_with_heat(
             model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start
         )
-    contact = contact.with_convolutions(meter.convolutions)
+    contact = contact.with_cost(replace(contact.cost, **meter.work))
     few = min(contact.elements_across) < FewestElements.contact and contact.touching.any()
     if check_resolution and contact.converged and few:
         return replace(contact, status=Status.NOT_RESOLVED, note=not_resolved(contact))

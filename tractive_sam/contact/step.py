@@ -121,7 +121,8 @@ class Stepper:
             result, groups = self._with_work(before, inputs, result, motion)
             if self.wear is not None:
                 result = self.wear.add_wear(inputs, result, advection, law, groups)
-        return replace(result, contact=result.contact.with_convolutions(meter.convolutions))
+        contact = result.contact
+        return replace(result, contact=contact.with_cost(replace(contact.cost, **meter.work)))
 
     def _motion(
         self, before: StepResult, inputs: StepInput, advection: Advection

@@ -93,8 +93,8 @@ def _chart(
     """Return one chart as JSON data: title, label of the axis, lines, and whether it comes last."""
     # Columns of the solver; their charts are the last ones.
     solver = {
-        "residual", "operator_applications", "convolutions", "jump", "converged",
-        "solves", "seconds",
+        "residual", "operator_applications", "convolutions", "over_application", "jump",
+        "converged", "solves", "seconds",
     }  # fmt: skip
     units = [format_unit(column.unit) for column in group]
     label = as_html(", ".join(dict.fromkeys(filter(None, units))))

@@ -112,8 +112,7 @@ _SCALARS = (
     Quantity("spin", "1/mm", "spin creepage", attrgetter("spin"), symbol=r"\varphi"),
     Quantity("residual", "1", "relative residual of the contact conditions",
              attrgetter("residual"), format=".0e", over_blocks="largest"),
-    Quantity("dissipation", "N", "frictional work per unit rolling distance, from traction and "
-                                 "slip",
+    Quantity("dissipation", "N", "frictional work per unit rolling distance, by traction and slip",
              attrgetter("dissipation"), per_length=True),
     Quantity("work_supplied", "N", "work of the driving forces per unit rolling distance",
              attrgetter("work_supplied"), per_length=True),
@@ -125,9 +124,10 @@ _SCALARS = (
              attrgetter("worn_area"), per_length=True),
     Quantity("operator_applications", "1", "applications of elastic operators",
              attrgetter("cost.applications"), over_blocks="sum"),
-    Quantity("convolutions", "1", "convolutions of all solutions, in units of one tangential "
-                                  "application",
+    Quantity("convolutions", "1", "convolutions, in units of one tangential application",
              attrgetter("cost.convolutions"), over_blocks="sum"),
+    Quantity("over_application", "1", "time of solution over that of one tangential application",
+             attrgetter("cost.over_application"), over_blocks="sum"),
     Quantity("jump", "1", "number of revolutions in the next step", format="d"),
     Quantity("converged", "1", "1 if the contact conditions hold to the tolerance",
              partial(read_number, "converged"), format="d", over_blocks="smallest"),

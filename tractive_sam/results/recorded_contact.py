@@ -39,7 +39,7 @@ def contact_of(history: Recorded, row: int, fields: Mapping[str, np.ndarray]) ->
         status=Status.CONVERGED if solved else _reason(history.status),
         note="" if solved else history.message,
         residual=number["residual"],
-        cost=Cost(number["operator_applications"], convolutions=number["convolutions"]),
+        cost=_recorded_cost(number),
         revolution=int(number.get("revolution", 0)),
         volumes=_volumes(history, row),
         frame=history.frame,
@@ -55,6 +55,12 @@ def contact_of(history: Recorded, row: int, fields: Mapping[str, np.ndarray]) ->
         temperatures = FlashTemperature(history.grid, contact.touching, warm, flux)
         contact = replace(contact, heat=temperatures)
     return contact if "sliding" in fields else contact.with_sliding_by_traction()
+
+
+def _recorded_cost(number: Mapping[str, float]) -> Cost:
+    """Return the cost of a record; applications of preconditioners are not stored."""
+    convolutions, over_application = number["convolutions"], number["over_application"]
+    return Cost(number["operator_applications"], 0.0, convolutions, over_application)
 
 
 def _volumes(history: Recorded, row: int) -> dict[str, float] | None:

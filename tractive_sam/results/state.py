@@ -271,10 +271,6 @@ class State:
         """Return a copy of the contact with another computational cost."""
         return replace(self, cost=cost)
 
-    def with_convolutions(self, number: float) -> "State":
-        """Return a copy of the contact with the number of convolutions of its solve."""
-        return replace(self, cost=replace(self.cost, convolutions=number))
-
     @property
     def friction_varies(self) -> bool:
         """Whether the bound of the traction differs from the pressure in some elements.

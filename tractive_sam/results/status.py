@@ -1,7 +1,8 @@
 """The status and the cost of a solve."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, field
 from enum import StrEnum
+from operator import add
 
 
 class Status(StrEnum):
@@ -17,7 +18,7 @@ class Status(StrEnum):
 
 @dataclass(frozen=True)
 class Cost:
-    """Computational cost of a solve, in counts that do not depend on the machine.
+    """Computational cost of a solve, in counts that do not depend on the machine, and its time.
 
     Attributes
     ----------
@@ -30,21 +31,19 @@ class Cost:
     convolutions : float
         All padded transforms of the solve, of operators and preconditioners, over the number in one
         application of the tangential operator on the mesh (`compute.meter`).
+    over_application : float
+        Time of the solve over the time of such an application, measured in the solve. The first
+        solve on a mesh also plans its transforms. It is not compared.
     """
 
     applications: float = 0.0
     preconditioner: float = 0.0
     convolutions: float = 0.0
+    over_application: float = field(default=0.0, compare=False)
 
     def __add__(self, other: "Cost") -> "Cost":
-        return Cost(
-            self.applications + other.applications,
-            self.preconditioner + other.preconditioner,
-            self.convolutions + other.convolutions,
-        )
+        return Cost(*map(add, astuple(self), astuple(other)))
 
     def scaled(self, share: float) -> "Cost":
         """Return the cost multiplied by a share, for work on a coarser mesh."""
-        return Cost(
-            share * self.applications, share * self.preconditioner, share * self.convolutions
-        )
+        return Cost(*(share * part for part in astuple(self)))
