@@ -366,6 +366,9 @@ class Coulomb(FrictionLaw):
         return Bound(pressure, 1.0)
 
 
+Map = Callable[[np.ndarray], np.ndarray]
+
+
 @dataclass(frozen=True, eq=False)
 class Linearisation:
     """A friction law linearised at a state, element by element; vectors in the scaled frame.
@@ -427,122 +430,64 @@ class Linearisation:
             out -= self.falling.change(slip, self.contact) * self.direction
 
     def upwind_inverse(
-        self, self_influence: tuple[float, float, float], stiffness: np.ndarray
-    ) -> "UpwindInverse":
-        """Return the approximate inverse of the equations of steady rolling.
+        self, D: tuple[float, float, float], inverse: Map, stiffness: np.ndarray
+    ) -> Map:
+        """Return the approximate inverse of the equations of steady rolling, by an upwind sweep.
+
+        D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum
+        from the leading edge, at which the traction is zero. This is sufficient in stick elements.
+        The equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction,
+        which may be much larger: the right-hand side is divided between both in proportion, and the
+        sum includes gamma implicitly.
 
         Parameters
         ----------
-        self_influence : tuple of float
+        D : tuple of float
             Entries (11, 12, 22) of the slip of an element by a unit traction on it.
-        stiffness : ndarray, shape (n_x, n_y)
-            Local term of leading stick elements (`FrictionSlip.stiffness`).
-        """
-        factors = np.empty((3, *self.kappa.shape))
-        here = self.state, self.direction, self.kappa, stiffness, self_influence
-        friction_inverse.prepare_sweep(*here, *factors)
-        return UpwindInverse(self, self_influence, *factors)
-
-    def inverse_of_step(
-        self, self_displacement: tuple[float, float, float], stiffness: np.ndarray
-    ) -> "InverseOfStep":
-        """Return the approximate inverse of the equations of a time step (slip by displacement).
-
-        Parameters
-        ----------
-        self_displacement : tuple of float
-            Entries (11, 12, 22) of the displacement of an element by a unit traction on it.
-        stiffness : ndarray, shape (n_x, n_y)
-            Local term of leading stick elements (`FrictionSlip.stiffness`).
-        """
-        shape = self.kappa.shape
-        rough, share, behind, front = np.empty((4, *shape))
-        up = np.empty((2, *shape))
-        law = self.state, self.direction, self.kappa, self.across, self.contact
-        given = stiffness, self_displacement, float(self.staggered)
-        friction_inverse.prepare_step(*law, *given, rough, share, behind, front, up)
-        return InverseOfStep(self, stiffness, rough, share, behind, front, up)
-
-
-@dataclass(frozen=True, eq=False)
-class UpwindInverse:
-    """Approximate inverse of the equations of steady rolling, by an upwind sweep.
-
-    D = -dA/dx, so that with the circulant inverse of A the elastic slip is inverted by a sum from
-    the leading edge, at which the traction is zero. This is sufficient in stick elements. The
-    equation of a slip element also has a local term gamma = 1/kappa - 1 of the traction, which may
-    be much larger: the right-hand side is divided between both in proportion, and the sum includes
-    gamma implicitly.
-
-    Attributes
-    ----------
-    law : Linearisation
-        The equations.
-    self_influence : tuple of float
-        Entries (11, 12, 22) of the slip of an element by a unit traction on it.
-    share, elastic, local : ndarray, shape (n_x, n_y)
-        Factors, see `kernels.friction_inverse.prepare_sweep`.
-    """
-
-    law: Linearisation
-    self_influence: tuple[float, float, float]
-    share: np.ndarray
-    elastic: np.ndarray
-    local: np.ndarray
-
-    def __call__(self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Return a step that nearly solves the equations.
-
-        Parameters
-        ----------
-        rows : ndarray, shape (2, n_x, n_y)
-            Right-hand sides, see `Linearisation.rows`.
         inverse : callable
             Circulant inverse of the displacement A per length of an element.
+        stiffness : ndarray, shape (n_x, n_y)
+            Local term of leading stick elements (`FrictionSlip.stiffness`).
+
+        Returns
+        -------
+        callable
+            From right-hand sides (2, n_x, n_y), see `rows`, to a step that nearly solves them.
         """
-        here, D = (self.law.state, self.law.direction), self.self_influence
-        smooth, out = np.empty_like(rows), np.empty_like(rows)
-        friction_inverse.divide_rows(*here, self.share, D, rows, smooth)
-        smooth = inverse(smooth)
-        friction_inverse.sweep_upwind(*here, self.elastic, self.local, D, rows, smooth, out)
-        return out
+        here = self.state, self.direction
+        share, summed, local = np.empty((3, *self.kappa.shape))
+        friction_inverse.prepare_sweep(*here, self.kappa, stiffness, D, share, summed, local)
 
+        def solve(rows: np.ndarray) -> np.ndarray:
+            smooth, out = np.empty_like(rows), np.empty_like(rows)
+            friction_inverse.divide_rows(*here, share, D, rows, smooth)
+            friction_inverse.sweep_upwind(*here, summed, local, D, rows, inverse(smooth), out)
+            return out
 
-@dataclass(frozen=True, eq=False)
-class InverseOfStep:
-    """Approximate inverse of the friction equations of a time step (see `prepare_step`).
+        return solve
 
-    Attributes
-    ----------
-    law : Linearisation
-        The equations.
-    stiffness, rough, share, behind, front : ndarray, shape (n_x, n_y)
-        Factors of the rows and of their neighbours.
-    up : ndarray, shape (2, n_x, n_y)
-        Elimination along x.
-    """
+    def inverse_of_step(
+        self, D: tuple[float, float, float], inverse: Map, stiffness: np.ndarray
+    ) -> Map:
+        """Return the approximate inverse of the equations of a time step (slip by displacement).
 
-    law: Linearisation
-    stiffness: np.ndarray
-    rough: np.ndarray
-    share: np.ndarray
-    behind: np.ndarray
-    front: np.ndarray
-    up: np.ndarray
-
-    def __call__(self, rows: np.ndarray, inverse: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
-        """Return a traction change that nearly solves the equations of a time step.
-
-        Parameters as in `UpwindInverse.__call__`.
+        Parameters as in `upwind_inverse`, but `D` is the displacement of an element by a unit
+        traction on it. For the factors see `kernels.friction_inverse.prepare_step`.
         """
-        law, along = self.law, np.empty(self.share.shape)
-        smooth, out = np.empty_like(rows), np.empty_like(rows)
-        here = law.state, law.direction
-        factors = law.kappa, self.stiffness, self.share, self.behind, self.front, self.up
-        friction_inverse.share_out(*here, *factors, rows, along, smooth)
-        smooth = inverse(smooth)
-        friction_inverse.gather(*here, self.share, self.rough, rows, smooth, out)
-        return out
+        here = self.state, self.direction
+        rough, share, behind, front, along = np.empty((5, *self.kappa.shape))
+        up = np.empty((2, *self.kappa.shape))
+        law = *here, self.kappa, self.across, self.contact, stiffness, D, float(self.staggered)
+        friction_inverse.prepare_step(*law, rough, share, behind, front, up)
+
+        def solve(rows: np.ndarray) -> np.ndarray:
+            smooth, out = np.empty_like(rows), np.empty_like(rows)
+            factors = self.kappa, stiffness, share, behind, front, up
+            friction_inverse.share_out(*here, *factors, rows, along, smooth)
+            friction_inverse.gather(*here, share, rough, rows, inverse(smooth), out)
+            return out
+
+        return solve
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,6 @@ and a step in which slip reverses may have no solution.
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from typing import ClassVar, Self
 
 import numpy as np
@@ -148,8 +147,8 @@ class SteadyRolling(Kinematics):
 
         Parameters as in `Kinematics.approximate_inverse`.
         """
-        upwind_inverse = law.upwind_inverse(operators.self_influence, stiffness)
-        return partial(upwind_inverse, inverse=operators.tangential_inverse)
+        elastic = operators.self_influence, operators.tangential_inverse
+        return law.upwind_inverse(*elastic, stiffness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,8 +201,8 @@ class RollingStep(Kinematics):
 
         Parameters as in `Kinematics.approximate_inverse`.
         """
-        inverse_of_step = law.inverse_of_step(operators.self_displacement, stiffness)
-        return partial(inverse_of_step, inverse=operators.tangential_inverse)
+        elastic = operators.self_displacement, operators.tangential_inverse
+        return law.inverse_of_step(*elastic, stiffness)
 
     def slip_weight(self, operators: Operators, radius: np.ndarray) -> float:
         """Return the weight of slip relative to tractions; less than 1 for large compliances.
