@@ -188,7 +188,7 @@ def test_masked_arrays_have_no_numbers_where_they_are_masked(solved):
     masked = np.ma.masked_all((11, 11))
     with pytest.raises(ValueError, match="wear"):
         ts.solve(solved.scene, wear=masked)
-    with pytest.raises(ts.SceneError, match="masked"):
+    with pytest.raises(ts.SceneError, match="separation"):
         ts.Gap(x=range(11), y=range(11), separation=masked)
 
 

@@ -97,7 +97,7 @@ def test_amplitudes_beyond_the_locus_are_refused(locus, amplitude):
 
 def test_a_difference_without_restoring_does_not_return():
     y = np.linspace(-5.0, 5.0, 101)
-    with pytest.raises(ValueError, match="return"):
+    with pytest.raises(ValueError, match="amplitude 3 mm"):
         of_difference(y, -0.1 * y).klingel_conicity(3.0)
 
 

@@ -144,5 +144,5 @@ def test_files_that_are_no_sections_are_faults(tmp_path, text, message):
 
 
 def test_a_locus_needs_one_profile(rails):
-    with pytest.raises(ValueError, match="one rail profile"):
+    with pytest.raises(ValueError, match="contact_locus"):
         ts.contact_locus(scene(rails("level", lambda x: 0.0, lambda x: 0.0)), [0.0])

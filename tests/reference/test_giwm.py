@@ -53,5 +53,5 @@ def test_creepage_and_intensity_are_one_factor():
 
 
 def test_sizes_must_be_positive():
-    with pytest.raises(ValueError, match="above 0"):
+    with pytest.raises(ValueError, match="intensity"):
         discs(intensity=0.0)
