@@ -18,6 +18,17 @@ def steady(name, *settings, elements=None, start=None, solver=None):
     return equilibrium(Model(Scene.builtin(name).with_set(settings), solver=solver), start=start)
 
 
+def across_contact(scene, n, beside=4):
+    """The line contact on n elements across it unworn, so that its edges are elements' edges."""
+    half_length = scene.hertz.a * (n + beside) / n
+    return scene.replace(**{"grid.half_length": half_length, "grid.elements": n + beside})
+
+
+def steady_line(n, *settings, name="cylinders"):
+    """The solved line contact of a built-in scene with settings, on n elements across it."""
+    return equilibrium(Model(across_contact(Scene.builtin(name).with_set(settings), n)))
+
+
 class Stop(Exception):
     """Ends a roll from its progress."""
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.scenes import size, steady
+from tests.scenes import across_contact, size, steady, steady_line
 from tractive_sam.contact import Model, enlarge, equilibrium
 from tractive_sam.reference import Carter, bentall_johnson_creepage
 from tractive_sam.results.grid import Grid
@@ -16,20 +16,10 @@ from tractive_sam.scene import Scene
 MU = 0.3
 
 
-def across(scene, n, beside=4):
-    """The scene on n elements across the unworn contact, so that its edges are elements' edges."""
-    half_length = scene.hertz.a * (n + beside) / n
-    return scene.replace(**{"grid.half_length": half_length, "grid.elements": n + beside})
-
-
-def rolled(n, *settings, name="cylinders"):
-    return equilibrium(Model(across(Scene.builtin(name).with_set(settings), n)))
-
-
 @cache
 def by_default(creepage, name):
     """Return the contact that the default method finds."""
-    return rolled(32, creepage, name=name)
+    return steady_line(32, creepage, name=name)
 
 
 def carter(contact, creepage):
@@ -40,7 +30,7 @@ def test_hertz():
     """Mean error of the pressure relative to p0; the peak and the approach are right to h²."""
     errors = []
     for n in (64, 128):
-        contact = rolled(n)
+        contact = steady_line(n)
         hertz = contact.scene.hertz
         errors.append(np.abs(contact.pressure[:, 0] - hertz.pressure(contact.grid.x)).mean())
         assert pytest.approx(500.0, rel=1e-12) == contact.P
@@ -58,7 +48,7 @@ def test_carter_over_the_whole_range_of_creepage(share):
     force, traction, stick = [], [], []
     for n in (64, 128, 256):
         full = MU * 0.3731763 / 25.0
-        contact = rolled(n, f"creepage.longitudinal={-share * full}")
+        contact = steady_line(n, f"creepage.longitudinal={-share * full}")
         theory = carter(contact, -share * full)
         force.append(abs(contact.Qx / (MU * contact.P) - theory.force_ratio))
         traction.append(size(contact.traction[0, :, 0] - theory.traction(contact.grid.x)))
@@ -76,7 +66,7 @@ def test_carter_over_the_whole_range_of_creepage(share):
 
 
 def test_slip_of_carter():
-    contact = rolled(256)
+    contact = steady_line(256)
     truth = carter(contact, -0.002).slip(contact.grid.x)
     # Away from the ends of the slip zone: the slip starts like a root.
     inner = (contact.grid.x > -0.95 * contact.scene.hertz.a) & (truth < -6e-4)
@@ -87,7 +77,7 @@ def test_lateral_creepage_is_antiplane_shear():
     """Its compliance is the one of plane strain over 1 - nu: Carter's solution at xi (1 - nu)."""
     errors = []
     for n in (64, 128):
-        contact = rolled(n, "creepage.longitudinal=0", "creepage.lateral=-0.002")
+        contact = steady_line(n, "creepage.longitudinal=0", "creepage.lateral=-0.002")
         theory = carter(contact, -0.002 * (1 - 0.3))
         errors.append(abs(contact.Qy / (MU * contact.P) - theory.force_ratio))
         assert contact.Qx == 0.0
@@ -97,7 +87,7 @@ def test_lateral_creepage_is_antiplane_shear():
 @pytest.mark.parametrize("name", ["cylinders", "cylinders-dissimilar"])
 def test_energy_law(name):
     """Work of forces on creepages is dissipated, and with K != 0 the work of the pressure."""
-    contact = rolled(
+    contact = steady_line(
         128,
         "creepage.longitudinal=-0.0008",
         "creepage.lateral=0.001",
@@ -116,7 +106,7 @@ def test_energy_law(name):
 @pytest.mark.parametrize("name", ["cylinders", "cylinders-dissimilar"])
 def test_methods_agree(name, method):
     creepage = "creepage.longitudinal=-0.0005"
-    contact = rolled(32, creepage, f'solver.method="{method}"', name=name)
+    contact = steady_line(32, creepage, f'solver.method="{method}"', name=name)
     assert contact.converged, contact.message
     close = by_default(creepage, name)
     np.testing.assert_allclose(contact.traction, close.traction, atol=1e-6 * close.p_max)
@@ -124,7 +114,7 @@ def test_methods_agree(name, method):
 
 
 def test_force_gives_the_creepage_of_carter():
-    contact = rolled(256, "load.force_x=100")
+    contact = steady_line(256, "load.force_x=100")
     theory = Carter.from_force_ratio(contact.scene.hertz, MU, 100 / (MU * 500))
     assert contact.Qx == pytest.approx(100, rel=1e-7)
     assert contact.xi_x == pytest.approx(theory.creepage, rel=0.01)
@@ -139,7 +129,7 @@ def freely(mu, n, **changes):
     load = {"normal": 27.5, "force_x": 0.0}
     body = {"A": ALUMINIUM, "B": STEEL}
     scene = Scene(body=body, load=load, friction={"mu": mu}).replace(**changes)
-    return equilibrium(Model(across(scene, n, beside=8)))
+    return equilibrium(Model(across_contact(scene, n, beside=8)))
 
 
 def test_free_rolling_of_unlike_cylinders_with_little_friction():
@@ -217,7 +207,7 @@ def test_long_ellipses_tend_to_the_line():
     """Middle of a contact 10 and 147 times as wide as long, with equal half widths in x."""
     line = Scene.builtin("cylinders")
     n, a = 41, line.hertz.a
-    truth = equilibrium(Model(across(line, n)))
+    truth = equilibrium(Model(across_contact(line, n)))
     pressures, tractions, ratios = [], [], []
     for radius in (1e3, 1e5):
         scene = line.replace(**{"body.A.radius_y": radius, "subsurface": None})
@@ -238,8 +228,8 @@ def test_long_ellipses_tend_to_the_line():
 
 
 def test_units_do_not_matter():
-    mm = rolled(32)
-    metre = rolled(
+    mm = steady_line(32)
+    metre = steady_line(
         32,
         *(f"body.{b}.radius_x=0.05" for b in "AB"),
         *(f"body.{b}.young=208e9" for b in "AB"),
@@ -252,7 +242,7 @@ def test_units_do_not_matter():
 
 
 def test_cost_does_not_grow_with_the_mesh():
-    costs = [rolled(n).cost.applications for n in (128, 1024)]
+    costs = [steady_line(n).cost.applications for n in (128, 1024)]
     assert costs[1] < 2 * costs[0] < 2 * 50
 
 

@@ -1,22 +1,16 @@
 """Figures of what rolling does to the material."""
 
-import io
-
 import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tests.plot.rendering import render
 from tractive_sam import plot
 from tractive_sam.mechanics import residual_shear, von_mises
 from tractive_sam.plot.fatigue import LINE_CONTACT
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}
-
-
-def render(figure):
-    figure.savefig(io.BytesIO(), dpi=40)
-    return figure
 
 
 @pytest.fixture(scope="module")

@@ -1,5 +1,4 @@
 import importlib
-import io
 import pkgutil
 from dataclasses import replace
 
@@ -7,11 +6,11 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
-from matplotlib.figure import Figure
 from PIL import Image
 
 import tractive_sam as ts
 from tests.plot import strip_theory as strips
+from tests.plot.rendering import render
 from tractive_sam import plot
 
 OF_A_STATE = (
@@ -32,13 +31,6 @@ OF_A_HISTORY = (
     plot.slip_over_revolutions,
     plot.wear_over_revolutions,
 )
-
-
-def render(figure):
-    """The figure, after it was drawn; warnings are errors in these tests."""
-    assert isinstance(figure, Figure)
-    figure.savefig(io.BytesIO(), dpi=40)
-    return figure
 
 
 def labels(figure):

@@ -3,7 +3,8 @@
 import pytest
 
 from tests.plot import strip_theory as strips
-from tests.plot.test_figures import labels, render
+from tests.plot.rendering import render
+from tests.plot.test_figures import labels
 from tractive_sam import plot
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene

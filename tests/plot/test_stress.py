@@ -1,9 +1,7 @@
-import io
-
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
+from tests.plot.rendering import render
 from tests.scenes import steady
 from tractive_sam import plot
 from tractive_sam.plot import stress
@@ -22,13 +20,6 @@ def contact():
 def turned():
     """With traction in y as well."""
     return steady("spheres-orthotropic", elements=31)
-
-
-def render(figure):
-    """The figure, after it was drawn; warnings are errors in these tests."""
-    assert isinstance(figure, Figure)
-    figure.savefig(io.BytesIO(), dpi=40)
-    return figure
 
 
 def reported(figure):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.plot.test_figures import render
+from tests.plot.rendering import render
 from tractive_sam import plot
 
 XI = np.array([-0.004, -0.003, -0.001])

@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import h5py
 import numpy as np
 
 from tractive_sam.kernels.stress import COMPONENTS
@@ -73,3 +74,16 @@ def make_record(number, with_fields=False, grid=None):
 
 def records(count, every=3):
     return [make_record(number, number % every == 0) for number in range(count)]
+
+
+def assert_described(path):
+    """Check that all datasets of a results file have a unit, a description and dimensions."""
+
+    def check(name, item):
+        if isinstance(item, h5py.Dataset):
+            assert item.attrs["units"], name
+            assert item.attrs["long_name"], name
+            assert all(dim.keys() for dim in item.dims) or item.is_scale, name
+
+    with h5py.File(path) as file:
+        file.visititems(check)

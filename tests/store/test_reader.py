@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from tests.store.sample_records import SCENE, make_record, mesh
+from tests.store.sample_records import SCENE, assert_described, make_record, mesh
 from tractive_sam.results.column_table import STRESSES, columns
 from tractive_sam.results.stored_fields import FIELDS
 from tractive_sam.scene import Scene
@@ -107,14 +107,8 @@ class TestXarray:
 
 
 def test_every_dataset_is_described(finished):
-    def check(name, item):
-        if isinstance(item, h5py.Dataset):
-            assert item.attrs["units"], name
-            assert item.attrs["long_name"], name
-            assert all(dim.keys() for dim in item.dims) or item.is_scale, name
-
+    assert_described(finished)
     with h5py.File(finished) as file:
-        file.visititems(check)
         assert "grid/x" in file
         assert file["fields/x"] == file["grid/x"]
 

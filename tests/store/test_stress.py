@@ -2,12 +2,19 @@
 
 import json
 
-import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
-from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, records, with_stress
+from tests.store.sample_records import (
+    SCENE,
+    STRESSED,
+    assert_described,
+    make_record,
+    mesh,
+    records,
+    with_stress,
+)
 from tractive_sam.results.history import History
 from tractive_sam.results.stored_fields import STRESS
 from tractive_sam.store import HistoryWriter, open_history
@@ -90,11 +97,4 @@ def test_xarray(stressed, engine):
 
 
 def test_every_dataset_is_described(stressed):
-    def check(name, item):
-        if isinstance(item, h5py.Dataset):
-            assert item.attrs["units"], name
-            assert item.attrs["long_name"], name
-            assert all(dim.keys() for dim in item.dims) or item.is_scale, name
-
-    with h5py.File(stressed) as file:
-        file.visititems(check)
+    assert_described(stressed)

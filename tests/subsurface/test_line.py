@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.scenes import steady_line
 from tractive_sam import subsurface
 from tractive_sam.contact import Laws, Model, equilibrium
 from tractive_sam.kernels.stress import COMPONENTS
@@ -13,13 +14,6 @@ from tractive_sam.scene import Scene
 
 SLIDING = "creepage.longitudinal=-1.0"
 FREE = "creepage.longitudinal=0.0"
-
-
-def solved(n, *settings):
-    scene = Scene.builtin("cylinders").with_set(settings)
-    half_length = scene.hertz.a * (n + 4) / n
-    scene = scene.replace(**{"grid.half_length": half_length, "grid.elements": n + 4})
-    return equilibrium(Model(scene))
 
 
 def closed_form(contact, body, x, z):
@@ -36,7 +30,7 @@ def closed_form(contact, body, x, z):
 def test_planes(plane, body):
     errors = []
     for n in (64, 128):
-        contact = solved(n, SLIDING)
+        contact = steady_line(n, SLIDING)
         a, p0 = contact.scene.hertz.a, contact.scene.hertz.p0
         depths = None if plane[0] == "z" else a * np.array([0.2, 0.5, 1.0, 3.0])
         stress = subsurface.stress_on_plane(contact, plane, body, depths)
@@ -52,7 +46,7 @@ def test_planes(plane, body):
 
 
 def test_tractions_at_the_surface():
-    contact = solved(64)
+    contact = steady_line(64)
     for body, sign in (("A", -1.0), ("B", -1.0)):
         surface = subsurface.stress_on_plane(contact, "z=0", body).components
         atol = 1e-12 * contact.p_max
@@ -61,7 +55,7 @@ def test_tractions_at_the_surface():
 
 
 def test_points_planes_and_layers_agree():
-    contact = solved(32, "creepage.lateral=0.001")
+    contact = steady_line(32, "creepage.lateral=0.001")
     depth = 0.3 * contact.scene.hertz.a
     plane = subsurface.stress_on_plane(contact, "y=0", "B", [depth])
     (_, layer), *_ = subsurface.stress_volume(contact, [depth], "B")
@@ -77,7 +71,7 @@ def test_points_planes_and_layers_agree():
 
 def test_maximum_under_pressure_is_that_of_hertz():
     """0.5575 p0 at 0.70 a below the middle, nu = 0.3 (McEwen)."""
-    contact = solved(128, FREE)
+    contact = steady_line(128, FREE)
     hertz = contact.scene.hertz
     z = np.linspace(0.6, 0.8, 2001)
     axis = von_mises(line_pressure_stress(0.0, z, 1.0, 1.0, 0.3))
@@ -87,7 +81,7 @@ def test_maximum_under_pressure_is_that_of_hertz():
 
 
 def test_maximum_of_sliding_lies_at_the_surface():
-    contact = solved(128, SLIDING)
+    contact = steady_line(128, SLIDING)
     hertz = contact.scene.hertz
     top = subsurface.stress_maximum(contact)
     x = hertz.a * np.linspace(-0.99, 0.99, 991)
@@ -98,7 +92,7 @@ def test_maximum_of_sliding_lies_at_the_surface():
 
 def test_half_width_in_y_is_no_unit():
     with pytest.raises(ValueError, match="mm"):
-        subsurface.stress_on_planes(solved(32), ["y=0.5b"], ["A"])
+        subsurface.stress_on_planes(steady_line(32), ["y=0.5b"], ["A"])
 
 
 @pytest.mark.parametrize("elements", [41, 51, 65, 101])

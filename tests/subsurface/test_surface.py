@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.scenes import steady
+from tests.scenes import steady, steady_line
 from tests.subsurface.hertzian import cell_averages
-from tractive_sam.contact import Model, equilibrium
 from tractive_sam.mechanics.elasticity import HalfSpaces, Strips
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.mechanics.material import Material
@@ -81,21 +80,13 @@ def test_trailing_edge_in_full_slip(elements, error, body):
     assert sign * found.surface_at[0] / hertz.a == pytest.approx(-1.0, abs=0.02)
 
 
-def cylinders(n, *settings):
-    """Cylinders with n elements across their contact."""
-    scene = Scene.builtin("cylinders").with_set(settings)
-    half_length = scene.hertz.a * (n + 4) / n
-    scene = scene.replace(**{"grid.half_length": half_length, "grid.elements": n + 4})
-    return equilibrium(Model(scene))
-
-
 @pytest.mark.parametrize("body", ["A", "B"])
 @pytest.mark.parametrize("driven", [0.3, 0.5, 0.8])
 def test_end_of_stick_as_carter_has_it(driven, body):
     """Between elements alone 2 to 4 % are missed there on this mesh."""
     line, mu = Scene.builtin("cylinders").hertz, Scene.builtin("cylinders").friction.mu[0]
     creepage = -driven * mu * line.a / line.radius
-    contact = cylinders(96, f"creepage.longitudinal={creepage}")
+    contact = steady_line(96, f"creepage.longitudinal={creepage}")
     stick = 1.0 - driven  # half of the length that sticks, up to the leading edge
     x = np.append(np.linspace(-1.0, 1.0, 4001), 1.0 - 2.0 * stick)
     shear = line_shear_stress(x, 0.0 * x, 1.0, mu, 0.3)
@@ -109,7 +100,7 @@ def test_end_of_stick_as_carter_has_it(driven, body):
 def test_sliding_cylinders_converge_to_second_order():
     errors = []
     for n in (32, 64):
-        contact = cylinders(n, "creepage.longitudinal=-1.0")
+        contact = steady_line(n, "creepage.longitudinal=-1.0")
         hertz = contact.scene.hertz
         x = np.linspace(-1.0, 1.0, 4001)
         mu = contact.scene.friction.mu[0]
