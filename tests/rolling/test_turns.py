@@ -121,3 +121,16 @@ def test_explain_reports_whose_revolutions_are_counted():
         (wear,) = (section for section in explain(scene) if section.title == "Wear")
         reported = dict(wear.rows)["turns"]
         assert all(word in reported for word in known)
+
+
+def test_depths_of_the_bodies_add_up_to_what_enters_and_what_is_worn():
+    """Before the revolution, in it, and by block, in proportion to shares and turns."""
+    last = rolled(discs(30.0, 10.0, 3, (1.0, 2.0), stepping="every-revolution"))[-1]
+    before, added = np.sum([last.worn_depths(body) for body in "AB"], axis=0)
+    limits = {"rtol": 1e-12, "atol": 1e-12 * last.entering.max()}  # rounding
+    np.testing.assert_allclose(before, last.entering, **limits)
+    np.testing.assert_allclose(added, last.gained, **limits)
+    np.testing.assert_allclose(last.worn_parts.sum(axis=(0, 1)), last.entering, **limits)
+    A, B = last.worn_depths("A")[0], last.worn_depths("B")[0]
+    # B is half as hard to wear off and turns three times as often.
+    np.testing.assert_allclose(B, 1.5 * A, **limits)
