@@ -80,16 +80,9 @@ def _corner(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     r = np.hypot(x, y)
     along_x, along_y = _x_log(y, x, r), _x_log(x, y, r)
     both, angle = np.log(_nonzero(r)), np.arctan2(np.abs(y), np.abs(x))
-    return np.stack(
-        (
-            along_x + along_y,
-            along_x,
-            along_y,
-            -r,
-            y * both + x * np.copysign(angle, x * y),
-            x * both + y * np.copysign(0.5 * np.pi - angle, x * y),
-        )
-    )
+    in_x = y * both + x * np.copysign(angle, x * y)
+    in_y = x * both + y * np.copysign(0.5 * np.pi - angle, x * y)
+    return np.stack((along_x + along_y, along_x, along_y, -r, in_x, in_y))
 
 
 def _x_log(x: np.ndarray, y: np.ndarray, r: np.ndarray) -> np.ndarray:
