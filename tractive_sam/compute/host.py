@@ -1,7 +1,7 @@
 """Arrays of NumPy with FFTW and numba: the backend of this machine's processor."""
 
 from collections.abc import Sequence
-from time import perf_counter
+from time import process_time
 from typing import Any, ClassVar
 
 import numpy as np
@@ -49,7 +49,7 @@ class Host:
     ) -> np.ndarray:
         """Return the convolution in the precision of the fields (`Backend.convolve`)."""
         single = fields.dtype == np.float32
-        plan, began = convolver(len(fields), fields.shape[1:], padded, single), perf_counter()
+        plan, began = convolver(len(fields), fields.shape[1:], padded, single), process_time()
         result = plan(fields, spectra, self.products[len(spectra[0])])
         if not single:
             count_time(len(fields), padded, began)

@@ -1,7 +1,7 @@
 """Count all convolutions of a solve: what it costs beside its operator applications."""
 
 from threading import local
-from time import perf_counter
+from time import process_time
 
 
 class _Transformed(local):
@@ -12,7 +12,7 @@ class _Transformed(local):
     points : float
         Number of points.
     timed, seconds : float
-        Points of convolutions in double precision, and the time of these convolutions.
+        Points of convolutions in double precision, and the CPU time of these convolutions.
     """
 
     points = timed = seconds = 0.0
@@ -27,9 +27,9 @@ def count_transform(fields: int, padded: tuple[int, int]) -> None:
 
 
 def count_time(fields: int, padded: tuple[int, int], began: float) -> None:
-    """Add the time since `began` to the time of convolutions of this thread in double precision."""
+    """Add the CPU time since `began` to the time of convolutions in double precision."""
     _TRANSFORMED.timed += 2 * fields * padded[0] * padded[1]
-    _TRANSFORMED.seconds += perf_counter() - began
+    _TRANSFORMED.seconds += process_time() - began
 
 
 class ConvolutionMeter:
@@ -47,7 +47,7 @@ class ConvolutionMeter:
 
     def __init__(self, padded: tuple[int, int]) -> None:
         self._unit = 4.0 * padded[0] * padded[1]
-        self._before, self._began = _TRANSFORMED.points, perf_counter()
+        self._before, self._began = _TRANSFORMED.points, process_time()
         self._timed, self._seconds = _TRANSFORMED.timed, _TRANSFORMED.seconds
 
     @property
@@ -57,14 +57,14 @@ class ConvolutionMeter:
 
     @property
     def over_application(self) -> float:
-        """Time since the creation over the time of one tangential application, or nan.
+        """CPU time since the creation over the CPU time of one tangential application, or nan.
 
         The time of an application follows from the points of convolutions in double precision since
         then; nan means that there were none.
         """
         timed, seconds = _TRANSFORMED.timed - self._timed, _TRANSFORMED.seconds - self._seconds
         application = seconds * self._unit / timed if timed else float("nan")
-        return (perf_counter() - self._began) / application
+        return (process_time() - self._began) / application
 
     @property
     def work(self) -> dict[str, float]:

@@ -147,8 +147,7 @@ class SteadyRolling(Kinematics):
 
         Parameters as in `Kinematics.approximate_inverse`.
         """
-        elastic = operators.self_influence, operators.tangential_inverse
-        return law.upwind_inverse(*elastic, stiffness)
+        return law.upwind_inverse(operators.self_influence, operators.tangential_inverse, stiffness)
 
 
 @dataclass(frozen=True, eq=False)

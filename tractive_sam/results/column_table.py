@@ -126,7 +126,7 @@ _SCALARS = (
              attrgetter("cost.applications"), over_blocks="sum"),
     Quantity("convolutions", "1", "convolutions, in units of one tangential application",
              attrgetter("cost.convolutions"), over_blocks="sum"),
-    Quantity("over_application", "1", "time of solution over that of one tangential application",
+    Quantity("over_application", "1", "CPU time of a solution over one tangential application",
              attrgetter("cost.over_application"), over_blocks="sum"),
     Quantity("jump", "1", "number of revolutions in the next step", format="d"),
     Quantity("converged", "1", "1 if the contact conditions hold to the tolerance",

@@ -32,7 +32,7 @@ class Cost:
         All padded transforms of the solve, of operators and preconditioners, over the number in one
         application of the tangential operator on the mesh (`compute.meter`).
     over_application : float
-        Time of the solve over the time of such an application, measured in the solve. The first
+        CPU time of the solve over the time of such an application, measured in the solve. The first
         solve on a mesh also plans its transforms. It is not compared.
     """
 

@@ -96,7 +96,7 @@ class _Iteration:
         gap = self.problem.gap + lift
         if self.under_load:
             # The approach is the one that the elements in contact have on average.
-            self.approach = _mean(gap, self.pressure > 0.0)
+            self.approach = float(self.backend.xp.mean(gap[self.pressure > 0.0]))
         self.gap = gap - self.approach
 
     def advance(self) -> bool:
@@ -169,11 +169,6 @@ def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:
     missed = backend.xp.minimum(pressure, gap)
     size, distance = sqrt(backend.dot(pressure, pressure)), sqrt(backend.dot(missed, missed))
     return distance / size if size > 0.0 else float(distance > 0.0)
-
-
-def _mean(values: np.ndarray, where: np.ndarray) -> float:
-    """Return the mean of values over a mask."""
-    return float(backend_of(values).xp.mean(values[where]))
 
 
 def _scale_to_load(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
