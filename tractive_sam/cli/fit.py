@@ -59,12 +59,7 @@ def fit(
     from tractive_sam.fitting import fit as fit_design
 
     note = f"{output} holds the computations so far; repeat the command to resume from them"
-    with (
-        report_interrupt(note),
-        report_compiling(),
-        show_progress() as update,
-        report_warnings(),
-    ):
+    with report_interrupt(note), report_compiling(), show_progress() as update, report_warnings():
 
         def report(done: Evaluations) -> None:
             contacts, rolls, _ = done.cost

@@ -9,9 +9,7 @@ from rich.table import Table
 from tractive_sam.cli.output import console, invalid_exit
 
 
-def keys(
-    table: Annotated[str | None, typer.Argument(metavar="TABLE")] = None,
-) -> None:
+def keys(table: Annotated[str | None, typer.Argument(metavar="TABLE")] = None) -> None:
     """List every key of a scene with its meaning, unit, allowed values and default.
 
     Parameters

@@ -9,9 +9,7 @@ from rich.table import Table
 from tractive_sam.cli.output import console, print_line
 
 
-def scenes(
-    write: Annotated[str | None, typer.Option(metavar="NAME")] = None,
-) -> None:
+def scenes(write: Annotated[str | None, typer.Option(metavar="NAME")] = None) -> None:
     """List the built-in scenes, or write one to a file that you can edit.
 
     Parameters

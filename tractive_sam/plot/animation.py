@@ -120,8 +120,7 @@ def _draw_wear(chart: ContactMap, envelope: ContactView) -> None:
     track = add_axes(chart.figure, right, layout.bottom, 1.6, frame.height)
     track.plot(MICRON * view.contact.wear[0], view.y_over_a, color=LOOK.blue)
     deepest = 1.05 * MICRON * envelope.contact.wear.max() or 1.0
-    track.set(xlim=(0.0, deepest), ylim=(frame.bottom, frame.top))
-    track.set_xlabel(r"$w$ ($\mathrm{\mu m}$)")
+    track.set(xlim=(0.0, deepest), ylim=(frame.bottom, frame.top), xlabel=r"$w$ ($\mathrm{\mu m}$)")
     track.yaxis.set_major_locator(chart.axes.yaxis.get_major_locator())
     track.tick_params(labelleft=False)
 

@@ -98,8 +98,7 @@ def traction_curve(computed: Mapping[str, Points], printed: Points | None = None
             "label": "CONTACT 25.1, printed",
         }
         axes.plot(100.0 * np.asarray(printed[0]), np.asarray(printed[1]), "x", ms=6, **style)
-    axes.set(xlabel=r"creepage $|\xi_x|$ (%)", ylabel=r"$Q_x/P$")
-    axes.set_xlim(left=0.0)
+    axes.set(xlabel=r"creepage $|\xi_x|$ (%)", ylabel=r"$Q_x/P$", xlim=(0.0, None))
     axes.set_ylim(bottom=0.0, top=1.12 * highest)
     axes.legend(loc="lower right")
     return figure

@@ -103,8 +103,7 @@ def shakedown_map(history: History) -> Figure:
     _draw_limits(axes, history, force[-1], load[-1])
     highest = np.nanmax([*load, *(history["shakedown_upper"][-1] * load[-1]), 4.2])
     axes.set(xlim=(0.0, max(0.6, 1.1 * force.max())), ylim=(0.0, 1.1 * highest))
-    axes.set_xlabel("tangential force / normal load")
-    axes.set_ylabel(r"$p_\mathrm{max}/k$")
+    axes.set(xlabel="tangential force / normal load", ylabel=r"$p_\mathrm{max}/k$")
     figure.legend(loc="outside right center")
     return figure
 
@@ -296,8 +295,7 @@ def wear_against_fatigue(history: History, body: str = "A") -> Figure:
         axes.set_xlim(-reach, reach)
     slower = (rate < balance) & (balance > 1e-4 * highest)
     axes.fill_between(y, worn, balance, where=slower, color=LOOK.orange, alpha=0.3)
-    axes.set_xlabel(scale.length_label("y", across=True))
-    axes.set_ylabel("depth per revolution (nm)")
+    axes.set(xlabel=scale.length_label("y", across=True), ylabel="depth per revolution (nm)")
     axes.legend(loc="best")
     return figure
 
@@ -361,8 +359,7 @@ def _set_section(axes: Axes, fatigue: BodyFatigue, scale: Scale) -> np.ndarray:
         return np.array([-0.5, 0.5])
     stressed = fatigue.utilisation.max(axis=1) > 0.05 * fatigue.utilisation.max()
     reach = min(1.15 * np.abs(fatigue.y[stressed]).max(), fatigue.y[-1]) / scale.across
-    axes.set_xlim(-reach, reach)
-    axes.set_xlabel(scale.length_label("y", across=True))
+    axes.set(xlim=(-reach, reach), xlabel=scale.length_label("y", across=True))
     return fatigue.y / scale.across
 
 
@@ -376,8 +373,7 @@ def _draw_damage(axes: Axes, history: History) -> None:
             axes.axvline(initiation, color=LOOK.bodies[body], linestyle=":", linewidth=1.0)
     if highest > 0.3:
         axes.axhline(1.0, color=LOOK.grey, linewidth=0.8)
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel("largest damage $D$")
+    axes.set(ylim=(0.0, None), ylabel="largest damage $D$")
 
 
 def _draw_utilisation(axes: Axes, history: History) -> None:

@@ -81,8 +81,7 @@ def _friction_over_x(view: ContactView) -> Figure:
     used, label = _friction_in_use(view)
     figure, axes = rolling_axes("friction in use", view)
     axes.plot(view.x_over_a, np.where(view.contact.touching, used, np.nan)[:, 0])
-    axes.set_ylabel(label)
-    axes.set_ylim(0.0, 1.05)
+    axes.set(ylabel=label, ylim=(0.0, 1.05))
     return figure
 
 

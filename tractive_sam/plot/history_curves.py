@@ -64,8 +64,7 @@ def widths(history: History) -> Figure:
     if np.isnan(history[name]).all():
         name, label = "p_max", "peak contact pressure"
     draw_column(axes, history, name, divisor=scale.p, label=f"{label} / ${scale.p_symbol}$")
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel("relative to the unworn contact")
+    axes.set(ylim=(0.0, None), ylabel="relative to the unworn contact")
     axes.legend(loc="best")
     return figure
 
@@ -81,8 +80,7 @@ def wear_depth(history: History) -> Figure:
     """
     figure, axes = course_axes(history, "wear of both bodies together")
     draw_column(axes, history, "wear_max", divisor=1.0 / MICRON)
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(r"largest wear depth ($\mathrm{\mu m}$)")
+    axes.set(ylim=(0.0, None), ylabel=r"largest wear depth ($\mathrm{\mu m}$)")
     return figure
 
 
@@ -176,8 +174,7 @@ def stress_course(history: History) -> Figure:
                 "label": f"{body}, {kind}",
             }
             draw_column(axes, history, column.name, body, divisor=scale.pressure, **look)
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(scale.pressure_label(column.symbol))
+    axes.set(ylim=(0.0, None), ylabel=scale.pressure_label(column.symbol))
     axes.legend(loc="lower right", ncols=2)
     note = SURFACE_NOTE
     if np.isnan(history[history.of_role("stress_interior").name]).any():

@@ -41,8 +41,7 @@ def line_pressure(source: Source, at: float | None = None, **named: float) -> Fi
         axes.plot(x, np.sqrt(square) * scale.p / scale.pressure, **look)
     pressure = view.contact.pressure[:, 0] / scale.pressure
     axes.plot(x, pressure, color=LOOK.blue, label="$p_n$")
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(scale.pressure_label("p_n"))
+    axes.set(ylim=(0.0, None), ylabel=scale.pressure_label("p_n"))
     figure.legend(loc="outside right center")
     return figure
 
@@ -104,8 +103,7 @@ def line_pressures(history: History) -> Figure:
         pressure = history.field("pressure", at)[:, 0]
         label = format(at, history.coordinate.format)
         axes.plot(history.x / scale.length, pressure / scale.pressure, color=shade, label=label)
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(scale.pressure_label("p_n"))
+    axes.set(ylim=(0.0, None), ylabel=scale.pressure_label("p_n"))
     set_title(figure, history_title(history, "contact pressure", scale.note))
     figure.legend(title=math_label(history.coordinate), loc="outside right center")
     return figure

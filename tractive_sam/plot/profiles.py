@@ -142,8 +142,7 @@ def pressure_profiles(history: History) -> Figure:
     _draw_records(
         axes, history, lambda at: history.field("pressure", at).max(axis=0) / scale.pressure
     )
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(scale.pressure_label(r"\max_x\, p_n"))
+    axes.set(ylim=(0.0, None), ylabel=scale.pressure_label(r"\max_x\, p_n"))
     return figure
 
 

@@ -108,8 +108,7 @@ def _worn_row(history: History) -> Figure:
     """Draw the depth worn along the track of a line contact."""
     figure, axes, places, depth = _track_axes(history)
     axes.plot(places, depth[:, 0], color=LOOK.blue)
-    axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(r"wear depth $w$ ($\mathrm{\mu m}$)")
+    axes.set(ylim=(0.0, None), ylabel=r"wear depth $w$ ($\mathrm{\mu m}$)")
     return figure
 
 

@@ -10,15 +10,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
-from tractive_sam.schema import (
-    Check,
-    Fault,
-    InnerTable,
-    Row,
-    ValidEntries,
-    entry,
-    optional,
-)
+from tractive_sam.schema import Check, Fault, InnerTable, Row, ValidEntries, entry, optional
 
 from .courses import Knots, NotBelowZero, Profiles, Saved
 from .schedule import Distance, Schedule, Shifts
