@@ -7,7 +7,6 @@ from .column_table import REVOLUTION as REVOLUTION
 from .column_table import ROLLED as ROLLED
 from .column_table import SHARE as SHARE
 from .column_table import columns as columns
-from .cycle import PREFIX as PREFIX
 from .cycle import cycle_record as cycle_record
 from .describe import caveats as caveats
 from .describe import describe_balances as describe_balances
@@ -18,8 +17,8 @@ from .grid import Grid as Grid
 from .grid import widen_field as widen_field
 from .heat import FlashTemperature as FlashTemperature
 from .history import DERIVED as DERIVED
-from .history import RENAMED_COLUMNS as RENAMED_COLUMNS
 from .history import History as History
+from .history_data import RENAMED_COLUMNS as RENAMED_COLUMNS
 from .law_record import UNNAMED as UNNAMED
 from .law_record import LawRecord as LawRecord
 from .law_record import describe_laws as describe_laws
@@ -33,6 +32,7 @@ from .quantity import BODIES as BODIES
 from .quantity import COORDINATE as COORDINATE
 from .quantity import DIMS as DIMS
 from .quantity import LABELS as LABELS
+from .quantity import PREFIX as PREFIX
 from .quantity import PROFILES as PROFILES
 from .quantity import Quantity as Quantity
 from .quantity import find_by_role as find_by_role

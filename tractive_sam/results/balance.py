@@ -8,8 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from tractive_sam.results.history_data import HistoryData
 from tractive_sam.results.law_record import UNNAMED
-from tractive_sam.results.recorded import Recorded
 
 
 class SteadyBalance:
@@ -17,7 +17,7 @@ class SteadyBalance:
 
     Parameters
     ----------
-    history : Recorded
+    history : HistoryData
         All records.
     """
 
@@ -29,7 +29,7 @@ class SteadyBalance:
     worn: ClassVar[str] = "section"
     """Quantity that the wear balance compares with the wear that the work of friction causes."""
 
-    def __init__(self, history: Recorded):
+    def __init__(self, history: HistoryData):
         self.history = history
 
     @property
@@ -146,7 +146,7 @@ class StepBalance(SteadyBalance):
         return super().wear_cure
 
 
-def balance_of(history: Recorded) -> SteadyBalance:
+def balance_of(history: HistoryData) -> SteadyBalance:
     """Return the balances of a history: `StepBalance` for a transient, else `SteadyBalance`."""
     return (StepBalance if "step_work" in history.columns else SteadyBalance)(history)
 

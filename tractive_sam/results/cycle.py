@@ -12,12 +12,9 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.results.column_table import columns as columns_of
-from tractive_sam.results.quantity import BODIES, Quantity
+from tractive_sam.results.quantity import BODIES, PREFIX, Quantity
 from tractive_sam.results.record import Record
 from tractive_sam.scene import Scene
-
-PREFIX = "block_"
-"""Prefix of columns with a value for each block."""
 
 
 def cycle_record(

@@ -8,12 +8,12 @@ import numpy as np
 
 from tractive_sam.description import format_number
 from tractive_sam.results.balance import SteadyBalance, balance_of
+from tractive_sam.results.history_data import HistoryData
 from tractive_sam.results.quantity import BODIES, Quantity
-from tractive_sam.results.recorded import Recorded
 from tractive_sam.scene import conformity_notes, describe_load, edge_notes, pressure_notes
 
 
-def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quantity]]:
+def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Quantity]]:
     """Yield (name, text of number ± error bar, column) of a record, by scalar column and body."""
     for name, quantity in history.of_dims().items():
         if not (quantity.error_of or np.isnan(history[name]).all()):
@@ -30,7 +30,7 @@ def format_values(history: Recorded, row: int) -> Iterator[tuple[str, str, Quant
             )
 
 
-def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:
+def error_bar(history: HistoryData, name: str, row: int, *body: int) -> float:
     """Return the error bar of a quantity in a record; zero if it has none."""
     try:
         bars = history[f"{name}_error"]
@@ -40,7 +40,7 @@ def error_bar(history: Recorded, name: str, row: int, *body: int) -> float:
     return 0.0 if math.isnan(bar) else bar
 
 
-def describe_programs(history: Recorded) -> str:
+def describe_programs(history: HistoryData) -> str:
     """List program versions that changed when a history was resumed, with the first record."""
     changes = []
     for (_, before), (record, after) in pairwise(history.provenance):
@@ -52,7 +52,7 @@ def describe_programs(history: Recorded) -> str:
     return "; ".join(changes)
 
 
-def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str, str]:
+def describe_balances(history: HistoryData, only_if_open: bool = False) -> dict[str, str]:
     """Describe the "energy" and "wear" balances where their error is largest, as text by name.
 
     For a duty cycle the distance is sought in the records of all blocks. The wear of a transient is
@@ -85,7 +85,7 @@ def describe_balances(history: Recorded, only_if_open: bool = False) -> dict[str
     return texts
 
 
-def caveats(history: Recorded) -> dict[str, str]:
+def caveats(history: HistoryData) -> dict[str, str]:
     """Return notes on results of a history that may mislead, as text by the row they belong to.
 
     "utilisation" so close to the surface that it depends on the mesh and has no error bar,
@@ -104,14 +104,14 @@ def caveats(history: Recorded) -> dict[str, str]:
     return {name: text for name, text in notes.items() if text}
 
 
-def _describe_conformity(history: Recorded) -> str:
+def _describe_conformity(history: HistoryData) -> str:
     """Describe a large range of the contact angle over a wheel's patch; empty if it is small."""
     columns = [name for name in ("angle_range", "block_angle_range") if name in history.columns]
     largest = [np.nan_to_num(history[name]).max(initial=0.0) for name in columns]
     return "; ".join(conformity_notes(float(max(largest, default=0.0))))
 
 
-def _describe_implausible_pressure(history: Recorded) -> str:
+def _describe_implausible_pressure(history: HistoryData) -> str:
     """Describe the largest pressure of a history if it is implausible; else an empty text."""
     pressure = np.where(history["converged"] > 0.0, history["p_max"], 0.0)
     if not pressure.any():
@@ -122,7 +122,7 @@ def _describe_implausible_pressure(history: Recorded) -> str:
     return "; ".join(pressure_notes(history.scene, float(pressure[row]), place))
 
 
-def _describe_shallow_utilisation(history: Recorded, shallow: float = 3.0) -> str:
+def _describe_shallow_utilisation(history: HistoryData, shallow: float = 3.0) -> str:
     """Warn of a largest utilisation so close to the surface that it depends on the mesh, or "".
 
     Within three elements, paths that are sampled at the elements lose up to 13 % of it.
@@ -141,7 +141,7 @@ def _describe_shallow_utilisation(history: Recorded, shallow: float = 3.0) -> st
     )
 
 
-def _describe_missed_stress(history: Recorded) -> str:
+def _describe_missed_stress(history: HistoryData) -> str:
     """Warn of elements too long to resolve the largest subsurface stress; else an empty text."""
     # Depth of the largest stress over the smaller semi-axis: 0.48 for a circle, 0.79 for a line.
     depth_of_stress = 0.6
@@ -169,7 +169,7 @@ def _describe_wear(balance: SteadyBalance, value: float, closed: bool) -> str:
     return text if closed else f"{text}; {balance.wear_cure} them together"
 
 
-def describe_history(history: Recorded) -> dict[str, str]:
+def describe_history(history: HistoryData) -> dict[str, str]:
     """Describe a history for reports: computation, balances, cost; text by label."""
     a0, b0, p0 = history.a0, history.b0, history.p0
     totals, saved = history.totals, len(history.saved)
@@ -190,7 +190,7 @@ def describe_history(history: Recorded) -> dict[str, str]:
     return {label: text for label, text in rows.items() if text}
 
 
-def summarize_history(history: Recorded) -> dict[str, str]:
+def summarize_history(history: HistoryData) -> dict[str, str]:
     """Return a short summary of a history (status, values of its last record): text by label."""
     # Numbers of the last record: those always shown, and those shown unless they are zero.
     last_values = (

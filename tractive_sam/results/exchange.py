@@ -9,12 +9,12 @@ import numpy as np
 from tractive_sam.optional import xarray
 from tractive_sam.results.balance import balance_of
 from tractive_sam.results.column_table import STRESSES
+from tractive_sam.results.history_data import HistoryData
 from tractive_sam.results.quantity import BODIES, LABELS, Quantity
-from tractive_sam.results.recorded import Recorded
 from tractive_sam.results.stored_fields import storable_fields
 
 
-def to_dict(history: Recorded) -> dict[str, Any]:
+def to_dict(history: HistoryData) -> dict[str, Any]:
     """Return columns (no profiles), balances, totals and status as plain lists; None for nan."""
     balance = balance_of(history)
     roles = {column.role for column in history.columns.values()}
@@ -33,7 +33,7 @@ def to_dict(history: Recorded) -> dict[str, Any]:
     return _without_nan({**about, **rows, **history.totals})
 
 
-def numbers(history: Recorded) -> dict[str, np.ndarray]:
+def numbers(history: HistoryData) -> dict[str, np.ndarray]:
     """Return all columns except profiles as arrays (n,), with names like "worn_mass A".
 
     Columns of a body, an axis or a position have names like "worn_mass A" and "p_max_at x".
@@ -53,7 +53,7 @@ def numbers(history: Recorded) -> dict[str, np.ndarray]:
     return arrays
 
 
-def to_dataset(history: Recorded) -> "xarray.Dataset":
+def to_dataset(history: HistoryData) -> "xarray.Dataset":
     """Return the columns and stored fields of a history as an xarray Dataset."""
 
     def about(quantity: Quantity) -> dict[str, str]:

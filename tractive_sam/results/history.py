@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 import numpy as np
@@ -10,38 +9,31 @@ import numpy as np
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import text_table
 from tractive_sam.extras import check_extra
-from tractive_sam.mechanics import Frame
 from tractive_sam.optional import pandas, xarray
 from tractive_sam.results import exchange
 from tractive_sam.results.assembly import collect
 from tractive_sam.results.balance import balance_of
-from tractive_sam.results.block import attributes_of_block
 from tractive_sam.results.describe import summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.law_record import LawRecord, describe_laws
+from tractive_sam.results.history_data import HistoryData
+from tractive_sam.results.law_record import LawRecord
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantity import COORDINATE, Quantity, find_by_role
 from tractive_sam.results.record import Record
-from tractive_sam.results.recorded import Rows
 from tractive_sam.results.recorded_contact import contact_of
 from tractive_sam.results.state import State
-from tractive_sam.scene import Scene, block_label
+from tractive_sam.scene import Scene
 
 DONE = "done"
 """The `History.status` of a complete computation."""
-
-RENAMED_COLUMNS = {"wear_rate": "worn_area"}
-"""Current names of renamed columns."""
 
 DERIVED = ("a0", "b0", "p0", "energy_balance", "wear_balance", "contact_solves", "wall_seconds")
 """Numbers of `History.to_dict` that are not columns."""
 
 
 @renamed_attributes(own_fields="user_fields")
-@dataclass(frozen=True, eq=False)
-class History:
+class History(HistoryData):
     """All records of a computation: columns by name, and fields of stored records.
 
     Attributes
@@ -94,24 +86,6 @@ class History:
     True
     """
 
-    scene: Scene
-    status: str
-    message: str
-    grid: Grid
-    columns: Mapping[str, Quantity]
-    values: Mapping[str, np.ndarray]
-    fields: Mapping[str, Rows[np.ndarray]]
-    saved: np.ndarray
-    stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
-    provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
-    law_records: Mapping[str, LawRecord] = field(default_factory=dict)
-    started: str = ""
-    cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
-    stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
-    measured: str = ""
-    datum: str = "vertex"
-    user_fields: Mapping[str, Quantity] = field(default_factory=dict)
-
     @classmethod
     def of_records(
         cls,
@@ -146,44 +120,6 @@ class History:
             cure = f"; history.state(n).{name} has its value for one contact"
         raise AttributeError(f"a History has no {name!r}{cure}")
 
-    def __len__(self) -> int:
-        return len(self.values[self.coordinate.name])
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """Return the values of a column, one row a record.
-
-        Raises
-        ------
-        KeyError
-            If the column does not exist; the message lists all columns.
-        """
-        if name in self.values:
-            return self.values[name]
-        new = RENAMED_COLUMNS.get(name)
-        cure = f"; it is now called history[{new!r}]" if new else ""
-        if name in self.fields:
-            cure = f"; the field is history.field({name!r})"
-        raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
-
-    def of_dims(self, *dims: str) -> dict[str, Quantity]:
-        """Return the columns with just these dimensions, as "body"; without any, scalars."""
-        return {name: column for name, column in self.columns.items() if column.dims == dims}
-
-    def of_role(self, role: str) -> Quantity:
-        """Return the column that has a role, as "coordinate"; its name may be user-defined.
-
-        Raises
-        ------
-        LookupError
-            If no column has this role.
-        """
-        return find_by_role(self.columns.values(), role)
-
-    @property
-    def coordinate(self) -> Quantity:
-        """Column by which the records are ordered: "revolution", "distance" or user-defined."""
-        return self.of_role(COORDINATE)
-
     @property
     def field_revolutions(self) -> np.ndarray:
         """Revolutions of the records with stored fields, an alias of `saved`."""
@@ -200,47 +136,14 @@ class History:
         return self.grid.y
 
     @property
-    def a0(self) -> float:
-        """Semi-axis in x of the unworn contact by Hertz, mm; nan if Hertz does not apply."""
-        return math.nan if self.scene.hertz is None else self.scene.hertz.a
-
-    @property
-    def b0(self) -> float:
-        """Semi-axis in y of the unworn contact by Hertz, mm; nan if Hertz does not apply."""
-        return math.nan if self.scene.hertz is None else self.scene.hertz.b
-
-    @property
-    def p0(self) -> float:
-        """Peak pressure of the unworn contact by Hertz, MPa; nan if Hertz does not apply."""
-        return math.nan if self.scene.hertz is None else self.scene.hertz.p0
-
-    @property
-    def bodies(self) -> tuple[str, ...]:
-        """Bodies with computed stress, of "A" and "B"; none without [subsurface]."""
-        return () if self.scene.subsurface is None else tuple(self.scene.subsurface.bodies)
-
-    @property
     def finished(self) -> bool:
         """Whether the computation ran to its end."""
         return self.status == DONE
 
     @property
-    def laws(self) -> str:
-        """User-defined laws that replaced laws of the scene, in one line of text; may be empty."""
-        return describe_laws(self.law_records)
-
-    @property
     def versions(self) -> Mapping[str, str]:
         """Versions of the programs that computed the last records, by program."""
         return self.provenance[-1][1] if self.provenance else {}
-
-    @property
-    def totals(self) -> dict[str, float]:
-        """Sums over all records: "contact_solves" and "wall_seconds"."""
-        return {
-            "contact_solves": int(np.nansum(self["solves"])),
-            "wall_seconds": float(np.nansum(self["seconds"])),
-        }
 
     @property
     def energy_balance(self) -> np.ndarray:
@@ -297,11 +200,6 @@ class History:
         return places, depth[::-1][last]
 
     @property
-    def block_names(self) -> list[str]:
-        """Names of the blocks of a duty cycle, in order; empty without blocks."""
-        return [block_label(self.scene, k) for k in range(len(self.scene.duty))]
-
-    @property
     def planes(self) -> tuple[tuple[str, str], ...]:
         """Body and plane of each stored stress, as ("A", "y=0")."""
         return tuple(self.stresses)
@@ -310,11 +208,6 @@ class History:
     def line(self) -> bool:
         """Whether it is the history of a line contact, with forces per length."""
         return self.grid.line
-
-    @property
-    def title(self) -> str:
-        """Title of the scene; may be empty."""
-        return self.scene.title
 
     def field(self, name: str, at: float | None = None, **named: float | None) -> np.ndarray:
         """Return one field of one record, shape (n_x, n_y); for a duty cycle (blocks, n_x, n_y).
@@ -432,64 +325,9 @@ class History:
         row = int(np.flatnonzero(self[self.coordinate.name] == self.saved[saved])[-1])
         return self.contact(row, {name: rows[saved] for name, rows in self.fields.items()})
 
-    def block(self, which: int | str) -> Self:
-        """Return the records of one block of a duty cycle as a separate history.
-
-        Profiles and worn volumes belong to the bodies, which all blocks wear.
-
-        Parameters
-        ----------
-        which : int or str
-            Index of the block in the [[duty]] of the scene, from 0, or its name. A text that is no
-            name may be an index.
-
-        Raises
-        ------
-        LookupError
-            If the block does not exist.
-
-        Examples
-        --------
-        >>> blocks = ({"revolutions": 1}, {"revolutions": 1, "load": {"normal": 200.0}})
-        >>> spectrum = ts.roll(discs.replace(duty=blocks))
-        >>> light = spectrum.block(1)
-        >>> round(float(light["P"][-1])), light.state(2).scene.load.normal
-        (200, 200.0)
-        """
-        return replace(self, **attributes_of_block(self, self.place_of(which)))
-
-    def place_of(self, which: int | str) -> int:
-        """Return the index of a block in the [[duty]] of the scene, from its index or its name.
-
-        Raises
-        ------
-        LookupError
-            If the block does not exist.
-
-        Examples
-        --------
-        >>> blocks = ({"revolutions": 1}, {"name": "light", "revolutions": 1})
-        >>> ts.roll(discs.replace(duty=blocks)).place_of("light")
-        1
-        """
-        names = self.block_names
-        places = {convert(k): k for convert in (int, str) for k in range(len(names))}
-        k = (places | {name: names.index(name) for name in names}).get(which)
-        if k is None:
-            listed = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
-            raise LookupError(f"no block {which}; there are {len(names)}, {listed}")
-        return k
-
     def contact(self, row: int, fields: Mapping[str, np.ndarray]) -> State:
         """Return the contact of record `row`, given its fields by the names of `FIELDS`."""
         return contact_of(self, row, fields)
-
-    @property
-    def frame(self) -> Frame | None:
-        """Scaled tribological frame of the friction law; None without friction."""
-        if (record := self.law_records.get("friction")) is not None:
-            return record.frame
-        return None if self.scene.friction is None else self.scene.friction.frame
 
     def to_dict(self) -> dict[str, Any]:
         """Return columns (no profiles), balances, totals and status as lists; None for nan."""

@@ -13,6 +13,9 @@ BODIES = ("A", "B")
 LABELS = {"axis": ("x", "y"), "body": BODIES, "position": ("x", "y", "depth")}
 """Labels along the dimensions of columns, except dimensions of the mesh."""
 
+PREFIX = "block_"
+"""Prefix of columns with a value for each block."""
+
 PROFILES = ("wheel", "rail")
 """Dimensions along the nodes of the profile of a wheel or a rail."""
 

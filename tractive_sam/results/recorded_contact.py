@@ -6,15 +6,15 @@ from dataclasses import replace
 import numpy as np
 
 from tractive_sam.results.heat import FlashTemperature
+from tractive_sam.results.history_data import HistoryData
 from tractive_sam.results.quantity import BODIES
-from tractive_sam.results.recorded import Recorded
 from tractive_sam.results.state import State
 from tractive_sam.results.status import Cost, Status
 from tractive_sam.results.stored_fields import BOUND, HEAT_FIELDS
 from tractive_sam.schema import required
 
 
-def contact_of(history: Recorded, row: int, fields: Mapping[str, np.ndarray]) -> State:
+def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray]) -> State:
     """Return the contact (`State`) of a record, given its fields by the names of `FIELDS`."""
     number = {name: float(history[name][row]) for name in history.of_dims()}
     creeping = sum(
@@ -63,7 +63,7 @@ def _recorded_cost(number: Mapping[str, float]) -> Cost:
     return Cost(number["operator_applications"], 0.0, convolutions, over_application)
 
 
-def _volumes(history: Recorded, row: int) -> dict[str, float] | None:
+def _volumes(history: HistoryData, row: int) -> dict[str, float] | None:
     """Return the worn volume of each body in a record; None if it was not recorded."""
     volumes = history.values.get("worn_volume")
     return None if volumes is None else dict(zip(BODIES, volumes[row].tolist(), strict=True))

@@ -1,0 +1,232 @@
+"""The data of a history: columns and fields of its records."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Protocol, Self, TypeVar
+
+import numpy as np
+
+from tractive_sam.mechanics import Frame
+from tractive_sam.results.fatigue import BodyFatigue
+from tractive_sam.results.grid import Grid
+from tractive_sam.results.law_record import LawRecord, describe_laws
+from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantity import COORDINATE, PREFIX, Quantity, find_by_role
+from tractive_sam.scene import Scene, block_label
+from tractive_sam.schema import required
+
+RENAMED_COLUMNS = {"wear_rate": "worn_area"}
+"""Current names of renamed columns."""
+
+T_co = TypeVar("T_co", covariant=True)
+
+
+class Rows(Protocol[T_co]):
+    """Sequence of fields, one a stored record, read from memory or from a file when accessed."""
+
+    def __len__(self) -> int:
+        """Number of records with fields."""
+
+    def __getitem__(self, row: int) -> T_co:
+        """Return the field of one record."""
+
+
+@dataclass(frozen=True, eq=False)
+class HistoryData:
+    """The data of a `History`, which documents them, and the access to its columns and blocks."""
+
+    scene: Scene
+    status: str
+    message: str
+    grid: Grid
+    columns: Mapping[str, Quantity]
+    values: Mapping[str, np.ndarray]
+    fields: Mapping[str, Rows[np.ndarray]]
+    saved: np.ndarray
+    stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
+    provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
+    law_records: Mapping[str, LawRecord] = field(default_factory=dict)
+    started: str = ""
+    cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
+    stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
+    measured: str = ""
+    datum: str = "vertex"
+    user_fields: Mapping[str, Quantity] = field(default_factory=dict)
+
+    def __len__(self) -> int:
+        return len(self.values[self.coordinate.name])
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return the values of a column, one row a record.
+
+        Raises
+        ------
+        KeyError
+            If the column does not exist; the message lists all columns.
+        """
+        if name in self.values:
+            return self.values[name]
+        new = RENAMED_COLUMNS.get(name)
+        cure = f"; it is now called history[{new!r}]" if new else ""
+        if name in self.fields:
+            cure = f"; the field is history.field({name!r})"
+        raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
+
+    def of_dims(self, *dims: str) -> dict[str, Quantity]:
+        """Return the columns with just these dimensions, as "body"; without any, scalars."""
+        return {name: column for name, column in self.columns.items() if column.dims == dims}
+
+    def of_role(self, role: str) -> Quantity:
+        """Return the column that has a role, as "coordinate"; its name may be user-defined.
+
+        Raises
+        ------
+        LookupError
+            If no column has this role.
+        """
+        return find_by_role(self.columns.values(), role)
+
+    @property
+    def coordinate(self) -> Quantity:
+        """Column by which the records are ordered: "revolution", "distance" or user-defined."""
+        return self.of_role(COORDINATE)
+
+    @property
+    def title(self) -> str:
+        """Title of the scene; may be empty."""
+        return self.scene.title
+
+    @property
+    def a0(self) -> float:
+        """Semi-axis in x of the unworn contact by Hertz, mm; nan if Hertz does not apply."""
+        return math.nan if self.scene.hertz is None else self.scene.hertz.a
+
+    @property
+    def b0(self) -> float:
+        """Semi-axis in y of the unworn contact by Hertz, mm; nan if Hertz does not apply."""
+        return math.nan if self.scene.hertz is None else self.scene.hertz.b
+
+    @property
+    def p0(self) -> float:
+        """Peak pressure of the unworn contact by Hertz, MPa; nan if Hertz does not apply."""
+        return math.nan if self.scene.hertz is None else self.scene.hertz.p0
+
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """Bodies with computed stress, of "A" and "B"; none without [subsurface]."""
+        return () if self.scene.subsurface is None else tuple(self.scene.subsurface.bodies)
+
+    @property
+    def laws(self) -> str:
+        """User-defined laws that replaced laws of the scene, in one line of text; may be empty."""
+        return describe_laws(self.law_records)
+
+    @property
+    def frame(self) -> Frame | None:
+        """Scaled tribological frame of the friction law; None without friction."""
+        if (record := self.law_records.get("friction")) is not None:
+            return record.frame
+        return None if self.scene.friction is None else self.scene.friction.frame
+
+    @property
+    def totals(self) -> dict[str, float]:
+        """Sums over all records: "contact_solves" and "wall_seconds"."""
+        return {
+            "contact_solves": int(np.nansum(self["solves"])),
+            "wall_seconds": float(np.nansum(self["seconds"])),
+        }
+
+    @property
+    def block_names(self) -> list[str]:
+        """Names of the blocks of a duty cycle, in order; empty without blocks."""
+        return [block_label(self.scene, k) for k in range(len(self.scene.duty))]
+
+    def block(self, which: int | str) -> Self:
+        """Return the records of one block of a duty cycle as a separate history.
+
+        Profiles and worn volumes belong to the bodies, which all blocks wear.
+
+        Parameters
+        ----------
+        which : int or str
+            Index of the block in the [[duty]] of the scene, from 0, or its name. A text that is no
+            name may be an index.
+
+        Raises
+        ------
+        LookupError
+            If the block does not exist.
+
+        Examples
+        --------
+        >>> blocks = ({"revolutions": 1}, {"revolutions": 1, "load": {"normal": 200.0}})
+        >>> spectrum = ts.roll(discs.replace(duty=blocks))
+        >>> light = spectrum.block(1)
+        >>> round(float(light["P"][-1])), light.state(2).scene.load.normal
+        (200, 200.0)
+        """
+        k, values = self.place_of(which), {}
+        columns = {name: c for name, c in self.columns.items() if "block" not in c.dims}
+        for name in columns:
+            each = self.values.get(PREFIX + name)
+            values[name] = self.values[name] if each is None else each[:, k]
+        return replace(
+            self,
+            scene=self.scene.blocks[k],
+            grid=self.grid.shifted(self.scene.duty[k].shift_y),
+            columns=columns,
+            values=values,
+            fields={name: _BlockRows(rows, k) for name, rows in self.fields.items()},
+            stresses=self.stresses_of_blocks[k] if self.stresses_of_blocks else {},
+            stresses_of_blocks=(),
+            law_records=self._law_records_of(self.scene.blocks[k]),
+        )
+
+    def _law_records_of(self, block: Scene) -> dict[str, LawRecord]:
+        """Return the replaced laws of one block; a named friction law has its coefficients.
+
+        A law that replaced the one of the scene is common to all blocks.
+        """
+        records, friction = dict(self.law_records), self.scene.friction
+        record = records.get("friction")
+        if record and friction and friction.named_law and record.frame == friction.frame:
+            frame = required(block.friction, "friction").frame
+            records["friction"] = replace(record, frame=frame)
+        return records
+
+    def place_of(self, which: int | str) -> int:
+        """Return the index of a block in the [[duty]] of the scene, from its index or its name.
+
+        Raises
+        ------
+        LookupError
+            If the block does not exist.
+
+        Examples
+        --------
+        >>> blocks = ({"revolutions": 1}, {"name": "light", "revolutions": 1})
+        >>> ts.roll(discs.replace(duty=blocks)).place_of("light")
+        1
+        """
+        names = self.block_names
+        places = {convert(k): k for convert in (int, str) for k in range(len(names))}
+        k = (places | {name: names.index(name) for name in names}).get(which)
+        if k is None:
+            listed = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
+            raise LookupError(f"no block {which}; there are {len(names)}, {listed}")
+        return k
+
+
+@dataclass(frozen=True, eq=False)
+class _BlockRows:
+    """Sequence of the fields of one block, a view of the fields of all blocks."""
+
+    rows: Rows[np.ndarray]
+    block: int
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, row: int) -> np.ndarray:
+        return self.rows[row][self.block]
