@@ -1,6 +1,7 @@
 """The page of a fit: estimates, what is not determined, figures, and residuals."""
 
 from collections.abc import Iterator
+from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 
@@ -42,9 +43,10 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
     >>> fitting.report_fit(found, "fit.html").stat().st_size < 1e6
     True
     """
-    look = Html(f"\n{style()}\n{_STYLE}")
+    folder = files(__package__)
+    look = Html(f"\n{style()}\n{folder.joinpath('page.css').read_text('utf-8')}")
     page = fill(
-        _PAGE,
+        folder.joinpath("page.html").read_text("utf-8"),
         policy=security_policy(styles=[look]),
         style=look,
         title=result.title or "A fit",
@@ -85,41 +87,3 @@ def _tables(result: FitResult) -> Iterator[Html]:
         row["meaning"] = Scene.find_field(base_of(row["parameter"])).title or ""
     for title, rows in tables.items():
         yield fill("<h2>$title</h2>\n$table\n", title=title, table=html_columns(rows))
-
-
-_STYLE = """table { width: auto; }
-.cards { display: flex; flex-wrap: wrap; gap: 1rem; align-items: end; }
-.cards figure { max-width: 460px; }
-pre { background: var(--tint); padding: .8rem; overflow-x: auto; }
-"""
-
-_PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-$policy
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>$style</style>
-</head>
-<body>
-<header>
-<h1>$title</h1>
-<p><span class="badge $kind">$status</span> $message</p>
-$notes
-</header>
-<main>
-$tables
-<h2>Agreement and cost</h2>
-<table>
-$facts</table>
-<h2>Figures</h2>
-<div class="cards">
-$pictures</div>
-<h2>Fit file</h2>
-<pre>$design</pre>
-</main>
-<footer>tractive-sam $version</footer>
-</body>
-</html>
-"""

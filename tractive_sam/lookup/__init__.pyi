@@ -4,6 +4,7 @@ from .c_code import arguments_of as arguments_of
 from .c_code import c_sources as c_sources
 from .c_code import check_axis_name as check_axis_name
 from .c_code import check_name as check_name
+from .c_code import fill_template as fill_template
 from .c_code import plain_title as plain_title
 from .coordinates import CONTACT as CONTACT
 from .coordinates import MIRROR as MIRROR

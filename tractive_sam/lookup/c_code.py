@@ -1,6 +1,7 @@
 """Write a table as C99: a header with one function, and its source, which needs only libm."""
 
 import re
+from collections.abc import Mapping
 from importlib.resources import files
 from keyword import kwlist
 
@@ -48,18 +49,18 @@ def c_sources(table: CreepTable, name: str = "creep_forces") -> dict[str, str]:
         check_axis_name(axis)
     values = {"DATA": _define_arrays(table)} | _describe(table)
     values |= {"GUARD": f"{name.upper()}_H", "NAME": name}
-    sources = {}
-    for suffix in (".h", ".c"):
-        text = _template(suffix)
-        for key, value in values.items():
-            text = text.replace(f"@{key}@", value)
-        sources[f"{name}{suffix}"] = text
-    return sources
+    return {
+        f"{name}{suffix}": fill_template("tractive_sam.lookup", f"law{suffix}", values)
+        for suffix in (".h", ".c")
+    }
 
 
-def _template(suffix: str) -> str:
-    """Return the text of the C template with a suffix, ".c" or ".h"."""
-    return (files("tractive_sam.lookup") / f"law{suffix}").read_text(encoding="ascii")
+def fill_template(package: str, file: str, values: Mapping[str, str]) -> str:
+    """Return the text of a file of a package, with each "@KEY@" replaced by its value, in order."""
+    text = (files(package) / file).read_text(encoding="ascii")
+    for key, value in values.items():
+        text = text.replace(f"@{key}@", value)
+    return text
 
 
 def _describe(table: CreepTable) -> dict[str, str]:
@@ -147,7 +148,7 @@ def check_axis_name(name: str, further: bool = False) -> None:
 
 def _reserved_names() -> set[str]:
     """Return the names that an axis cannot have: arguments, and reserved words of C and Python."""
-    words = re.findall(r"[A-Za-z]\w*", _template(".c"))
+    words = re.findall(r"[A-Za-z]\w*", fill_template("tractive_sam.lookup", "law.c", {}))
     return {RATIO, "poisson", "self", "Qx", "Qy", "Mz", *NAMES, *words, *C_WORDS.split(), *kwlist}
 
 

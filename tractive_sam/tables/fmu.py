@@ -11,7 +11,6 @@ import shutil
 import subprocess
 import zipfile
 from dataclasses import dataclass
-from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,7 +18,7 @@ from types import ModuleType
 from typing import Literal
 
 from tractive_sam.extras import require_extra
-from tractive_sam.lookup import CreepTable, c_sources
+from tractive_sam.lookup import CreepTable, c_sources, fill_template
 from tractive_sam.output_file import write_file
 from tractive_sam.tables.fmu_description import Description2, Description3, list_inputs
 
@@ -154,10 +153,8 @@ def _interface(table: CreepTable, name: str, token: str, version: _FmiVersion) -
         "GIVEN": ", ".join(f"input[{k}]" for k in range(len(inputs))),
         "STARTS": ", ".join(repr(variable.start) for variable in inputs),
     }
-    code = {}
-    for file, source in (("unit.h", "unit.h"), ("unit.c", version.source)):
-        text = (files("tractive_sam.tables") / source).read_text(encoding="ascii")
-        for key, value in values.items():
-            text = text.replace(f"@{key}@", value)
-        code[file] = text
-    return code
+    templates = {"unit.h": "unit.h", "unit.c": version.source}
+    return {
+        file: fill_template("tractive_sam.tables", template, values)
+        for file, template in templates.items()
+    }

@@ -7,7 +7,7 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from tractive_sam.lookup import CreepTable, arguments_of, plain_title
+from tractive_sam.lookup import CreepTable, arguments_of, fill_template, plain_title
 from tractive_sam.store import versions
 
 
@@ -45,6 +45,11 @@ class FmuVariable:
     def is_fixed(self) -> bool:
         """Whether both limits are equal, so that the variable has one allowed value."""
         return self.low == self.high
+
+    def describe(self, place: int) -> str:
+        """XML attributes of the variable at a place in the list of all: name, meaning, kind."""
+        named = f"name={quoteattr(self.name)} valueReference={quoteattr(str(place))}"
+        return f"{named} description={quoteattr(self.meaning)} {self.kind}"
 
     @property
     def numbers(self) -> str:
@@ -131,65 +136,44 @@ class Description2:
     """Base units of each unit, and the factor to them."""
 
     def __init__(self, table: CreepTable, name: str, token: str):
-        self.title, self.name, self.token = plain_title(table), name, token
-        self.inputs, self.outputs = list_inputs(table), list_outputs()
-        self.sources = ("unit.c", f"{name}.c")
-        self.tool = f"tractive_sam {versions()['tractive-sam']}"
+        inputs, outputs = list_inputs(table), list_outputs()
+        self.sources, self.variables = ("unit.c", f"{name}.c"), [*inputs, *outputs]
+        self.varying = [k for k, variable in enumerate(inputs) if not variable.is_fixed]
+        self.outputs = range(len(inputs), len(self.variables))
+        units = (
+            f"<Unit name={quoteattr(unit)}><BaseUnit {base}/></Unit>"
+            for unit, base in self.unit_texts.items()
+        )
+        self.values = {
+            "NAME": name,
+            "TOKEN": token,
+            "TITLE": quoteattr(plain_title(table)),
+            "TOOL": quoteattr(f"tractive_sam {versions()['tractive-sam']}"),
+            "UNITS": "".join(units),
+        }
 
     @property
     def files(self) -> dict[str, str]:
         """Content of the XML files by path in the FMU: modelDescription.xml."""
-        return {"modelDescription.xml": self.model}
+        depends = " ".join(str(k + 1) for k in self.varying)
+        return {
+            "modelDescription.xml": self._fill(
+                "fmu2.xml",
+                SOURCES="".join(f'<File name="{file}"/>' for file in self.sources),
+                VARIABLES="".join(
+                    f"<ScalarVariable {variable.describe(place)}><Real {variable.numbers}/>"
+                    "</ScalarVariable>\n"
+                    for place, variable in enumerate(self.variables)
+                ),
+                UNKNOWNS="".join(
+                    f'<Unknown index="{k + 1}" dependencies="{depends}"/>' for k in self.outputs
+                ),
+            )
+        }
 
-    @property
-    def units(self) -> str:
-        """XML definitions of the units."""
-        return "".join(
-            f"<Unit name={quoteattr(unit)}><BaseUnit {base}/></Unit>"
-            for unit, base in self.unit_texts.items()
-        )
-
-    @property
-    def varying(self) -> list[int]:
-        """Indices of the inputs that are not fixed parameters."""
-        return [k for k, variable in enumerate(self.inputs) if not variable.is_fixed]
-
-    @property
-    def model(self) -> str:
-        """XML text of modelDescription.xml."""
-        variables = "".join(
-            f"<ScalarVariable name={quoteattr(variable.name)} "
-            f"valueReference={quoteattr(str(place))} "
-            f"description={quoteattr(variable.meaning)} {variable.kind}><Real {variable.numbers}/>"
-            "</ScalarVariable>\n"
-            for place, variable in enumerate((*self.inputs, *self.outputs))
-        )
-        first, depends = len(self.inputs), " ".join(str(k + 1) for k in self.varying)
-        unknowns = "".join(
-            f'<Unknown index="{first + k + 1}" dependencies="{depends}"/>'
-            for k in range(len(self.outputs))
-        )
-        kind = (
-            f'modelIdentifier="{self.name}" canNotUseMemoryManagementFunctions="true" '
-            'canGetAndSetFMUstate="true" providesDirectionalDerivative="true"'
-        )
-        files = "".join(f'<File name="{file}"/>' for file in self.sources)
-        source = f"<SourceFiles>{files}</SourceFiles>"
-        return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="{self.name}" guid="{self.token}"
-  description={quoteattr(self.title)} generationTool={quoteattr(self.tool)}
-  variableNamingConvention="flat" numberOfEventIndicators="0">
-<ModelExchange {kind}>{source}</ModelExchange>
-<CoSimulation {kind} canHandleVariableCommunicationStepSize="true">{source}</CoSimulation>
-<UnitDefinitions>{self.units}</UnitDefinitions>
-<LogCategories><Category name="error"/></LogCategories>
-<DefaultExperiment startTime="0" stopTime="1"/>
-<ModelVariables>
-{variables}</ModelVariables>
-<ModelStructure><Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>
-</ModelStructure>
-</fmiModelDescription>
-"""
+    def _fill(self, file: str, **values: str) -> str:
+        """Return the text of a template with these values and those of all templates."""
+        return fill_template("tractive_sam.tables", file, values | self.values)
 
 
 class Description3(Description2):
@@ -197,56 +181,21 @@ class Description3(Description2):
 
     @property
     def files(self) -> dict[str, str]:
-        """Content of the XML files by path in the FMU: modelDescription.xml, list of sources.
-
-        A second file lists the sources.
-        """
-        return {"modelDescription.xml": self.model, "sources/buildDescription.xml": self.build}
-
-    @property
-    def model(self) -> str:
-        """XML text of modelDescription.xml."""
-        variables = "".join(
-            f"<Float64 name={quoteattr(variable.name)} valueReference={quoteattr(str(place))} "
-            f"description={quoteattr(variable.meaning)} {variable.kind} {variable.numbers}/>\n"
-            for place, variable in enumerate((*self.inputs, *self.outputs))
+        """Content of the XML files by path in the FMU: modelDescription.xml, list of sources."""
+        depends = " ".join(map(str, self.varying))
+        model = self._fill(
+            "fmu3.xml",
+            TIME=str(len(self.variables)),
+            VARIABLES="".join(
+                f"<Float64 {variable.describe(place)} {variable.numbers}/>\n"
+                for place, variable in enumerate(self.variables)
+            ),
+            OUTPUTS="".join(
+                f'<{element} valueReference="{k}" dependencies="{depends}"/>'
+                for element in ("Output", "InitialUnknown")
+                for k in self.outputs
+            ),
         )
-        first, depends = len(self.inputs), " ".join(map(str, self.varying))
-        time = first + len(self.outputs)
-        unknowns = [
-            f'valueReference="{first + k}" dependencies="{depends}"/>'
-            for k in range(len(self.outputs))
-        ]
-        outputs = "".join(f"<Output {unknown}" for unknown in unknowns)
-        initial = "".join(f"<InitialUnknown {unknown}" for unknown in unknowns)
-        kind = (
-            f'modelIdentifier="{self.name}" canGetAndSetFMUState="true" '
-            'providesDirectionalDerivatives="true"'
-        )
-        return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="3.0" modelName="{self.name}" instantiationToken="{self.token}"
-  description={quoteattr(self.title)} generationTool={quoteattr(self.tool)}
-  variableNamingConvention="flat">
-<ModelExchange {kind}/>
-<CoSimulation {kind} canHandleVariableCommunicationStepSize="true"/>
-<UnitDefinitions>{self.units}</UnitDefinitions>
-<LogCategories><Category name="error"/></LogCategories>
-<DefaultExperiment startTime="0" stopTime="1"/>
-<ModelVariables>
-<Float64 name="time" valueReference="{time}" causality="independent" variability="continuous"/>
-{variables}</ModelVariables>
-<ModelStructure>{outputs}{initial}</ModelStructure>
-</fmiModelDescription>
-"""
-
-    @property
-    def build(self) -> str:
-        """XML text that lists the C sources to compile (buildDescription.xml)."""
-        files = "".join(f'<SourceFile name="{file}"/>' for file in self.sources)
-        return f"""<?xml version="1.0" encoding="UTF-8"?>
-<fmiBuildDescription fmiVersion="3.0">
-<BuildConfiguration modelIdentifier="{self.name}">
-<SourceFileSet language="C99">{files}</SourceFileSet>
-</BuildConfiguration>
-</fmiBuildDescription>
-"""
+        sources = "".join(f'<SourceFile name="{file}"/>' for file in self.sources)
+        build = self._fill("build3.xml", SOURCES=sources)
+        return {"modelDescription.xml": model, "sources/buildDescription.xml": build}
