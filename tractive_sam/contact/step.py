@@ -4,9 +4,7 @@ See `operators.kinematics` for the slip of a step. A step depends only on the pr
 and gap of the step before.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -18,7 +16,7 @@ from tractive_sam.contact.step_result import StepInput, StepResult
 from tractive_sam.contact.step_wear import StepWear
 from tractive_sam.contact.step_work import Particles, StepWork
 from tractive_sam.mechanics import FrictionLaw, FrictionOnMesh, PreviousShare
-from tractive_sam.operators import Advection, RollingStep
+from tractive_sam.operators import Advection, FrictionSlip, RollingStep
 from tractive_sam.results import Cost, State, Status
 from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start, needed
 
@@ -70,6 +68,7 @@ class Stepper:
         self.model, self.operators, self.work = model, model.operators, StepWork(model)
         law = model.wear_law
         self.wear = None if law is None else StepWear(model, law)
+        self._edges: list[FrictionSlip] = []
 
     def step(
         self,
@@ -111,18 +110,21 @@ class Stepper:
             forces=self.model.forces_of(inputs.forces),
             kinematics=self._kinematics(before.contact, motion),
         )
-        start = self._start(before, advection, inputs, earlier, ratio)
-        outcome = self._solve(problem, before, start, advection.length)
-        result = self._result(inputs, advection, problem, outcome, worn)
+        start = self._start(problem, before, advection, inputs, earlier, ratio)
+        outcome = self._solve(problem, start, advection.length)
+        result, cost = self._result(inputs, advection, problem, outcome, worn), outcome.cost
         if result.contact.converged:
             if len(problem.forces):
                 slip = problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
                 motion = replace(motion, rigid=motion.rigid + slip, computed=slip)
             result, groups = self._with_work(before, inputs, result, motion)
+            between = advection.part and self.model.elasticity.coupled  # _later_displacement
+            cost += Cost(2.0 if between else 1.0)  # for the displacement
             if self.wear is not None:
                 result = self.wear.add_wear(inputs, result, advection, law, groups)
-        contact = result.contact
-        return replace(result, contact=contact.with_cost(replace(contact.cost, **meter.work)))
+        contact = result.contact.with_cost(replace(cost, **meter.work))
+        contact.reuse_values(before.contact)
+        return replace(result, contact=contact)
 
     def _motion(
         self, before: StepResult, inputs: StepInput, advection: Advection
@@ -151,16 +153,11 @@ class Stepper:
             for i in range(len(nodes) - 2, -1, -1):
                 edge[i] = np.where(nodes[i] > 0.0, nodes[i], edge[i + 1])
             entering = np.maximum(entering - edge[: len(entering)], 0.0)
-        return RollingStep(stencil, entering, advection.length)
+        return RollingStep(stencil, entering, advection.length, memory=self._edges)
 
-    def _solve(self, problem: Problem, before: StepResult, start: Start, length: float) -> Outcome:
-        """Solve the problem of a step; reuse the pressure before it if that is still a solution."""
-        model, past = self.model, before.contact
-        if before.has_pressure_of(problem.free_pressure):
-            pressure, gap = past.pressure / model.units.pressure, past.gap / model.units.gap
-            approach = past.approach / model.units.gap
-            start = replace(start, pressure=pressure, gap=gap, approach=approach)
-        outcome = solve_problem(model, problem, model.scene.solver.tolerance, start)
+    def _solve(self, problem: Problem, start: Start, length: float) -> Outcome:
+        """Solve the problem of a step; without contact, prescribed forces must be zero."""
+        outcome = solve_problem(self.model, problem, self.model.scene.solver.tolerance, start)
         if outcome.top is not None:  # its creepage is per element length, like the slip
             force, creepage = outcome.top
             outcome = replace(outcome, top=(force, creepage / length))
@@ -275,9 +272,15 @@ class Stepper:
         )
         if not model.stencil.staggered and advection.length:
             middle = middle - 0.5
-        x, y = grid.x[:, None] + grid.dx * middle, grid.y[None, :]
-        slip = np.stack(np.broadcast_arrays(longitudinal - spin * y, lateral + spin * x))
-        return model.frame.slip_to_scaled(slip) * (self._distance(advection) / model.units.slip)
+        scale = self._distance(advection) / model.units.slip
+        translation = model.frame.matrix @ (longitudinal, lateral)
+        slip = np.empty((2, *grid.elements))
+        slip[:] = scale * translation[:, None, None]
+        if spin:
+            x, y = grid.x[:, None] + grid.dx * middle, grid.y[None, :]
+            turned = np.stack(np.broadcast_arrays(-y, x))
+            slip += scale * spin * model.frame.slip_to_scaled(turned)
+        return slip
 
     def _distance(self, advection: Advection) -> float:
         """Return the rolled distance in elements, which divides slip; 1 mm for a shift."""
@@ -285,37 +288,47 @@ class Stepper:
 
     def _start(
         self,
+        problem: Problem,
         before: StepResult,
         advection: Advection,
         inputs: StepInput,
         earlier: StepResult | None,
         ratio: float,
     ) -> Start:
-        """Return the initial guess of a step: extrapolated from two steps, or the last step."""
-        model, units = self.model, self.model.units
-        first, share = (before, 0.0) if earlier is None else (earlier, ratio)
+        """Return the initial guess of a step: extrapolated from two steps, or the last step.
 
-        def extrapolate(value: Callable[[StepResult], Any]) -> Any:
-            last = value(before)
-            return last + share * (last - value(first)) if share else last
+        If the pressure before the step still solves the normal problem, it is not extrapolated.
+        """
+        model, units, columns = self.model, self.model.units, self.model.grid.elements[0]
+        steps = (before,) if earlier is None or not ratio else (before, earlier)
+        last, first = steps[0].contact, steps[-1].contact
+        per_distance = units.slip / self._distance(advection)
 
-        pressure = extrapolate(lambda step: step.contact.pressure)
+        def extrapolate(value: Any, earlier_value: Any) -> Any:
+            return value if first is last else value + ratio * (value - earlier_value)
+
         creepages = [
-            extrapolate(attrgetter(f"contact.{k}"))
-            for k, force in zip(("xi_x", "xi_y"), inputs.forces, strict=True)
+            extrapolate(getattr(last, name), getattr(first, name))
+            for name, force in zip(("xi_x", "xi_y"), inputs.forces, strict=True)
             if force is not None
         ]
-        response = None
+        gap, pressure, approach, response = None, last.pressure, last.approach, None
+        if before.has_pressure_of(problem.free_pressure):
+            gap = last.gap / units.gap
+        else:
+            pressure = extrapolate(pressure, first.pressure)
+            approach = extrapolate(approach, first.approach)
         if not (model.elasticity.coupled and pressure.min() < 0.0):
-            columns = model.grid.elements[0]
-            response = extrapolate(lambda step: self.displacement(step, 0)[:, :columns])
-        traction = extrapolate(lambda step: step.contact.traction)
+            moved = [self.displacement(step, 0)[:, :columns] for step in steps]
+            response = extrapolate(moved[0], moved[-1])
+        traction = extrapolate(last.traction, first.traction)
         return Start(
             np.maximum(pressure, 0.0) / units.pressure,
             model.frame.to_scaled(traction) / units.pressure,
-            extrapolate(lambda step: step.contact.approach) / units.gap,
-            np.nan_to_num(creepages) * (self._distance(advection) / units.slip),
+            approach / units.gap,
+            np.nan_to_num(creepages) / per_distance if creepages else None,
             response,
+            gap,
         )
 
     def _result(
@@ -356,16 +369,12 @@ class Stepper:
 
         See `step_work`.
         """
-        between, work = motion.advection.part, self.work
-        displacement = self.displacement(result, max(motion.advection.reach, 1))
-        further = between and self.model.elasticity.coupled  # see _later_displacement
-        cost = result.contact.cost + Cost(2.0 if further else 1.0)  # for the displacement
-        contact = replace(result.contact, cost=cost)
-        result = replace(result, contact=contact, displacement=displacement)
+        work, displacement = self.work, self.displacement(result, max(motion.advection.reach, 1))
+        result = replace(result, displacement=displacement)
         groups = self._particles(before, inputs, result, motion)
-        energy = work.energy(self.model.scaled_fields(contact), displacement)
+        energy = work.energy(self.model.scaled_fields(result.contact), displacement)
         supplied, friction = work.supplied(groups), work.friction(groups)
-        if between:
+        if motion.advection.part:
             friction = supplied - (energy - before.energy)
             groups = work.match_work(groups, friction)
         return replace(result, supplied=supplied, friction=friction, energy=energy), groups
@@ -377,13 +386,13 @@ class Stepper:
         advection, curved, past = motion.advection, motion.curved, before.contact
         columns, fields = self.model.grid.elements[0], self.model.scaled_fields(past)
         change = result.displacement[:, :columns] - motion.displacement
-        last = self.model.scaled_fields(result.contact)
-        after = Particles(result.contact.pressure, last, change, motion.rigid)
+        pressure, last = result.contact.pressure, self.model.scaled_fields(result.contact)
         if not advection.part:
             previous = advection.previous_values(advection.with_nodes_ahead(fields), curved)
             pressed = advection.previous_values(advection.with_nodes_ahead(past.pressure), curved)
-            mean = 0.5 * (after.pressure + pressed), 0.5 * (after.fields + previous)
-            return (replace(after, pressure=mean[0], fields=mean[1]),)
+            mean = 0.5 * (pressure + pressed), 0.5 * (last + previous)
+            return (Particles(*mean, change, motion.rigid),)
+        after = Particles(pressure, last, change, motion.rigid, weight=0.5)
         moves = advection.spread((~result.contact.sticking).astype(float), np.zeros_like(curved))
         earlier = Particles(
             past.pressure,
@@ -391,9 +400,10 @@ class Stepper:
             self._later_displacement(result, motion) - self.displacement(before, 0)[:, :columns],
             self.rigid_slip(inputs, advection, -0.5 * advection.length) + motion.computed,
             earlier=True,
+            weight=0.5,
             wearing=(moves[:columns] > 0.0).astype(float),
         )
-        return replace(after, weight=0.5), replace(earlier, weight=0.5)
+        return after, earlier
 
     def _later_displacement(self, result: StepResult, motion: ParticleMotion) -> np.ndarray:
         """Return displacements after a step of the particles that were at the nodes before it.

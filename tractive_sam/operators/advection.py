@@ -60,18 +60,21 @@ class Advection:
         """Number of nodes ahead of the mesh that `previous_values` needs."""
         return self.elements + (2 if self.part else 0)
 
-    def middle(self, parabola: np.ndarray) -> np.ndarray:
+    def middle(self, parabola: np.ndarray) -> np.ndarray | float:
         """Return the mean distance of particles from their node in the step, (n_x, n_y), elements.
 
-        Spin makes the rigid slip linear along the path, so that its mean is its value in the
-        middle. On a path that is interpolated by a straight line the rigid slip is so, too.
+        It is one number for steps of full elements. Spin makes the rigid slip linear along the
+        path, so that its mean is its value in the middle. On a path that is interpolated by a
+        straight line the rigid slip is so, too.
 
         Parameters
         ----------
         parabola : ndarray of bool, shape (n_x, n_y)
             See `previous_values`.
         """
-        m, f, d = self.elements, self.part, max(self.length, 1e-300)
+        m, f, d = self.elements, self.part, self.length
+        if not f:
+            return 0.5 * d
         return np.where(parabola, 0.5 * d, (0.5 * m * m + f * (m + 0.5)) / d)
 
     def previous_values(self, nodes: np.ndarray, parabola: np.ndarray) -> np.ndarray:
@@ -85,12 +88,11 @@ class Advection:
             True for particles with values on a parabola, False for values on a straight line.
         """
         f, count = self.part, parabola.shape[0]
-        here, ahead, beyond = (
-            nodes[..., k : k + count, :]
-            for k in np.minimum(self.elements + np.arange(3), nodes.shape[-2] - count)
-        )
+        first = range(self.elements, self.elements + (3 if f else 1))
+        here, *further = (nodes[..., k : k + count, :] for k in first)
         if not f:
             return here
+        ahead, beyond = further
         curved = 0.5 * f * (f - 1.0) * np.where(parabola, here - 2.0 * ahead + beyond, 0.0)
         return (1.0 - f) * here + f * ahead + curved
 

@@ -163,11 +163,14 @@ class RollingStep(Kinematics):
     far : int
         Number of elements along a contact from which on the slip of each counts the less, the more
         there are.
+    memory : list of FrictionSlip
+        Friction slip of the last step, which steps under the same pressure and gap share.
     """
 
     entering: np.ndarray = field(default_factory=lambda: np.zeros((1, 1)))
     length: float = 0.0
     far: int = 60
+    memory: list[FrictionSlip] = field(default_factory=list, repr=False)
 
     joint = True
 
@@ -188,10 +191,15 @@ class RollingStep(Kinematics):
     ) -> FrictionSlip:
         """Return the friction slip of a step: its gap is `entering`; the argument is unused."""
         lattice = operators.lattice
-        i, j = np.nonzero((pressure > 0.0) & (self.entering > 0.0))
         back = min(self.length, 1.0) if self.stencil.staggered else 0.0
+        for last in self.memory:
+            same = last.staggered == back and np.array_equal(last.bound, pressure)
+            if same and np.array_equal(last.gap, self.entering):
+                return last
+        i, j = np.nonzero((pressure > 0.0) & (self.entering > 0.0))
         seen = back, pressure, self.entering, (i, j), (i, j), lattice.dx / lattice.dy
-        return FrictionSlip(*seen, operators.opening, gap_changes=False)
+        self.memory[:] = [FrictionSlip(*seen, operators.opening, gap_changes=False)]
+        return self.memory[0]
 
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray

@@ -199,7 +199,7 @@ class FrictionSlip:
     ):
         self._gap_changes = gap_changes
         self.staggered = staggered
-        self.bound = bound
+        self.bound, self.gap = bound, gap
         to_numpy = backend_of(bound).to_numpy
         bound, gap = to_numpy(bound), to_numpy(gap)
         self._here, self._ahead = leading, parted
@@ -340,7 +340,7 @@ class FrictionSlip:
             opening += self._entry * (self._layer @ traction)
         return (slip[:, *self._here] + opening) / (1.0 + self._stiffness)
 
-    @property
+    @cached_property
     def stiffness(self) -> np.ndarray:
         """Bound on d(corrected slip)/d(own traction), (n_x, n_y); 0 except in leading elements.
 

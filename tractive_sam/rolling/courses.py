@@ -33,6 +33,7 @@ class Courses:
         self.scene, self.table = scene, required(scene.transient, "transient")
         self.knots = self.table.knots
         self._place = [(stage, k) for stage in self.table.stages for k in stage.knot_range]
+        self._at_knots: dict[int, dict[str, Any]] = {}
 
     @property
     def stretches(self) -> int:
@@ -67,9 +68,10 @@ class Courses:
         if last == first:
             return end
         share, begin = (distance - first) / (last - first), self._at_knot(stretch)
-        courses = self.stage(stretch).courses
-        between = {key: (1.0 - share) * begin[key] + share * end[key] for key in courses}
-        return end | between
+        return {
+            key: value if value == begin[key] else (1.0 - share) * begin[key] + share * value
+            for key, value in end.items()
+        }
 
     @property
     def first_shift(self) -> tuple[float, float, float]:
@@ -93,8 +95,10 @@ class Courses:
 
     def _at_knot(self, knot: int) -> dict[str, Any]:
         """Return the prescribed quantities, by scene key, at a knot of the list of all stages."""
-        stage, k = self._place[knot]
-        return stage.values_at(k, self._constant(stage))
+        if knot not in self._at_knots:
+            stage, k = self._place[knot]
+            self._at_knots[knot] = stage.values_at(k, self._constant(stage))
+        return self._at_knots[knot]
 
     def _constant(self, stage: Stage) -> dict[str, float | None]:
         """Return loads, creepages and friction of the scene, by key; shifts of a stage are zero."""
@@ -131,7 +135,7 @@ class Courses:
         first, last = self._at_knot(stretch), self._at_knot(stretch + 1)
         if before is not after:  # a shift counts from the start of its course
             continued = frozenset() if before.rolls else before.courses.keys()
-            first |= {key: 0.0 for key in self.creepages if key not in continued}
+            first = first | {key: 0.0 for key in self.creepages if key not in continued}
         x, y, turn = (
             late - early
             for early, late in zip(creepages_of(first), creepages_of(last), strict=True)

@@ -46,6 +46,8 @@ class Moment(Step):
         Worn bodies with which it began; None for new ones.
     earlier : StepResult, optional
         The contact of the record before, if that is between two steps.
+    courses : Courses
+        Courses of the scene.
     """
 
     contacts: tuple[State, ...] = field(init=False)
@@ -62,6 +64,7 @@ class Moment(Step):
     deepest: float = 0.0
     began: Worn | None = None
     earlier: StepResult | None = None
+    courses: Courses = field(kw_only=True, repr=False)
 
     @classmethod
     def from_stored(cls, scene: Scene, stored: StoredStep) -> "Moment":
@@ -99,6 +102,7 @@ class Moment(Step):
             shifts,
             before,
             **worn,
+            courses=Courses(scene),
         )
 
     def __post_init__(self) -> None:
@@ -133,7 +137,7 @@ class Moment(Step):
 
     def record(self, block: int | None = None) -> StepRecord:
         """Return the contact and its values; values per rolling distance are nan during a shift."""
-        course, contact = Courses(self.contact.scene), self.contact
+        course, contact = self.courses, self.contact
         step, rolls = self.result.since(self.earlier), course.rolled_to(self.stretch)
         distance = step.distance
         per_distance: dict[str, Any] = {}

@@ -13,6 +13,7 @@ the extrapolated tractions; for adaptive steps the error is the difference from 
 from bisect import bisect_left
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -123,7 +124,8 @@ class TransientProcess(Process[Moment]):
             lost = contact.volumes_of(dict(zip(BODIES, model.began.on(model.grid), strict=True)))
             volumes = np.nan_to_num([lost[body] for body in BODIES])
         result, deepest = self.stepper.at_rest(contact), float(contact.wear.max())
-        return Moment(at, -1, result, volumes=volumes, deepest=deepest, began=model.began)
+        worn: dict[str, Any] = {"volumes": volumes, "deepest": deepest, "began": model.began}
+        return Moment(at, -1, result, courses=self.courses, **worn)
 
     def advance(self, last: Moment) -> Iterator[Moment]:
         """Yield the moments after one, with jumps at knots, to the end or an unsolved contact."""

@@ -70,7 +70,8 @@ def gmres(
     residual[0] = norm
     k = 0
     while k < max_steps and abs(residual[k]) > tolerance * norm:
-        w, h, beyond = orthogonalise(operator(preconditioner(basis[k])), basis[: k + 1])
+        w = np.array(operator(preconditioner(basis[k])))
+        h, beyond = orthogonalise(w, basis[: k + 1])
         # Givens: the rotations so far, then one that takes away what the new vector adds below.
         column = h.tolist()
         for i, (c, s) in enumerate(rotations):
@@ -99,23 +100,24 @@ def gmres(
     return np.array(preconditioner(weights @ basis[:k])), k
 
 
-def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return the part of w orthogonal to the basis, its components along it, and its norm.
+def orthogonalise(w: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
+    """Make w orthogonal to an orthonormal basis, in place; return its components and new norm.
 
     Classical Gram-Schmidt: products with all vectors together. It is repeated if little is left,
     which has rounding errors ("twice is enough").
     """
-    before = sqrt(w @ w)
+    if not len(basis):
+        return np.zeros(0), sqrt(w @ w)
     h = basis @ w
-    w = w - h @ basis
-    beyond = sqrt(w @ w)
+    w -= h @ basis
+    beyond = w @ w
     components = h.astype(float)
-    if beyond < 0.5 * before:
+    if beyond < 0.25 * (beyond + h @ h):
         h = basis @ w
         w -= h @ basis
-        beyond = sqrt(w @ w)
+        beyond = w @ w
         components += h
-    return w, components, beyond
+    return components, sqrt(beyond)
 
 
 def conjugate_residuals(
@@ -159,18 +161,22 @@ def conjugate_residuals(
                 for array in (vectors, responses, basis, along)
             )
             triangle, rows = np.pad(triangle, (0, k)), 2 * k
+        w = basis[k]
         vectors[k] = system.preconditioner(residual)
         responses[k] = system.response(vectors[k])
-        made = system.product(vectors[k], responses[k])
-        w, h, beyond = orthogonalise(made, basis[:k])
+        w[:] = system.product(vectors[k], responses[k])
+        h, beyond = orthogonalise(w, basis[:k])
         if beyond <= rounding * sqrt(h @ h):
             break
-        np.divide(w, kind(beyond), out=basis[k])
+        w /= kind(beyond)
         triangle[:k, k], triangle[k, k] = h, beyond
-        along[k] = basis[k] @ residual
-        residual -= np.multiply(basis[k], kind(along[k]), out=scratch)
+        along[k] = w @ residual
+        residual -= np.multiply(w, kind(along[k]), out=scratch)
         norm = sqrt(residual @ residual)
         k += 1
-    shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
+    shares = along[:k]
+    for i in reversed(range(k)):  # back substitution
+        shares[i] = (shares[i] - triangle[i, i + 1 : k] @ shares[i + 1 :]) / triangle[i, i]
+    shares = shares.astype(kind)
     response = shares @ responses.reshape(rows, -1)[:k]
     return shares @ vectors[:k], response.reshape(system.shape)

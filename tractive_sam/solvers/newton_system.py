@@ -5,7 +5,7 @@ Everything tangential is written once, for fields[-2:], whether or not there is 
 """
 
 from functools import cached_property
-from math import prod
+from math import prod, sqrt
 
 import numpy as np
 
@@ -57,7 +57,7 @@ class Iterate:
         if len(forces):
             self.slip += forces.slip(creepage)
         self.gap = normal.gap if fixed else normal.gap + response[0] - approach
-        self.active = self.pressure > (0.0 if fixed else self.gap)
+        self.active = problem.touching if fixed else self.pressure > self.gap
         # An element with an open gap has left the contact, whatever pressure a step has left on it.
         touching = self.pressure if fixed else closed(self.pressure, self.gap)
         self.seen = problem.friction_slip(touching, self.gap)
@@ -76,20 +76,21 @@ class Iterate:
         """Compute and store the residual, the missing load and forces, and their weights."""
         forces = problem.forces
         # Resultants, given and missed, count as if spread evenly over the contact.
-        elements = max(int(np.count_nonzero(self.active)), 1)
+        self.elements = elements = max(int(np.count_nonzero(self.active)), 1)
         self.load_missed = 0.0 if problem.load is None else problem.load - self.pressure.sum()
         self.force_missed, missed, wanted = forces.target, 0.0, 0.0
         if len(forces):
             self.force_missed = forces.target - forces.force(self.traction)
             missed = np.sum(self.force_missed**2) / elements
             wanted = float(np.linalg.norm(forces.target) / np.sqrt(elements))
-        drag = max(float(np.linalg.norm(self.traction + self.law.defect)), wanted)
-        self.drag = drag
+        reached = self.traction + self.law.defect
+        self.drag = drag = max(sqrt(np.vdot(reached, reached)), wanted)
         self._tangential = self.law.merit + missed
         self._normal = 0.0
-        defect = np.sqrt(self.law.squares + missed)
+        defect = sqrt(self.law.squares + missed)
         # Tractions cannot be known better than the slip, which is rounded as its parts are.
-        rounded = self.rounding * np.sqrt(self.pressure.size) * np.abs(self.response[-2:]).max()
+        largest = max(self.response[-2:].max(), -self.response[-2:].min())
+        rounded = self.rounding * sqrt(self.pressure.size) * largest
         self.residual = relative(defect, drag) if defect > rounded else 0.0
         self.ratio = 1.0
         if not problem.is_pressure_fixed:
@@ -156,7 +157,7 @@ class System:
         self.shape = problem.shape
         self.size = prod(self.shape)
         self.length = self.size + self.under_load + len(self.vectors)
-        self.weight = 1.0 / np.sqrt(max(int(np.count_nonzero(at.active)), 1))
+        self.weight = 1.0 / sqrt(at.elements)
         self._inverse = problem.kinematics.approximate_inverse(
             self.operators, at.law, at.seen.stiffness
         )
@@ -251,7 +252,7 @@ class System:
     def _border(self) -> tuple[list[np.ndarray], np.ndarray]:
         """Preconditioned columns of approach and creepages, and their Schur complement."""
         count = self.length - self.size
-        zero: np.ndarray = np.zeros(self.shape if count else (), self.kind)
+        zero: np.ndarray = np.zeros(self.shape, self.kind)
         responses = [
             self._approximate_inverse(self._rows(zero, self._extended(zero, unit)).copy())
             for unit in np.eye(count)
@@ -262,14 +263,15 @@ class System:
     def preconditioner(self, vector: np.ndarray) -> np.ndarray:
         """Apply the preconditioner: the approximate inverse bordered by load and forces."""
         step = self._approximate_inverse(self.fields(vector))
+        if self.length == self.size:
+            return step.reshape(-1)
         out: np.ndarray = np.empty(self.length, self.kind)
         responses, schur = self._border
-        if responses:
-            missed = self._resultants(step) - vector[self.size :] / self.weight
-            # Least squares: in full slip the forces do not answer the creepages.
-            extra = np.linalg.lstsq(schur, missed, rcond=1e-12)[0]
-            for c, response in zip(extra, responses, strict=True):
-                step -= c * response
-            out[self.size :] = extra
+        missed = self._resultants(step) - vector[self.size :] / self.weight
+        # Least squares: in full slip the forces do not answer the creepages.
+        extra = np.linalg.lstsq(schur, missed, rcond=1e-12)[0]
+        for c, response in zip(extra, responses, strict=True):
+            step -= c * response
+        out[self.size :] = extra
         out[: self.size] = step.ravel()
         return out

@@ -339,6 +339,11 @@ class Problem:
         return self.kinematics.friction_slip(self.operators, pressure, gap)
 
     @cached_property
+    def touching(self) -> np.ndarray:
+        """Mask of the elements in contact under the fixed pressure, shape (n_x, n_y)."""
+        return self.fixed_pressure.pressure > 0.0
+
+    @cached_property
     def _fixed_bound(self) -> Bound:
         """Traction bound of the friction law under the fixed pressure, at zero slip."""
         return self.friction.bound(self.fixed_pressure.pressure)

@@ -40,8 +40,7 @@ class Sequential:
         if not (normal.converged and self.tangential is not None and pressure.any()):
             return replace(normal, traction=np.zeros_like(inner.rigid), slip=inner.rigid)
         tangential = self._tangential(inner, tolerance, start)
-        residual = max(normal.residual, tangential.residual)
-        return replace(_with_pressure(tangential.after(normal), normal), residual=residual)
+        return _with_pressure(tangential, normal)
 
     def _normal(
         self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None
@@ -125,12 +124,14 @@ class RoughSequential:
             under_creepages = replace(tangential, forces=PrescribedForces())
             without = self.tangential.solve(under_creepages, self.rough).after(outcome)
             outcome = replace(without, creepage=np.zeros(len(problem.forces)))
-        return _with_pressure(outcome.after(normal), normal)
+        return _with_pressure(outcome, normal)
 
 
 def _with_pressure(tangential: Outcome, normal: Outcome) -> Outcome:
-    """Return a tangential outcome with pressure, gap and approach of a normal outcome."""
-    return replace(tangential, pressure=normal.pressure, gap=normal.gap, approach=normal.approach)
+    """Return the outcome of both problems: pressure, gap and approach of the normal one."""
+    found = {name: getattr(normal, name) for name in ("pressure", "gap", "approach")}
+    residual = max(normal.residual, tangential.residual)
+    return replace(tangential.after(normal), **found, residual=residual)
 
 
 def _refuse_forces(problem: Problem, share: float) -> Outcome:
