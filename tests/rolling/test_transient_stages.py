@@ -21,7 +21,7 @@ def scene(*stages, n=15, **changes):
 
 def columns(history):
     """Return the columns that two equal courses have in common, without times of computing."""
-    own = {"seconds", "stage", "stretch", "next_step"}
+    own = {"seconds", "over_application", "stage", "stretch", "next_step"}
     return {name: history[name] for name in history.columns if name not in own}
 
 
