@@ -7,7 +7,7 @@ from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.friction import Coulomb, Frame
 from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling
-from tractive_sam.operators.stencil import edge_angles
+from tractive_sam.operators.stencil import edge_angles, entry_beyond, entry_change
 from tractive_sam.solvers import ConjugateGradients, NormalProblem
 
 N, SIDE = 24, 2.3
@@ -124,3 +124,16 @@ def test_slip_that_wears_does_no_elastic_work():
     slip = STAGGERED.at_centres(space.slip(traction))
     work = (slip * traction).sum()
     assert abs(work) < 1e-12 * np.linalg.norm(slip) * np.linalg.norm(traction)
+
+
+def test_the_edge_lies_where_the_squared_pressure_falls_to_zero():
+    """Ahead of a leading element, at the part t of an element: (1 - t)/t, and its derivative."""
+    t, here = np.array([0.2, 0.5, 0.7]), (np.full(3, 5), np.arange(3))
+    bound = np.sqrt(np.maximum(5.0 + t - np.arange(8.0)[:, None], 0.0))
+    np.testing.assert_allclose(entry_beyond(bound, *here), (1.0 - t) / t, rtol=1e-12)  # rounding
+    change = np.cos(np.arange(24.0).reshape(8, 3))
+    after, before = (entry_beyond(bound + h * change, *here) for h in (1e-5, -1e-5))
+    # Central differences: h squared.
+    np.testing.assert_allclose(
+        entry_change(bound, change, *here), (after - before) / 2e-5, rtol=1e-7
+    )

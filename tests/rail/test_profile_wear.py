@@ -50,11 +50,16 @@ def test_wear_follows_the_frictional_work(scene):
     contact = ts.solve(one.replace(wear=None))
     coefficient = one.wear.laws  # A and B wear alike
     assert set(coefficient.values()) == {"archard"}
-    worn = ts.wear_profiles(one.with_set(["wear.revolutions=1"]))
+    history = ts.roll(one.with_set(["wear.revolutions=1"]))
+    worn = ts.WornProfiles.from_history(history)
     area = sum(worn.worn_areas[name][-1] for name in ("wheel", "rail"))
     # k in mm3/(N m): 1e-3 in 1/MPa; in full slip p s = work / mu.
     assert contact.stick_fraction == 0.0
     assert area == pytest.approx(2.0e-5 * 1e-3 * contact.dissipation / 0.3, rel=0.03)
+    around = 2.0 * np.pi * ts.contact_locus(one, [3.0]).radius[0, 0]
+    # The radius varies over the worn strip by parts of a mm, of 460 mm.
+    volume = around * worn.worn_areas["wheel"][-1]
+    assert history["worn_volume"][-1, 0] == pytest.approx(volume, rel=1e-3)
 
 
 @pytest.mark.slow
