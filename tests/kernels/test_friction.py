@@ -182,13 +182,14 @@ def test_open_elements_carry_nothing():
     np.testing.assert_array_equal(defect, -1.0)
 
 
-def test_sweep_sums_from_the_leading_edge_where_it_sticks():
-    state = np.full((4, 1), friction.STICK, np.int8)
-    state[0] = friction.OPEN
-    row, increments, out = 7.0 * np.ones((2, 4, 1)), np.ones((2, 4, 1)), np.empty((2, 4, 1))
-    zero, own = np.zeros((4, 1)), (1.0, 0.0, 1.0)
-    friction_inverse.sweep_upwind(state, np.zeros((2, 4, 1)), zero, zero, own, row, increments, out)
-    np.testing.assert_array_equal(out[0, :, 0], [7, 3, 2, 1])  # an open one: what its row says
+def test_sweep_sums_from_each_leading_edge_where_it_sticks():
+    state = np.full((6, 1), friction.STICK, np.int8)
+    state[[0, 3]] = friction.OPEN
+    row, increments, out = 7.0 * np.ones((2, 6, 1)), np.ones((2, 6, 1)), np.empty((2, 6, 1))
+    zero, own = np.zeros((6, 1)), (1.0, 0.0, 1.0)
+    friction_inverse.sweep_upwind(state, np.zeros((2, 6, 1)), zero, zero, own, row, increments, out)
+    # The value of an open element is that of its row; behind it there is another leading edge.
+    np.testing.assert_array_equal(out[0, :, 0], [7, 2, 1, 7, 2, 1])
 
 
 def test_wear_gathers_against_the_rolling_direction():

@@ -143,6 +143,22 @@ def discs(*settings, **requested):
     return scene.replace(subsurface=None, fatigue=requested)
 
 
+def test_the_damage_of_a_jump_counts_with_the_length_of_the_jump_before(monkeypatch):
+    """The utilisation between two records is a parabola through the record before them."""
+    jumps, after_jump = [], body_damage.after_jump
+
+    def record(*arguments):
+        jumps.append(arguments[6])
+        return after_jump(*arguments)
+
+    monkeypatch.setattr("tractive_sam.rolling.damage.after_jump", record)
+    scene = discs("wear.revolutions=12", "wear.save=[0, 12]", bodies=["A"], elements=8)
+    rolled = ts.roll(scene)
+    lengths = [0, *np.diff(rolled["revolution"]).astype(int)]
+    assert len(set(lengths)) > 2
+    assert jumps == list(zip(lengths[1:], lengths[:-1], strict=True))
+
+
 @pytest.mark.slow
 def test_adaptive_jumps_do_the_damage_of_every_revolution():
     settings = ["wear.revolutions=40", "wear.save=[0, 40]"]
