@@ -102,11 +102,8 @@ def find_contact_points(wheel: Wheel, rail: Rail, window: float = 0.0) -> Cleara
     order = np.argsort(touching.gap)
     order = order[touching.gap[order] <= touching.gap.min() + window]
     return Clearance(
-        touching.s[order],
-        touching.points[order],
-        touching.gap[order],
-        touching.angles[:, order],
-        touching.rail_s[order],
+        *(touching.s[order], touching.points[order], touching.gap[order]),
+        *(touching.angles[:, order], touching.rail_s[order]),
     )
 
 

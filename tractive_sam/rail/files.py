@@ -207,14 +207,9 @@ def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title
     lines = [f"{y:.9f} {up * z:.9f}" for y, z in profile.points]
     if up < 0.0:
         number = int(kind == "wheel")
-        head = ["header.begin", "  version = 1", f"  type = {number}", "header.end"]
-        head += [
-            "spline.begin",
-            f"  comment = '{title}'",
-            "  units.len.f = 1000.0",
-            "  point.begin",
-        ]
-        lines = [*head, *lines, "  point.end", "spline.end"]
+        head = f"header.begin\n  version = 1\n  type = {number}\nheader.end\nspline.begin"
+        unit = f"  comment = '{title}'\n  units.len.f = 1000.0\n  point.begin"
+        lines = [head, unit, *lines, "  point.end", "spline.end"]
     else:
         lines = [f"! {title or kind}: y and z in mm, y outward, z down", *lines]
     Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -32,11 +32,11 @@ def describe_load(
 
 def summarize(scene: Any) -> dict[str, str]:
     """Return a short description of a scene, text by label."""
-    summary, further = {"title": scene.title or "none"}, []
+    summary, further, entries = {"title": scene.title or "none"}, [], scene.entries()
     for key, rows in describe_tables(scene).items():
         brief = {row.label: row.text for row in rows if row.brief}
         summary |= brief
-        if not brief and key in scene.model_fields_set and getattr(scene, key) is not None:
+        if not brief and entries.get(key) is not None:
             further.append(f"[{key}]")
     if further:
         summary["other tables"] = ", ".join(sorted(further))

@@ -226,9 +226,14 @@ def _check_wheel_is_complete(entries: ValidEntries) -> Iterator[Fault]:
     for name in TABLES:
         if name not in names:
             yield Fault(name, "nothing", f"a [{name}] table: [{names[0]}] is given")
+    cures = {
+        "accuracy": "use a study over grid.elements",
+        "load_history": "use a study, or [[duty]]",
+    }
     for name in ("gap", "transient", "process", "accuracy", "load_history"):
         if entries[name]:
-            yield Fault(name, "with [wheel]", f"no [{name}]: it is not available for wheels")
+            cure = f"no [{name}]: {cures.get(name, 'it is not available for wheels')}"
+            yield Fault(name, "with [wheel]", cure)
     if entries["duty"] and entries["wear"] is None:
         cure = "a [wear] table, or a study over the positions: only their wear adds up"
         yield Fault("duty", "with [wheel] and without [wear]", cure)

@@ -121,7 +121,7 @@ class RailTable(_ProfileTable):
 
     profile: _RailProfile = entry(
         "rail profile: 60E1, UIC60-manchester, or a file; a file ending in .slcs lists sections",
-        "60E1, UIC60-manchester, or the path of a file",
+        "'60E1' (in quotes: 60E1 is a number), UIC60-manchester, or the path of a file",
     )
     inclination: Annotated[float, Field(ge=5.0)] = entry(
         "inclination towards the track centre; 40 means 1:40, and inf means none",
