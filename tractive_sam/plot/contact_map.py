@@ -29,7 +29,7 @@ class MapLayout:
     bar: float = 0.13  # width of a colour bar
     bar_gap: float = 0.08
     shortest_bar: float = 0.7
-    narrow: float = 1.6  # below narrower maps there is room for the name of the axis only
+    narrow: float = 1.6  # below narrower maps, there is room for the name of the axis only
 
     @classmethod
     def current(cls) -> Self:
@@ -88,8 +88,10 @@ class ContactMap:
         figure = new_map_figure(layout.row_width(frame, len(views)), frame, title, positions=True)
         step = frame.width + layout.gap
         maps = [cls(figure, layout.left + k * step, view, frame) for k, view in enumerate(views)]
-        for chart in maps:
-            chart.axes.set_title(chart.view.position, loc="center")
+        for k, chart in enumerate(maps):
+            short = k > 0 and frame.width < layout.narrow / 2
+            at = f"{chart.view.at:{first.coordinate.format}}"
+            chart.axes.set_title(at if short else chart.view.position, loc="center")
         share_y_axis([chart.axes for chart in maps])
         return figure, maps
 
@@ -127,6 +129,7 @@ class ContactMap:
         if length > self.frame.height:  # the title of the map names the quantity, too
             label = label[max(label.find("$"), 0) :]
         self.figure.colorbar(mesh, cax=axes, label=label)
+        _fit_label(axes, self.frame.height, self.frame.height + bottom)
         power = axes.yaxis.get_offset_text()  # away from the map's title and the label
         power.set(x=0.5, horizontalalignment="center")
 
@@ -185,6 +188,29 @@ def add_bar_axes(figure: Figure, right: float, bottom: float, height: float) -> 
     layout = MapLayout.current()
     longer = max(height, layout.shortest_bar)
     return add_axes(figure, right + layout.bar_gap, bottom + height - longer, layout.bar, longer)
+
+
+def _fit_label(bar: Axes, height: float, room: float) -> None:
+    """Fit the label of a colour bar beside a flat map between its top and the end of the figure.
+
+    Parameters
+    ----------
+    bar : Axes
+        Axes of the colour bar.
+    height, room : float
+        Height of the map, and from its top to the bottom of the figure, inches.
+    """
+    label, dpi = bar.yaxis.label, bar.figure.dpi
+
+    def length() -> float:
+        return label.get_window_extent().height / dpi
+
+    if length() <= height:
+        return
+    label.set_text("\n".join(label.get_text().rsplit(" ", 1)))
+    if (longest := length()) > height:
+        label.set_size(label.get_size() * min(1.0, 0.95 * room / longest))
+        label.set_y(1.0 - room / 2 / (bar.get_position().height * bar.figure.get_figheight()))
 
 
 def share_y_axis(charts: Sequence[Axes]) -> None:

@@ -45,7 +45,7 @@ def forces(history: History) -> Figure:
 def widths(history: History) -> Figure:
     """Half widths and pressure of the contact, relative to the unworn contact, over the course.
 
-    The pressure is the one that 5 % of the load exceeds: the largest one jumps with every element
+    The pressure is the one exceeded by 5 % of the load: the largest one jumps with every element
     that comes into contact. Files of former versions have the largest one only.
 
     Examples
@@ -60,11 +60,12 @@ def widths(history: History) -> Figure:
         if np.isfinite(half):  # infinite in y of a line contact
             label = f"half width in ${axis}$ / ${symbol}$"
             draw_column(axes, history, f"half_width_{axis}", divisor=half, label=label)
-    name, label = "p_95", "pressure that 5 % of the load exceeds"
+    name, label = "p_95", "pressure exceeded by 5 % of the load"
     if np.isnan(history[name]).all():
         name, label = "p_max", "peak contact pressure"
     draw_column(axes, history, name, divisor=scale.p, label=f"{label} / ${scale.p_symbol}$")
-    axes.set(ylim=(0.0, None), ylabel="relative to the unworn contact")
+    highest = 1.1 * float(axes.dataLim.ymax)  # constant curves are not on the frame
+    axes.set(ylim=(0.0, highest), ylabel="relative to the unworn contact")
     axes.legend(loc="best")
     return figure
 

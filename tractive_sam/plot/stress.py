@@ -291,11 +291,16 @@ def _mark_maxima(axes: Axes, section: PlaneSection, upwards: bool = True) -> Non
 
 
 def _marker_style(section: PlaneSection, maximum: StressMaximum) -> dict[str, Any]:
-    """Return the style of a maximum's marker: circle inside, triangle at the surface."""
-    triangle = "^" if section.body == "A" else "v"
+    """Return the style of a maximum's marker: circle inside, triangle on the surface.
+
+    The triangles of both bodies stand on either side of the surface and do not hide each other.
+    """
+    fonts = current_options().font_scale
+    surface, tip = maximum.kind == "surface", 1.6 if section.body == "A" else -1.6
+    triangle = [(-1.0, 0.0), (1.0, 0.0), (0.0, tip), (-1.0, 0.0)]
     return {
-        "marker": triangle if maximum.kind == "surface" else "o",
-        "markersize": 6.5,
+        "marker": triangle if surface else "o",
+        "markersize": fonts * (12.0 if surface else 6.5),
         "markerfacecolor": "white",
         "markeredgecolor": "black",
         "markeredgewidth": 0.9,

@@ -21,7 +21,7 @@ LABELS = {
     "Qx_over_P": "$Q_x/P$",
     "Qy_over_P": "$Q_y/P$",
     "p_max": "peak contact pressure",
-    "p_95": "pressure that 5 % of the load exceeds",
+    "p_95": "pressure exceeded by 5 % of the load",
     "wear_max": "largest wear depth",
     "creepage.longitudinal": r"$\xi_x$",
     "creepage.lateral": r"$\xi_y$",

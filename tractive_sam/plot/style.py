@@ -108,8 +108,8 @@ def apply_style(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result
     @wraps(draw)
     def draw_in_style(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
         fonts = current_options().font_scale
-        sizes: dict[str, Any] = {key: fonts * STYLE[key] for key in STYLE if key.endswith("size")}
-        sizes.pop("lines.markersize")
+        scaled = [key for key in STYLE if key.endswith(("size", "linewidth"))]
+        sizes: dict[str, Any] = {key: fonts * STYLE[key] for key in scaled}
         with mpl.rc_context(STYLE | sizes):
             return draw(*args, **kwargs)
 

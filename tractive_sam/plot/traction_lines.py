@@ -15,7 +15,8 @@ def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
     """Tractions on body A along y = 0 and y = 0.75 half widths, between their bounds.
 
     The second line is at y = 0.75 a, or 0.75 b if the half width b is less than a or more than
-    three times a. The bounds are the largest values of one component: the extent of the friction
+    three times a. Lines outside of the contact are omitted.
+    The bounds are the largest values of one component: the extent of the friction
     ellipse in x and in y. Both components together are smaller.
 
     Examples
@@ -28,8 +29,12 @@ def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
     if not offset * scale.a < scale.b < 3.0 * scale.a:
         half, symbol = scale.b, scale.b_symbol
     lines = {"$y = 0$": 0.0, f"$y = {offset}\\,{symbol}$": offset * half}
-    figure = new_figure(1.8, 0.6)
-    panels = figure.subplots(1, len(lines), sharex=True, sharey=True)
+    pressure = view.contact.pressure
+    lines = {name: y for name, y in lines.items() if _along_line(view, pressure, y).any()} or {
+        "row of the largest pressure": float(view.y[pressure.max(axis=0).argmax()])
+    }
+    figure = new_figure(1.8 if len(lines) > 1 else 1.2, 0.6)
+    panels = figure.subplots(1, len(lines), sharex=True, sharey=True, squeeze=False)[0]
     for axes, (name, y) in zip(panels, lines.items(), strict=True):
         draw_tractions(axes, view, y)
         axes.set_title(name, loc="center")

@@ -8,7 +8,7 @@ from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.needs import Need
 from tractive_sam.plot.registry import contact_figure, history_figure
-from tractive_sam.plot.style import LOOK, apply_style, new_axes
+from tractive_sam.plot.style import LOOK, apply_style, format_title, new_axes
 from tractive_sam.rail import ContactLocus, Profile
 from tractive_sam.results import History, WornProfiles
 from tractive_sam.scene import Scene
@@ -22,6 +22,7 @@ def _draw_profile(axes: Any, profile: Profile, lift: float = 0.0, **style: Any) 
 @contact_figure(
     "wheel-rail",
     needs=[Need(lambda view: view.contact.scene.wheelset is not None, "a scene with [wheel]")],
+    shown=lambda view: view.history is None or view.at == view.history.saved[0],  # all patches
 )
 def wheel_on_rail(view: ContactView) -> Figure:
     """Wheel and rail in the track, with the normals of all patches.
@@ -33,7 +34,8 @@ def wheel_on_rail(view: ContactView) -> Figure:
     <Figure size ...>
     """
     wheel_rail = view.contact.scene.wheel_rail
-    figure, axes = new_axes(1.0, 0.6)
+    title = format_title(view.title, "profiles, with the angles of the contacts")
+    figure, axes = new_axes(1.0, 0.6, title)
     points, _ = wheel_rail.wheel.silhouette(wheel_rail.wheel.profile.s)
     length = 12.0  # of the normals, mm
     points = points[-points[:, 2] < length]  # a yawed flange seems to reach far up at its back
@@ -168,8 +170,8 @@ def worn_sections(history: History) -> Figure:
     <Figure size ...>
     """
     figure, axes = new_axes(1.0, 0.6)
-    for k, name in enumerate(("wheel", "rail")):
-        axes.plot(history["revolution"], history["worn_section"][:, k], "o-", ms=3, label=name)
+    for k, (name, line) in enumerate({"wheel": "o-", "rail": "o--"}.items()):
+        axes.plot(history["revolution"], history["worn_section"][:, k], line, ms=3, label=name)
     axes.set(xlabel="revolutions of the wheel", ylabel="worn section (mm²)")
     axes.legend()
     return figure
