@@ -28,8 +28,10 @@ def reported(figure):
 
 
 def marked(axes):
-    """Places of the marks."""
-    return [tuple(np.ravel(line.get_xydata())) for line in axes.lines if line.get_marker() in "o^v"]
+    """Positions of the marks."""
+    return [
+        tuple(np.ravel(line.get_xydata())) for line in axes.lines if line.get_marker() != "None"
+    ]
 
 
 def test_both_maxima_are_marked_where_they_are(contact):
