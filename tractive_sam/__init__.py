@@ -14,8 +14,8 @@ Mech. Sci. 294 (2025) 110195.
     >>> history.status
     'done'
 
-Every public name has an example, which continues from here; examples of `plot`, `subsurface` and
-`reference` also know the names of their package.
+Each public name has a page, as ``help(ts.Scene)``, with an example that continues from here;
+examples of `plot`, `subsurface` and `reference` also know the names of their package.
 
 Names by topic
 --------------
@@ -78,6 +78,8 @@ one; the environment variable OMP_NUM_THREADS bounds them.
 # Names, listed in __init__.pyi, are looked up when first used: reading results or printing help
 # need not wait for the compilers and transforms that computing needs. What looks them up is loaded
 # by then as well: the program must handle signals before anything else takes its time.
+import sys
+
 _RENAMED = {"EachBody": "PerBody", "Layered": "InterfacialLayer"}
 
 
@@ -86,7 +88,10 @@ def __getattr__(name: str):
         from importlib.metadata import version  # noqa: PLC0415
 
         return version("tractive-sam")
-    if name.startswith("__") and name != "__all__":
+    # pydoc would print 14,000 lines: each class of __all__ in full. Without it, help(tractive_sam)
+    # is the page above, and help(tractive_sam.Scene) the page of one name.
+    in_help = sys._getframe(1).f_globals.get("__name__") == "pydoc"
+    if name.startswith("__") and (name != "__all__" or in_help):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .lazy_names import attach_names  # noqa: PLC0415
 

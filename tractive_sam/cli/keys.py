@@ -7,9 +7,13 @@ from rich import box
 from rich.table import Table
 
 from tractive_sam.cli.output import console, invalid_exit
+from tractive_sam.cli.scene_input import complete_tables
 
 
-def keys(table: Annotated[str | None, typer.Argument(metavar="TABLE")] = None) -> None:
+_Table = Annotated[str | None, typer.Argument(metavar="TABLE", autocompletion=complete_tables)]
+
+
+def keys(table: _Table = None) -> None:
     """List every key of a scene with its meaning, unit, allowed values and default.
 
     Parameters

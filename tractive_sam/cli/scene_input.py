@@ -19,12 +19,12 @@ def complete_scenes(incomplete: str) -> list[str]:
     """Return the completions of a scene argument: built-in names, scene files and folders."""
     from glob import escape
 
-    from tractive_sam.scene import builtin_names
-
     files = Path().glob(f"{escape(incomplete)}*") if not Path(incomplete).is_absolute() else ()
     paths = [f"{file}/" if file.is_dir() else str(file) for file in files]
-    names = [name for name in builtin_names() if name.startswith(incomplete)]
-    return [*names, *sorted(path for path in paths if path.endswith(("/", ".toml")))]
+    return [
+        *complete_builtin(incomplete),
+        *sorted(path for path in paths if path.endswith(("/", ".toml"))),
+    ]
 
 
 def complete_keys(incomplete: str) -> list[str]:
@@ -39,6 +39,22 @@ def complete_keys(incomplete: str) -> list[str]:
         for key in group.keys
     )
     return [key for key in keys if key.startswith(incomplete)]
+
+
+def complete_builtin(incomplete: str) -> list[str]:
+    """Return the completions of the name of a built-in scene."""
+    from tractive_sam.scene import builtin_names
+
+    return [name for name in builtin_names() if name.startswith(incomplete)]
+
+
+def complete_tables(incomplete: str) -> list[str]:
+    """Return the completions of a table of a scene, as ``body.A``."""
+    from tractive_sam.scene import Scene
+    from tractive_sam.schema import key_groups
+
+    names = {name for group in key_groups(Scene) for name in group.names if group.keys}
+    return sorted(name for name in names if name and name.startswith(incomplete))
 
 
 SceneName: TypeAlias = Annotated[

@@ -7,9 +7,13 @@ import typer
 from rich.table import Table
 
 from tractive_sam.cli.output import console, print_line
+from tractive_sam.cli.scene_input import complete_builtin
 
 
-def scenes(write: Annotated[str | None, typer.Option(metavar="NAME")] = None) -> None:
+_Name = Annotated[str | None, typer.Option(metavar="NAME", autocompletion=complete_builtin)]
+
+
+def scenes(write: _Name = None) -> None:
     """List the built-in scenes, or write one to a file that you can edit.
 
     Parameters

@@ -209,8 +209,8 @@ def _fit_label(bar: Axes, height: float, room: float) -> None:
         return
     label.set_text("\n".join(label.get_text().rsplit(" ", 1)))
     if (longest := length()) > height:
-        label.set_size(label.get_size() * min(1.0, 0.95 * room / longest))
-        label.set_y(1.0 - room / 2 / (bar.get_position().height * bar.figure.get_figheight()))
+        label.set_fontsize(float(label.get_fontsize()) * min(1.0, 0.95 * room / longest))
+        label.set_y(1.0 - room / 2 / (bar.get_window_extent().height / dpi))
 
 
 def share_y_axis(charts: Sequence[Axes]) -> None:

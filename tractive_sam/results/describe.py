@@ -17,7 +17,10 @@ def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Qu
     """Yield (name, text of number ± error bar, column) of a record, by scalar column and body."""
     for name, quantity in history.of_dims().items():
         if not (quantity.error_of or np.isnan(history[name]).all()):
-            text = format_number(history[name][row], error_bar(history, name, row))
+            value = history[name][row]
+            if abs(value) < _rounding_error(history, name, row):
+                value = 0.0
+            text = format_number(value, error_bar(history, name, row))
             yield name, text, quantity
     for name, quantity in history.of_dims("body").items():
         for body in quantity.bodies(history.scene) if not quantity.error_of else ():
@@ -28,6 +31,15 @@ def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Qu
                 format_number(value, bar) if math.isfinite(value) else "none",
                 quantity,
             )
+
+
+def _rounding_error(history: HistoryData, name: str, row: int, relative: float = 1e-8) -> float:
+    """Return the size below which a force or moment is a rounding error of its tractions."""
+    load = relative * float(np.nan_to_num(history["P"][row]))
+    halves = [history[f"half_width_{axis}"][row] for axis in "xy"]
+    length = float(np.nan_to_num(halves, posinf=0.0).max())
+    scales = {"Qx": load, "Qy": load, "Qx_over_P": relative, "Qy_over_P": relative}
+    return (scales | {"Mz": load * length}).get(name, 0.0)
 
 
 def error_bar(history: HistoryData, name: str, row: int, *body: int) -> float:

@@ -26,7 +26,7 @@ def _check_wear_has_friction(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault(
             "wear",
             "without friction",
-            "a [friction] table: without friction there is no frictional work",
+            "a [friction] table with mu above 0: without friction there is no frictional work",
         )
 
 

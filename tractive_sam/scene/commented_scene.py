@@ -7,6 +7,8 @@ from .scene import Scene
 
 _HEAD = """\
 # Units: mm, N, MPa, degrees, revolutions. x is the rolling direction, y lateral; A is above.
+# For another contact, change the values of the lines without "#", and remove [grid] and [solver] if
+# the file has them: mesh and method then follow from the contact.
 # Lines that begin with "#" are not read: remove the sign, and give a value.
 # `tractive-sam explain FILE` describes what will be modelled.
 """
@@ -39,7 +41,8 @@ def _comment_table(group: KeyGroup | None, table: str, entries: list[str]) -> li
     """Return the lines of a table: its entries, and its other keys as comments."""
     absent, name = table.startswith("# "), table.removeprefix("# ")
     lines = [f"{'# ' if absent else ''}[{name}]"] if name else []
-    keys = {key.name: key for key in group.keys} if group else {}
+    # Keys above all tables that are arrays of tables follow as tables.
+    keys = {key.name: key for key in group.keys if name or key.default != "[]"} if group else {}
     for entry in entries:
         key = keys.pop(entry.split("=")[0].strip(), None)
         lines.append(_comment_line(entry, key) if key else entry)

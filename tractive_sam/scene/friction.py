@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
@@ -29,6 +29,14 @@ from tractive_sam.schema import (
 )
 
 from .describe import format_pair
+
+
+def without_zero_friction(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """Return the tables of a scene, without [friction] if it only states mu = 0: frictionless."""
+    match tables.get("friction"):
+        case {"mu": 0 | [0, 0], **others} if not {*others} - {"angle"}:
+            return {**tables, "friction": None}
+    return tables
 
 
 def _mu_at_rest(friction: dict[str, Any]) -> tuple[float, float]:
@@ -146,7 +154,8 @@ class Friction(LawTable):
 
     If the law falls with the local sliding speed s, each coefficient is kinetic + (static -
     kinetic) f, with f = exp(-ln 2 s/half_speed), or f = 1/(1 + s/half_speed) for the rational law.
-    `angle` also rotates the axes of the wear law.
+    `angle` also rotates the axes of the wear law. In a scene, `mu` = 0 without a law means that the
+    contact is frictionless, as without the table.
 
     The parameters of a law of another package are further keys. If the law has parameters `mu`,
     `angle` (in radians) or `speed` (rolling speed), it receives them from the scene.

@@ -29,7 +29,7 @@ from .contact_type import LineContact, PointContact
 from .duty import Block, Spectrum, block_scenes, check_blocks_on_mesh, cycle_notes
 from .fatigue import Fatigue
 from .fingerprint import hash_settings
-from .friction import Friction
+from .friction import Friction, without_zero_friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
 from .load_history import LoadHistory, add_blocks
@@ -123,8 +123,8 @@ class Scene(Document):
 
     @classmethod
     def unfold(cls, tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
-        """Return tables with what follows from them: blocks of a load history, wheel contact."""
-        return add_wheel_contact(add_blocks(tables))
+        """Return tables with what follows from them: blocks, wheel contact, friction above 0."""
+        return add_wheel_contact(add_blocks(without_zero_friction(tables)))
 
     def entries(self) -> dict[str, Any]:
         """Return the entries that were set, nested, without ones computed from the wheel."""

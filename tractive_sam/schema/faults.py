@@ -135,7 +135,7 @@ def suggest_name(name: str, names: Iterable[str], meanings: Mapping[str, str] = 
         one with that word in its meaning.
     """
     names = list(names)
-    listed = f"one of {', '.join(names)}"
+    listed = f"{'one of ' * (len(names) > 1)}{', '.join(names)}"
     reordered = [key for key in names if sorted(key.split("_")) == sorted(name.split("_"))]
     nearest = reordered or difflib.get_close_matches(name, names, n=1)
     if not nearest:

@@ -18,9 +18,16 @@ from .table_base import TableBase
 _LIBRARY = set(dir(BaseModel))
 
 
+def _internal_names(cls: Any) -> frozenset[str]:
+    """Return the names of a table class, without special ones, that help leaves out."""
+    return frozenset(_LIBRARY).union(*(getattr(base, "internal", ()) for base in cls.__mro__))
+
+
 def _listed_names(cls: Any) -> list[str]:
     """Return the names of a table class that help and completion list."""
-    return [name for name in type(BaseModel).__dir__(cls) if name not in _LIBRARY]
+    internal = _internal_names(cls)
+    names = type(BaseModel).__dir__(cls)
+    return [name for name in names if name[:2] != "__" and name not in internal]
 
 
 def _ignore_signature(cls: Any, of_library: Any) -> None:
@@ -124,9 +131,5 @@ class Table(TableBase, metaclass=_TableType):
 
     def __dir__(self) -> list[str]:
         """Return the names for users, without internal names of pydantic and the package."""
-        internal = frozenset().union(*(getattr(cls, "internal", ()) for cls in type(self).__mro__))
-        return [
-            name
-            for name in super().__dir__()
-            if name[:2] == "__" or (name not in _LIBRARY and name not in internal)
-        ]
+        internal = _internal_names(type(self))
+        return [name for name in super().__dir__() if name[:2] == "__" or name not in internal]
