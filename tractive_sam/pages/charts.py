@@ -83,8 +83,9 @@ def jumps(position: np.ndarray, travel: float = 3.0) -> bool:
 
 
 def chart_title(quantity: Quantity) -> str:
-    """Return the long name of a quantity with a capital letter, the title of its chart."""
-    return quantity.long_name[:1].upper() + quantity.long_name[1:]
+    """Return the long name of a quantity up to a semicolon, with a capital: its chart's title."""
+    name = quantity.long_name.partition(";")[0]
+    return name[:1].upper() + name[1:]
 
 
 def _chart(

@@ -68,6 +68,7 @@ def page_data(
             "name": as_html(along.label or along.name),
             "symbol": html_symbol(along.symbol) or as_html(along.name),
             "unit": as_html(format_unit(along.unit)),
+            "sequence": history.scene.schedule.in_sequence,
         },
         "places": [
             as_html(format(at, along.format) + name) for at in saved.tolist() for name, _ in blocks

@@ -475,14 +475,16 @@ function steps(end, both) {
 function courseCards() {
   if (!data.charts.length) { hide("charts"); return; }
   const x = unpack(data.course), places = data.places.length ? unpack(data.at) : [];
+  // Patches follow each other in no order: their points are not joined.
+  const mode = data.along.sequence ? x.length > 60 ? "lines" : "lines+markers" : "markers";
   const name = data.along.name + (data.along.unit ? ` (${data.along.unit})` : "");
   write($("along-told"), data.along.name);
   $("aside").hidden = !data.charts.some(one => one.aside);
   for (const one of data.charts) {
     const chart = card(one.aside ? "charts-aside" : "charts", one.title, "course", k => {
-      const traces = one.lines.map((line, m) => ({type: "scatter", mode: x.length > 60 ? "lines" : "lines+markers",
+      const traces = one.lines.map((line, m) => ({type: "scatter", mode,
         name: line.name, x, y: unpack(line.values), line: {color: COLOURS[m % COLOURS.length], width: 1.8,
-        dash: m >= COLOURS.length ? "dash" : "solid"}, marker: {size: 4},
+        dash: m >= COLOURS.length ? "dash" : "solid"}, marker: {size: data.along.sequence ? 4 : 9},
         ...(line.bars ? {error_y: {type: "data", array: unpack(line.bars), thickness: 1, width: 2}} : {}),
         hovertemplate: `${data.along.symbol} = %{x}<br>%{y:.5g}`}));
       one.lines.forEach(({measured}, m) => measured && traces.push({type: "scatter", mode: "markers",
@@ -493,7 +495,7 @@ function courseCards() {
         x1: places[k], line: {color: "#56616b", width: 1, dash: "dot"}}] : [];
       const log = $("logarithmic").checked;
       return {traces, layout: layout({shapes, showlegend: traces.length > 1, uirevision: String(log),
-        xaxis: axis(name, {type: log ? "log" : "linear", nticks: 6,
+        xaxis: axis(name, {type: log ? "log" : "linear", nticks: 6, ...(data.along.sequence ? {} : {dtick: 1}),
           ...(log ? {} : {separatethousands: true, exponentformat: "none", rangemode: "tozero"})}),
         yaxis: axis(one.label)})};
     });

@@ -101,7 +101,7 @@ _SCALARS = (
     Quantity("half_width_y", "mm", "half-width of the contact in the lateral direction; its "
                                    "edge may lie between elements",
              attrgetter("half_width_y"), symbol="b", over_blocks="largest"),
-    Quantity("area", "mm2", "contact area within these edges", attrgetter("area"), symbol="A",
+    Quantity("area", "mm2", "contact area", attrgetter("area"), symbol="A",
              per_length=True),
     Quantity("wear_max", "mm", "largest wear depth, both bodies together",
              _deepest, symbol=r"w_\mathrm{max}", over_blocks="largest"),

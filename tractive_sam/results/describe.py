@@ -18,7 +18,7 @@ def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Qu
     for name, quantity in history.of_dims().items():
         if not (quantity.error_of or np.isnan(history[name]).all()):
             value = history[name][row]
-            if abs(value) < _rounding_error(history, name, row):
+            if abs(value) < _solver_error(history, name, row):
                 value = 0.0
             text = format_number(value, error_bar(history, name, row))
             yield name, text, quantity
@@ -33,13 +33,12 @@ def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Qu
             )
 
 
-def _rounding_error(history: HistoryData, name: str, row: int, relative: float = 1e-8) -> float:
-    """Return the size below which a force or moment is a rounding error of its tractions."""
-    load = relative * float(np.nan_to_num(history["P"][row]))
-    halves = [history[f"half_width_{axis}"][row] for axis in "xy"]
-    length = float(np.nan_to_num(halves, posinf=0.0).max())
-    scales = {"Qx": load, "Qy": load, "Qx_over_P": relative, "Qy_over_P": relative}
-    return (scales | {"Mz": load * length}).get(name, 0.0)
+def _solver_error(history: HistoryData, name: str, row: int, share: float = 1e-7) -> float:
+    """Return the size up to which a force or moment may be a solver error beside larger forces."""
+    force = share * math.hypot(history["Qx"][row], history["Qy"][row])
+    ratio = force / history["P"][row] if history["P"][row] > 0.0 else 0.0
+    scales = {"Qx": force, "Qy": force, "Qx_over_P": ratio, "Qy_over_P": ratio}
+    return (scales | {"Mz": force * history["half_width_x"][row]}).get(name, 0.0)
 
 
 def error_bar(history: HistoryData, name: str, row: int, *body: int) -> float:
