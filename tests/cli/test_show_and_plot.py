@@ -4,6 +4,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
@@ -121,7 +122,7 @@ def test_an_output_that_is_lost_is_reported(stored):
 
 
 def test_formats_are_those_of_the_figures():
-    assert tuple(Format) == plot.FORMATS
+    assert get_args(Format) == plot.FORMATS
 
 
 def test_show_reports_wear_both_what_was_requested_and_what_balances(call, folder):

@@ -5,6 +5,7 @@ from html import escape
 from html.parser import HTMLParser
 from importlib import import_module
 from types import SimpleNamespace
+from typing import get_args
 
 import pytest
 from typer.testing import CliRunner
@@ -187,7 +188,7 @@ def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
 
 def test_chapters_and_formats():
     assert len(CHAPTERS) == 5
-    assert [*Format] == ["png", "pdf", "svg"]
+    assert [*get_args(Format)] == ["png", "pdf", "svg"]
     assert Statement("Fig. 1", "a", "b", Verdict.OPEN).verdict == "cannot be decided"
 
 

@@ -1,8 +1,7 @@
 """``tractive-sam export``: write stress in a volume, or the surface, for ParaView."""
 
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -18,19 +17,12 @@ from tractive_sam.cli.output import (
 from tractive_sam.cli.scene_input import RESULTS, Settings, read_scene
 
 
-class BodyName(StrEnum):
-    """Names of the bodies as choices of an option: A, B."""
-
-    A = "A"
-    B = "B"
-
-
 def export(
     source: Annotated[str, typer.Argument(metavar="FILE.h5|SCENE")],
     settings: Settings = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.vtkhdf")] = None,
     revolution: Annotated[float | None, typer.Option("--revolution", "--distance")] = None,
-    body: BodyName = BodyName.A,
+    body: Literal["A", "B"] = "A",
     block: str | None = None,
     surface: Annotated[bool, typer.Option("--surface")] = False,
     depth: float | None = None,
@@ -77,7 +69,7 @@ def export(
                 export_surface(opened, output, overwrite=True)
             else:
                 export_volume(
-                    opened, output, body=body.value, revolution=revolution, depth=depth,
+                    opened, output, body=body, revolution=revolution, depth=depth,
                     elements=elements, overwrite=True,
                 )  # fmt: skip
         except (LookupError, ValueError) as error:

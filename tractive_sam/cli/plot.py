@@ -1,9 +1,8 @@
 """``tractive-sam plot``: draw the figures of a results file."""
 
 import re
-from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, TypeAlias
 
 import typer
 
@@ -11,20 +10,8 @@ from tractive_sam.cli.fit import plot_fit
 from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse
 from tractive_sam.cli.show import Results
 
-
-class Format(StrEnum):
-    """File formats of figures as choices of an option, as `tractive_sam.plot.FORMATS`."""
-
-    PNG = "png"
-    PDF = "pdf"
-    SVG = "svg"
-
-
-class UnitSystem(StrEnum):
-    """Unit systems of figures as choices of an option, as `tractive_sam.plot.UNITS`."""
-
-    HERTZ = "hertz"
-    SI_MM = "si-mm"
+Format: TypeAlias = Literal["png", "pdf", "svg"]
+"""Formats of figures as choices of an option, as `tractive_sam.plot.FORMATS`."""
 
 
 def _parse_width(text: str) -> float:
@@ -49,8 +36,8 @@ Measured = Annotated[
 def plot(
     file: Results,
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")] = None,
-    format: Format = Format.PNG,
-    units: UnitSystem = UnitSystem.HERTZ,
+    format: Format = "png",
+    units: Literal["hertz", "si-mm"] = "hertz",
     dpi: Annotated[int, typer.Option(min=20, max=1200)] = 200,
     block: Annotated[list[str] | None, typer.Option(metavar="BLOCK")] = None,
     title: Annotated[bool, typer.Option("--title/--no-title")] = True,
@@ -80,7 +67,7 @@ def plot(
     animated
         Also write evolution.gif, an animation of the stored revolutions.
     """
-    if plot_fit(file, output, format.value, dpi, measured is not None):
+    if plot_fit(file, output, format, dpi, measured is not None):
         return
     from tractive_sam.plot import Measurements, animate, save_all
     from tractive_sam.store import open_history

@@ -19,7 +19,7 @@ from tractive_sam.cli.plot import Format
 def reproduce(
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR")] = Path("paper"),
     reduced: Annotated[bool, typer.Option("--reduced")] = False,
-    format: Format = Format.PNG,
+    format: Format = "png",
 ) -> None:
     """Reproduce every figure and table of the paper, and compare its statements with results.
 

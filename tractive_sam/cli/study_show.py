@@ -20,7 +20,7 @@ def study_show(
     quantity: Annotated[list[str] | None, typer.Option(metavar="NAME")] = None,
     units: Annotated[bool, typer.Option("--units")] = False,
     at: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUE")] = None,
-    format: Format = Format.PNG,
+    format: Format = "png",
 ) -> None:
     """Show all cases of a study with their last records, even while it is running.
 

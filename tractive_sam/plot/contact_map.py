@@ -88,10 +88,10 @@ class ContactMap:
         figure = new_map_figure(layout.row_width(frame, len(views)), frame, title, positions=True)
         step = frame.width + layout.gap
         maps = [cls(figure, layout.left + k * step, view, frame) for k, view in enumerate(views)]
-        for k, chart in enumerate(maps):
-            short = k > 0 and frame.width < layout.narrow / 2
-            at = f"{chart.view.at:{first.coordinate.format}}"
-            chart.axes.set_title(at if short else chart.view.position, loc="center")
+        for chart in maps:
+            narrow = frame.width < layout.narrow / 2 and chart.view is not first
+            at = format(chart.view.at, first.coordinate.format) if narrow else chart.view.position
+            chart.axes.set_title(at, loc="center")
         share_y_axis([chart.axes for chart in maps])
         return figure, maps
 

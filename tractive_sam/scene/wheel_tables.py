@@ -186,10 +186,7 @@ class WheelsetTable(Table):
     'free'
     """
 
-    inner: Positive = entry(
-        "distance between the backs of the wheels, mm; usually 70 to 80 mm less than rail.gauge",
-        default=1360.0,
-    )
+    inner: Positive = entry("distance of the wheel backs, mm; 70 to 80 below gauge", default=1360.0)
     x: Real = entry("position along the track, mm, if the rail has sections", default=0.0)
     y: Real = entry("lateral position, mm, positive to the right", default=0.0)
     yaw: Real = entry("yaw angle, mrad, clockwise from above", default=0.0, ge=-100, le=100)
