@@ -9,7 +9,6 @@ from rich.table import Table
 from tractive_sam.cli.output import console, invalid_exit
 from tractive_sam.cli.scene_input import complete_tables
 
-
 _Table = Annotated[str | None, typer.Argument(metavar="TABLE", autocompletion=complete_tables)]
 
 

@@ -9,7 +9,6 @@ from rich.table import Table
 from tractive_sam.cli.output import console, print_line
 from tractive_sam.cli.scene_input import complete_builtin
 
-
 _Name = Annotated[str | None, typer.Option(metavar="NAME", autocompletion=complete_builtin)]
 
 
