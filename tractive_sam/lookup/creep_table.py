@@ -241,7 +241,7 @@ class CreepTable:
             Coefficient of friction, along the axis e1 if friction is orthotropic.
         shear : array_like
             Combined shear modulus G, 2/G = 1/G_A + 1/G_B, MPa.
-        **others : array_like
+        **further : array_like
             Poisson's ratio, ``poisson``, and further axes by their names; required for axes with
             several values.
 
@@ -301,7 +301,9 @@ class CreepTable:
         if not ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all():
             is_valid = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)
             name = CONTACT[int(is_valid.argmin())]
-            raise ValueError(f"{name}: not positive and finite; allowed: positive, finite numbers")
+            zero = " or 0, of separated bodies" if name == "load" else ""
+            allowed = f"positive, finite numbers{zero}"
+            raise ValueError(f"{name}: not positive and finite; allowed: {allowed}")
         ratio = a_ / b_
         points = dict(zip(along, flat[8:], strict=True))
         if self.contact is None:

@@ -7,6 +7,7 @@ from typing import Any, Self
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
+from matplotlib.patches import PathPatch
 
 from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
@@ -111,6 +112,14 @@ class ContactMap:
     def fill_up_to_edge(self, values: np.ndarray, **style: Any) -> QuadMesh:
         """Colour the contact area by values that are extended up to its edge."""
         return self.fill(extend_outwards(values, self.view.contact.touching), **style)
+
+    def fill_surface(self, values: np.ndarray, label: str, **style: Any) -> None:
+        """Colour all elements by their values, with the white edge of the contact and a bar."""
+        x, y = self.view.x_over_a, self.view.y_over_a
+        mesh = self.axes.pcolormesh(x, y, values.T, shading="gouraud", rasterized=True, **style)
+        edge = {"fill": False, "edgecolor": "white", "linewidth": 1.0, "zorder": 5}
+        self.axes.add_patch(PathPatch(self.contact, **edge))
+        self.add_colour_bar(mesh, label)
 
     def fill_zones(self, stick: str, slip: str) -> None:
         """Colour the zones of stick and of slip, up to the boundary between them."""

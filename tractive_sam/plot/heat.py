@@ -1,10 +1,8 @@
 """Figures of heat and of friction that varies: temperature and local friction."""
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
-from matplotlib.patches import PathPatch
 
 from tractive_sam.plot.contact_map import ContactMap
 from tractive_sam.plot.contact_view import ContactView
@@ -59,13 +57,7 @@ def temperature(view: ContactView) -> Figure:
     <Figure size ...>
     """
     figure, chart = ContactMap.single(view, "surface temperature of A")
-    values = _surface_temperature(view)["A"].T
-    look: dict[str, Any] = {"cmap": LOOK.slip, "shading": "gouraud"}
-    mesh = chart.axes.pcolormesh(view.x_over_a, view.y_over_a, values, **look)
-    # The surroundings are cold, and dark.
-    edge = {"fill": False, "edgecolor": "white", "linewidth": 1.0, "zorder": 5}
-    chart.axes.add_patch(PathPatch(chart.contact, **edge))
-    chart.add_colour_bar(mesh, _TEMPERATURE)
+    chart.fill_surface(_surface_temperature(view)["A"], _TEMPERATURE, cmap=LOOK.slip)
     return figure
 
 

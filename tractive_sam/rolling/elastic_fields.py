@@ -9,7 +9,8 @@ import numpy as np
 from tractive_sam.contact import Model
 from tractive_sam.results import BODIES, Quantity, State
 from tractive_sam.rolling.observer import Observer
-from tractive_sam.subsurface import displacement, elastic_energy
+from tractive_sam.schema import Fault, SceneError
+from tractive_sam.subsurface import check_depths, displacement, elastic_energy
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +21,11 @@ class ElasticFields(Observer):
     ----------
     depth : float
         Depth of the stored displacement below the surface of each body, mm.
+
+    Raises
+    ------
+    ValueError
+        If the depth is negative or not finite.
 
     Examples
     --------
@@ -43,8 +49,20 @@ class ElasticFields(Observer):
         for axis in "xyz"
     )
 
+    def __post_init__(self) -> None:
+        check_depths([self.depth])
+
     def begin(self, step: Any, model: Model) -> Self:
-        """Return the observer with the contacts of the first step."""
+        """Return the observer with the contacts of the first step.
+
+        Raises
+        ------
+        SceneError
+            For a line contact: its displacement relative to distant points is infinite.
+        """
+        if model.scene.line:
+            cure = "a finite radius_y of a body: the displacement of a line contact is infinite"
+            raise SceneError([Fault("observer", f"{self.name} in a line contact", cure)])
         return self.after(step, model)
 
     def after(self, step: Any, model: Model) -> Self:

@@ -149,14 +149,14 @@ def build_law(
         parameters; with all these faults.
     """
     kind = load_law_class(key, law, base)
-    table = key.rpartition(".")[0]
+    table, _, name = key.rpartition(".")
     faults: list[Fault] = []
     arguments = dict(_arguments(kind, law.parameters, provided or {}, faults))
     if not faults:
         try:
             return kind(**arguments)
         except (TypeError, ValueError) as error:
-            faults.append(Fault("law", str(law), f"what the law accepts ({error})"))
+            faults.append(Fault(name, str(law), f"what the law accepts ({error})"))
     raise SceneError(fault.under(table) for fault in faults)
 
 

@@ -5,6 +5,7 @@ from .course import course_fatigue as course_fatigue
 from .cycle import cycle_depths as cycle_depths
 from .cycle import cycle_fatigue as cycle_fatigue
 from .cycle import fatigue as fatigue
+from .depth import check_depths as check_depths
 from .depth import depths as depths
 from .depth import semi_axes as semi_axes
 from .displacement_field import displacement as displacement
