@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
+from tractive_sam import plot
 from tractive_sam.rolling import ElasticFields
 from tractive_sam.subsurface import displacement, elastic_energy
 
 SCENE = ts.Scene.builtin("spheres").with_set(["grid.elements=[25, 25]"])
 DISSIMILAR = SCENE.replace(**{"body.A.poisson": 0.2, "creepage.lateral": 1e-3})
+
+RECORDS = {"name": "tractive_sam.rolling:ElasticFields"}
 
 
 def steady(**changes):
@@ -108,16 +111,21 @@ def test_line_contacts_have_none():
     flat = SCENE.replace(**{"body.A.radius_y": math.inf, "body.B.radius_y": math.inf, "grid": None})
     with pytest.raises(ValueError, match="radius_y"):
         displacement(ts.solve(flat))
+    with pytest.raises(ts.SceneError, match=r"observer.*radius_y"):
+        ts.roll(flat, observers=[ElasticFields()])
 
 
 @pytest.mark.parametrize(("body", "depth"), [("C", 0.0), ("A", -1.0), ("A", math.nan)])
 def test_wrong_arguments_are_refused(body, depth):
     with pytest.raises(ValueError, match=r"body|depth"):
         displacement(steady(), body, depth)
+    if body == "A":
+        with pytest.raises(ts.SceneError, match=r"observer\[0\]\.name"):
+            ts.roll(DISSIMILAR.replace(observer=[RECORDS | {"depth": depth}]))
 
 
 def test_a_scene_records_them(tmp_path):
-    named = [{"name": "tractive_sam.rolling:ElasticFields", "depth": 0.5}]
+    named = [RECORDS | {"depth": 0.5}]
     wear = {"coefficient": 1e-2, "revolutions": 2, "stepping": "every-revolution"}
     scene = DISSIMILAR.replace(observer=named, wear=wear)
     ts.roll(scene, tmp_path / "a.h5")
@@ -127,3 +135,6 @@ def test_a_scene_records_them(tmp_path):
     stored = history.field("displacement_z_B")
     np.testing.assert_allclose(stored, displacement(contact, "B", 0.5)[2], rtol=1e-6)
     assert ts.roll(DISSIMILAR, observers=[ElasticFields()])["stored_energy"][0] > 0.0
+    figures = [figure for figure in plot.list_figures(history) if "displacement" in figure.name]
+    assert len(figures) == 12  # of two records
+    assert figures[-1].draw().axes

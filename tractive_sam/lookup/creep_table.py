@@ -301,9 +301,8 @@ class CreepTable:
         if not ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all():
             is_valid = ((flat[3:8] > 0.0) & np.isfinite(flat[3:8])).all(axis=1)
             name = CONTACT[int(is_valid.argmin())]
-            zero = " or 0, of separated bodies" if name == "load" else ""
-            allowed = f"positive, finite numbers{zero}"
-            raise ValueError(f"{name}: not positive and finite; allowed: {allowed}")
+            allowed = "0 or positive" if name == "load" else "positive"
+            raise ValueError(f"{name}: a value is not allowed; allowed: finite numbers, {allowed}")
         ratio = a_ / b_
         points = dict(zip(along, flat[8:], strict=True))
         if self.contact is None:

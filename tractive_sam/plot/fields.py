@@ -13,7 +13,7 @@ from matplotlib.patches import Patch
 from tractive_sam.plot.contact_map import ContactMap
 from tractive_sam.plot.contact_view import ContactView
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.line_contact import line_pressure, line_traction, rolling_axes
+from tractive_sam.plot.line_contact import line_pressure, line_traction
 from tractive_sam.plot.needs import WIDE, has_traction
 from tractive_sam.plot.registry import contact_figure
 from tractive_sam.plot.style import LOOK, MICRON
@@ -98,25 +98,9 @@ def _stored_fields(view: ContactView) -> list[dict[str, str]]:
     return [] if view.history is None else [{"field": k} for k in view.history.user_fields]
 
 
-def _values_of(view: ContactView, field: str) -> tuple[np.ndarray, str, str]:
-    """Return the values of a field of an observer, its description and the label of its axis."""
-    history = required(view.history, "history")
-    quantity = history.user_fields[field]
-    return history.field(field, view.at), quantity.long_name, f"{field} ({quantity.unit})"
-
-
-def _field_over_x(view: ContactView, field: str) -> Figure:
-    """Draw a field of an observer over x, of a line contact."""
-    values, title, label = _values_of(view, field)
-    figure, axes = rolling_axes(title, view)
-    axes.plot(view.x_over_a, values[:, 0])
-    axes.set_ylabel(label)
-    return figure
-
-
-@contact_figure("{field}", line=_field_over_x, each=_stored_fields)
+@contact_figure("{field}", needs=[WIDE], each=_stored_fields)
 def observed_field(view: ContactView, field: str) -> Figure:
-    """Field that an observer of the scene computes, for example a displacement: a map, or over x.
+    """Map of a field that an observer of the scene computes, for example of a displacement.
 
     Examples
     --------
@@ -124,7 +108,9 @@ def observed_field(view: ContactView, field: str) -> Figure:
     >>> plot.observed_field(ts.roll(scene, observers=[ElasticFields()]), field="displacement_z_A")
     <Figure size ...>
     """
-    values, title, label = _values_of(view, field)
-    figure, chart = ContactMap.single(view, title)
-    chart.fill_surface(values, label, cmap=LOOK.pressure)
+    history = required(view.history, "history")
+    quantity = history.user_fields[field]
+    figure, chart = ContactMap.single(view, quantity.long_name)
+    label = f"{field} ({quantity.unit})"
+    chart.fill_surface(history.field(field, view.at), label, cmap=LOOK.pressure)
     return figure

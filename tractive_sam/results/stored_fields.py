@@ -116,26 +116,16 @@ STRESS = index_by_name(
 
 FATIGUE_FIELDS = index_by_name(
     (
-        Quantity(
-            "utilisation",
-            "1",
-            "ratio of the equivalent stress of the cycle to its limit",
-            dims=("y", "depth"),
-        ),
-        Quantity(
-            "residual_shear",
-            "MPa",
-            "sqrt(J2) of the cycle with the residual stress due to rolling that minimises it",
-            dims=("y", "depth"),
-        ),
-        Quantity(
-            "path_radius",
-            "MPa",
-            "sqrt(J2) of the cycle minus the constant deviator that minimises it",
-            dims=("y", "depth"),
-        ),
+        Quantity("utilisation", "1", "ratio of the equivalent stress of the cycle to its limit",
+                 dims=("y", "depth")),
+        Quantity("residual_shear", "MPa",
+                 "sqrt(J2) of the cycle with the residual stress due to rolling that minimises it",
+                 dims=("y", "depth")),
+        Quantity("path_radius", "MPa",
+                 "sqrt(J2) of the cycle minus the constant deviator that minimises it",
+                 dims=("y", "depth")),
         Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
         Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
     )
-)
+)  # fmt: skip
 """Functions over the section of a body, from fatigue, stored with the fields."""

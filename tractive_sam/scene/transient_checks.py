@@ -7,20 +7,15 @@ from tractive_sam.schema import Check, Fault, ValidEntries
 
 from .force_checks import constant_quantities
 from .stage import Stage
-from .transient import Transient
 from .wear_laws import BY_COEFFICIENT
 
 
-def _check_transient_has_friction(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a transient without friction."""
-    if entries["transient"] is not None and entries["friction"] is None:
-        yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
-
-
-def _check_transient_excludes(entries: ValidEntries) -> Iterator[Fault]:
-    """Report tables and keys that [transient] excludes."""
+def _check_tables_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a missing [friction] table, and tables and keys that [transient] excludes."""
     if entries["transient"] is None:
         return
+    if entries["friction"] is None:
+        yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
     if entries["accuracy"] is not None:
         cure = "a [grid] in place of [accuracy]: error bars hold for steady states only"
         yield Fault("transient", "together with [accuracy]", cure)
@@ -108,33 +103,26 @@ def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
 
 def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
     """Report load courses without their key in [load], and creepages prescribed with a force."""
-    if entries["transient"] is None:
+    transient, either = entries["transient"], "a force or a creepage, not both"
+    if transient is None:
         return
-    if entries["transient"].stage:
-        yield from _forces_with_creepages(entries["transient"])
-        return
-    for key in ("normal", "approach"):
-        if entries[f"transient.load.{key}"] is not None and entries[f"load.{key}"] is None:
-            cure = f"load.{key} as well: the mesh and the units follow from it"
-            yield Fault(f"transient.load.{key}", f"a course, and no load.{key}", cure)
-    for force, creepage in Stage.forced:
-        forced = [k for k in (f"load.{force}", f"transient.load.{force}") if entries[k] is not None]
-        crept = f"transient.creepage.{creepage}"
-        if forced and entries[crept] is not None:
-            yield Fault(crept, f"with {forced[-1]}", "a force or a creepage, not both")
-        if f"transient.load.{force}" in forced and f"creepage.{creepage}" in entries.given:
-            value = f"with transient.load.{force}"
-            yield Fault(f"creepage.{creepage}", value, "a force or a creepage, not both")
-
-
-def _forces_with_creepages(transient: Transient) -> Iterator[Fault]:
-    """Report stages that prescribe both the force and the creepage of a direction."""
     for key, stage in transient.by_key.items():
         for force, creepage in Stage.forced:
-            both = {f"load.{force}", f"creepage.{creepage}"}
-            if both <= stage.courses.keys():
-                value = f"with {key}.load.{force}"
-                yield Fault(f"{key}.creepage.{creepage}", value, "a force or a creepage, not both")
+            if {f"load.{force}", f"creepage.{creepage}"} <= stage.courses.keys():
+                yield Fault(f"{key}.creepage.{creepage}", f"with {key}.load.{force}", either)
+    if transient.stage:
+        return
+    courses = transient.stages[0].courses
+    for key in ("load.normal", "load.approach"):
+        if key in courses and entries[key] is None:
+            cure = f"{key} as well: the mesh and the units follow from it"
+            yield Fault(f"transient.{key}", f"a course, and no {key}", cure)
+    for force, creepage in Stage.forced:
+        load, crept = f"load.{force}", f"creepage.{creepage}"
+        if entries[load] is not None and load not in courses and crept in courses:
+            yield Fault(f"transient.{crept}", f"with {load}", either)
+        if load in courses and crept in entries.given:
+            yield Fault(crept, f"with transient.{load}", either)
 
 
 def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
@@ -150,8 +138,7 @@ def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
 
 
 TRANSIENT_CHECKS: tuple[Check, ...] = (
-    _check_transient_has_friction,
-    _check_transient_excludes,
+    _check_tables_of_transient,
     _check_sliding_speed_exists,
     _check_memory_without_strength,
     _check_wear_of_transient,
