@@ -17,7 +17,6 @@ from .fatigue import fatigue_course as fatigue_course
 from .fatigue import shakedown_map as shakedown_map
 from .fatigue import utilisation as utilisation
 from .fatigue import wear_against_fatigue as wear_against_fatigue
-from .fields import observed_field as observed_field
 from .fields import pressure as pressure
 from .fields import stick_slip_map as stick_slip_map
 from .fields import traction as traction

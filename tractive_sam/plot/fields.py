@@ -99,15 +99,8 @@ def _stored_fields(view: ContactView) -> list[dict[str, str]]:
 
 
 @contact_figure("{field}", needs=[WIDE], each=_stored_fields)
-def observed_field(view: ContactView, field: str) -> Figure:
-    """Map of a field that an observer of the scene computes, for example of a displacement.
-
-    Examples
-    --------
-    >>> from tractive_sam.rolling import ElasticFields
-    >>> plot.observed_field(ts.roll(scene, observers=[ElasticFields()]), field="displacement_z_A")
-    <Figure size ...>
-    """
+def _observed_field(view: ContactView, field: str) -> Figure:
+    """Map of a field that an observer of the scene computes, for example of a displacement."""
     history = required(view.history, "history")
     quantity = history.user_fields[field]
     figure, chart = ContactMap.single(view, quantity.long_name)

@@ -15,28 +15,18 @@ def is_line(entries: ValidEntries) -> bool:
     return long and (gap is None or gap.profile == "x")
 
 
-def _check_load_is_present(entries: ValidEntries) -> Iterator[Fault]:
-    """Report an approach in a line contact, which needs a load per length."""
-    if is_line(entries) and entries["load.approach"] is not None:
-        cure = (
-            "load.normal, in N/mm: the approach of a line contact relative to distant points is "
-            f"infinite; {_CROWN}"
-        )
-        yield Fault("load.approach", shorten(entries["load.approach"]), cure)
-
-
-def _check_no_spin(entries: ValidEntries) -> Iterator[Fault]:
-    """Report spin in a line contact."""
-    if is_line(entries) and entries["creepage.spin"] != 0:
-        cure = f"0 in a line contact, which is constant in y; {_CROWN}"
-        yield Fault("creepage.spin", shorten(entries["creepage.spin"]), cure)
-
-
-def _check_friction_is_even(entries: ValidEntries) -> Iterator[Fault]:
-    """Report friction that varies across a line contact."""
-    if is_line(entries) and entries["friction.across"] is not None:
-        cure = f"nothing in a line contact, which is constant in y; {_CROWN}"
-        yield Fault("friction.across", shorten(entries["friction.across"]), cure)
+def _check_keys_of_points(entries: ValidEntries) -> Iterator[Fault]:
+    """Report an approach, spin, or friction that varies across, in a line contact."""
+    even = f"in a line contact, which is constant in y; {_CROWN}"
+    infinite = "the approach of a line contact relative to distant points is infinite"
+    excluded = (
+        ("load.approach", None, f"load.normal, in N/mm: {infinite}; {_CROWN}"),
+        ("creepage.spin", 0, f"0 {even}"),
+        ("friction.across", None, f"nothing {even}"),
+    )
+    for key, default, cure in excluded:
+        if is_line(entries) and entries[key] not in (None, default):
+            yield Fault(key, shorten(entries[key]), cure)
 
 
 def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
@@ -69,9 +59,7 @@ def _check_unit_of_planes(entries: ValidEntries) -> Iterator[Fault]:
 
 
 LINE_CHECKS: tuple[Check, ...] = (
-    _check_load_is_present,
-    _check_no_spin,
-    _check_friction_is_even,
+    _check_keys_of_points,
     _check_directions_of_grid,
     _check_unit_of_planes,
 )

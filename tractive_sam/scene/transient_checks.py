@@ -14,13 +14,17 @@ def _check_tables_of_transient(entries: ValidEntries) -> Iterator[Fault]:
     """Report a missing [friction] table, and tables and keys that [transient] excludes."""
     if entries["transient"] is None:
         return
-    if entries["friction"] is None:
+    friction = entries["friction"]
+    if friction is None:
         yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
+    elif friction.share is not None and friction.memory and friction.strength is not None:
+        cure = "nothing: a transient with friction.memory cannot have a strength"
+        yield Fault("friction.strength", "with friction.memory and [transient]", cure)
     if entries["accuracy"] is not None:
         cure = "a [grid] in place of [accuracy]: error bars hold for steady states only"
         yield Fault("transient", "together with [accuracy]", cure)
-    if entries["friction"] is not None and entries["friction.layer"]:
-        value = f"{entries['friction.layer']:g}, with [transient]"
+    if friction is not None and friction.layer:
+        value = f"{friction.layer:g}, with [transient]"
         yield Fault(
             "friction.layer", value, "0: an interfacial layer is not modelled in a transient"
         )
@@ -50,16 +54,6 @@ def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
             key = transient.schedule.course_keys[force] if force in courses else force
             cure = f'0 at the first knot, or transient.start = "steady": {why}'
             yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
-
-
-def _check_memory_without_strength(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a strength in a transient whose falling friction has a memory: it hides the past."""
-    friction = entries["friction"]
-    if entries["transient"] is None or friction is None or friction.share is None:
-        return
-    if friction.memory and friction.strength is not None:
-        cure = "nothing: a transient with friction.memory cannot have a strength"
-        yield Fault("friction.strength", "with friction.memory and [transient]", cure)
 
 
 REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
@@ -140,7 +134,6 @@ def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
 TRANSIENT_CHECKS: tuple[Check, ...] = (
     _check_tables_of_transient,
     _check_sliding_speed_exists,
-    _check_memory_without_strength,
     _check_wear_of_transient,
     _check_keys_of_courses,
     _check_step_length,
