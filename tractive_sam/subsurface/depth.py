@@ -61,6 +61,12 @@ def check_depths(values: ArrayLike) -> np.ndarray:
     ------
     ValueError
         If a depth is negative or not finite, or if `values` is no sequence.
+
+    Examples
+    --------
+    >>> from tractive_sam.subsurface import check_depths
+    >>> check_depths([0, 0.5])
+    array([0. , 0.5])
     """
     values = np.asarray(values, dtype=float)
     if values.ndim != 1:
