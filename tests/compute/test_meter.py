@@ -22,6 +22,14 @@ def test_an_application_of_the_tangential_operator_is_one(operators):
     assert meter.convolutions == pytest.approx(3.0)  # a sum of integers over one
 
 
+def test_a_clock_too_coarse_for_a_convolution_gives_no_time_over_it(operators, monkeypatch):
+    monkeypatch.setattr("tractive_sam.compute.meter.process_time", lambda: 1.0)
+    monkeypatch.setattr("tractive_sam.compute.host.process_time", lambda: 1.0)
+    meter = ConvolutionMeter(operators.lattice.padded)
+    operators.slip(np.ones((2, 21, 25)))
+    assert np.isnan(meter.over_application)
+
+
 def test_half_the_fields_count_half(operators):
     meter = ConvolutionMeter(operators.lattice.padded)
     operators.normal(np.ones((1, 21, 25)))

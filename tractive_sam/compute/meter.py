@@ -60,10 +60,10 @@ class ConvolutionMeter:
         """CPU time since the creation over the CPU time of one tangential application, or nan.
 
         The time of an application follows from the points of convolutions in double precision since
-        then; nan means that there were none.
+        then; nan means that there were none, or that the clock is too coarse to time them.
         """
         timed, seconds = _TRANSFORMED.timed - self._timed, _TRANSFORMED.seconds - self._seconds
-        application = seconds * self._unit / timed if timed else float("nan")
+        application = seconds * self._unit / timed if seconds > 0.0 else float("nan")
         return (process_time() - self._began) / application
 
     @property
