@@ -5,20 +5,7 @@ group of the paper's figures and yields its findings one by one: statements, fig
 result on the page is computed in one run.
 """
 
-from tractive_sam.paper.finding import Chapter, Finding, FindingTable, Picture, Statement, Verdict
-from tractive_sam.paper.reproduce import CHAPTERS, reproduce
-from tractive_sam.paper.size import FULL, REDUCED, Size
+from tractive_sam.lazy_names import attach_names
 
-__all__ = [
-    "CHAPTERS",
-    "FULL",
-    "REDUCED",
-    "Chapter",
-    "Finding",
-    "FindingTable",
-    "Picture",
-    "Size",
-    "Statement",
-    "Verdict",
-    "reproduce",
-]
+# Names, listed in __init__.pyi, are looked up when first used.
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

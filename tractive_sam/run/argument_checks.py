@@ -96,19 +96,9 @@ def _reserved_names(laws: Laws | None) -> set[str]:
     `laws` add the columns of their stress criterion.
     """
     stress = () if laws is None else stress_columns(laws.criterion)
-    taken = {
-        "status",
-        "message",
-        "record",
-        "saved",
-        "x",
-        "y",
-        *FIELDS,
-        *HEAT_FIELDS,
-        *LABELS,
-        *DERIVED,
-    }
-    return taken | {column.name for column in (*COLUMNS, *stress)}
+    taken = {"status", "message", "record", "saved", "x", "y"}
+    columns = {column.name for column in (*COLUMNS, *stress)}
+    return taken.union(columns, FIELDS, HEAT_FIELDS, LABELS, DERIVED)
 
 
 def _check_name(where: str, quantity: Quantity, taken: set[str]) -> None:

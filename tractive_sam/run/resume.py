@@ -17,24 +17,11 @@ from tractive_sam.schema import required
 from tractive_sam.store import DamagedError, ResultsError, read_state
 
 FREE = (
-    "title",
-    "wear.revolutions",
-    "wear.save",
-    "wear.stepping",
-    "wear.tolerance",
-    "wear.step_depth",
-    "transient.save",
-    "transient.step",
-    "transient.stepping",
-    "transient.tolerance",
-    "transient.stage.step",
-    "transient.stage.stepping",
-    "transient.stage.tolerance",
-    "solver",
-    "grid",
-    "process.end",
-    "process.save",
-    "load_history",  # its blocks count
+    *("title", "solver", "grid", "load_history"),  # the blocks of a load history count
+    *("wear.revolutions", "wear.save", "wear.stepping", "wear.tolerance", "wear.step_depth"),
+    *("transient.save", "transient.step", "transient.stepping", "transient.tolerance"),
+    *("transient.stage.step", "transient.stage.stepping", "transient.stage.tolerance"),
+    *("process.end", "process.save"),
 )
 """Entries of a scene that may change when it is resumed, without the indices of their tables."""
 

@@ -214,16 +214,8 @@ def _add_user_defined(group: h5py.Group, quantities: Iterable[Quantity]) -> None
     relation_names = ("place_of", "error_of")
     # Attributes of a user-defined quantity that are stored.
     described_keys = (
-        "name",
-        "unit",
-        "long_name",
-        "dims",
-        "symbol",
-        "label",
-        "format",
-        "whole",
-        "per_length",
-        "role",
+        *("name", "unit", "long_name", "dims", "symbol", "label"),
+        *("format", "whole", "per_length", "role"),
     )
     described = json.loads(decode_text(group.attrs[USER])) if USER in group.attrs else []
     for quantity in quantities:

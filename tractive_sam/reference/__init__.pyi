@@ -1,0 +1,34 @@
+"""What `reference` exports, for `__init__.py` and for type checkers."""
+
+from .bentall_johnson import bentall_johnson_creepage as bentall_johnson_creepage
+from .carter import Carter as Carter
+from .creep_force import creep_parameter as creep_parameter
+from .creep_force import kalker_simplified as kalker_simplified
+from .creep_force import vermeulen_johnson as vermeulen_johnson
+from .creep_force import vermeulen_johnson_inverse as vermeulen_johnson_inverse
+from .fastsim import fastsim as fastsim
+from .giwm import GlobalWear as GlobalWear
+from .giwm import giwm as giwm
+from .hertz_stress import circle_pressure_stress as circle_pressure_stress
+from .hertz_stress import circle_shear_stress as circle_shear_stress
+from .hertz_stress import hertz_axis_stress as hertz_axis_stress
+from .kalker import CreepCoefficients as CreepCoefficients
+from .kalker import CreepForces as CreepForces
+from .kalker import creep_coefficients as creep_coefficients
+from .kalker import linear_creep_forces as linear_creep_forces
+from .laws import CombinedMaterial as CombinedMaterial
+from .laws import HertzContact as HertzContact
+from .laws import HertzLine as HertzLine
+from .laws import Material as Material
+from .laws import combine as combine
+from .laws import combined_radius as combined_radius
+from .laws import full_slip_force as full_slip_force
+from .laws import hertz as hertz
+from .laws import hertz_line as hertz_line
+from .laws import load_to_carry as load_to_carry
+from .laws import max_shear as max_shear
+from .laws import principal_stresses as principal_stresses
+from .laws import von_mises as von_mises
+from .line_stress import line_pressure_stress as line_pressure_stress
+from .line_stress import line_shear_stress as line_shear_stress
+from .spinning import full_slip_with_spin as full_slip_with_spin
