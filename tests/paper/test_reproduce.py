@@ -172,7 +172,7 @@ def interrupted(work):
 
 
 def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
-    module = import_module("tractive_sam.paper.reproduce")
+    module = import_module("tractive_sam.paper.reproduction")
     monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", one_figure),))
     reported = []
     for format in ("png", "pdf"):

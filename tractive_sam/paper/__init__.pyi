@@ -6,8 +6,8 @@ from .finding import FindingTable as FindingTable
 from .finding import Picture as Picture
 from .finding import Statement as Statement
 from .finding import Verdict as Verdict
-from .reproduce import CHAPTERS as CHAPTERS
-from .reproduce import reproduce as reproduce
+from .reproduction import CHAPTERS as CHAPTERS
+from .reproduction import reproduce as reproduce
 from .size import FULL as FULL
 from .size import REDUCED as REDUCED
 from .size import Size as Size

@@ -6,9 +6,8 @@ from .creep_force import creep_parameter as creep_parameter
 from .creep_force import kalker_simplified as kalker_simplified
 from .creep_force import vermeulen_johnson as vermeulen_johnson
 from .creep_force import vermeulen_johnson_inverse as vermeulen_johnson_inverse
-from .fastsim import fastsim as fastsim
-from .giwm import GlobalWear as GlobalWear
-from .giwm import giwm as giwm
+from .global_wear import GlobalWear as GlobalWear
+from .global_wear import giwm as giwm
 from .hertz_stress import circle_pressure_stress as circle_pressure_stress
 from .hertz_stress import circle_shear_stress as circle_shear_stress
 from .hertz_stress import hertz_axis_stress as hertz_axis_stress
@@ -31,4 +30,5 @@ from .laws import principal_stresses as principal_stresses
 from .laws import von_mises as von_mises
 from .line_stress import line_pressure_stress as line_pressure_stress
 from .line_stress import line_shear_stress as line_shear_stress
+from .simplified_theory import fastsim as fastsim
 from .spinning import full_slip_with_spin as full_slip_with_spin
