@@ -21,7 +21,7 @@ LIMITS = {
     "functions over 60 code lines": 0,
     "modules over 250 code lines": 2,
     "module constants": 250,
-    "code lines": 38376,
+    "code lines": 38282,
     "public names": 123,
 }
 
