@@ -9,7 +9,7 @@ from tests.fitting.conftest import CREEPAGES, creep_data, starts, worn_data
 from tractive_sam.fitting import log_posterior
 from tractive_sam.fitting.likelihood import ProfileLikelihood
 from tractive_sam.fitting.run import make_problem, read_design
-from tractive_sam.fitting.search import Search
+from tractive_sam.fitting.search import LOSSES, Search
 
 EXACT = 1e-6
 """Relative error of estimates from data without noise; the search ends at changes of 1e-7."""
@@ -312,3 +312,21 @@ def test_posterior_samples_agree_with_the_linearised_interval(spheres):
     deviation = found.sd["friction.mu"]
     assert abs(samples.mean() - found.values["friction.mu"]) < 0.5 * deviation
     assert samples.std() == pytest.approx(deviation, rel=0.4)
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_the_weight_of_a_residual_is_the_derivative_of_its_loss(name):
+    loss, squares, h = LOSSES[name], np.array([0.1, 0.7, 1.5, 30.0]), 1e-5
+    expected = (loss(squares + h)[0] - loss(squares - h)[0]) / (2.0 * h)
+    np.testing.assert_allclose(loss(squares)[1], expected, rtol=1e-8)  # h squared
+
+
+def test_the_cost_is_half_the_sum_of_squares_of_residuals_and_priors(spheres):
+    data = creep_data(spheres, {"friction.mu": 0.35}, noise=0.02)
+    prior = {"key": "friction.mu", "prior": [0.5, 0.01]}
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "parameter": [prior]}
+    fit = read_design(design).fit
+    found = Search(make_problem(fit), fit).run()
+    residuals = found.problem.residuals(found.u, found.predicted)
+    assert found.cost == pytest.approx(0.5 * np.square(residuals).sum(), rel=1e-12)
+    assert abs(found.problem.prior_residuals(found.u)[0]) > 1.0
