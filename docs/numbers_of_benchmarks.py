@@ -88,6 +88,13 @@ def wheel_rail_patches() -> str:
     )
 
 
+def wheel_rail_crossing() -> str:
+    """Return computed and printed results of a wheel on the nose and wing rail of a crossing."""
+    columns = {"contact angle, degrees": ("angle", number(".1f"))}
+    columns |= {"element, mm": ("element", number(".1f")), **_computed_and_printed()}
+    return format_columns(read_rows("wheel_rail_crossing.csv"), columns)
+
+
 def wheel_rail_spin() -> str:
     """Return forces of the central position of a wheelset for different points of the spin."""
     columns = {
@@ -871,6 +878,7 @@ TABLES = {
         normal,
         wheel_rail,
         wheel_rail_patches,
+        wheel_rail_crossing,
         wheel_rail_spin,
         spheres,
         creep_forces,

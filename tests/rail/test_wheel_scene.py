@@ -165,6 +165,24 @@ def test_normal_load_is_that_of_the_patches():
     assert pytest.approx(1e4, rel=2e-6) == ts.solve(one).P
 
 
+class Winkler(ts.Elasticity):
+    def coefficients(self, component, offsets, dx, dy):
+        table = np.zeros(offsets)
+        table[0, 0] = {"xx": 1e-4, "yy": 1e-4, "zz": 5e-5}.get(component, 0.0)
+        return table
+
+
+def test_wheels_roll_on_user_defined_bodies():
+    """On springs, the pressure is the overlap over the compliance, whichever patch it is in."""
+    one = scene(4.92, yaw=11.8, load=6e4)
+    history = ts.roll(one, laws=ts.Laws.of(one).replace(elasticity=Winkler()))
+    angle = np.radians(history["contact_angle"])
+    carried = history["P"] * np.cos(angle) - history["Qy"] * np.sin(angle)
+    assert carried.sum() == pytest.approx(6e4, rel=2e-6)
+    # The vertex of the overlap may lie between elements.
+    assert history["p_max"] * 5e-5 == pytest.approx(history["approach"], rel=0.02)
+
+
 def test_each_patch_has_its_fatigue(tmp_path):
     """The root has the smaller contact and the larger pressure."""
     tables = {**TABLES, "grid": {"elements": [15, 15]}, "fatigue": FATIGUE}

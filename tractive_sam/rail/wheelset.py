@@ -210,8 +210,8 @@ class Wheel:
         """Return the vertical gap at arc lengths s in planes x, shape (n,), mm; 1 m beside it."""
         points, _ = self.cut(s, x)
         below, _, _ = rail.across(x, points[:, 1], near=top_of(rail))
-        beside = np.abs(below[:, 0] - points[:, 1]) > 1e-3
-        return np.where(beside, 1e3, below[:, 1] - points[:, 2])
+        outside = np.abs(below[:, 0] - points[:, 1]) > 1e-3
+        return np.where(outside, 1e3, below[:, 1] - points[:, 2])
 
     def at_contact(self, gap: float) -> Self:
         """Return the wheel lowered by a vertical gap, mm, so that it touches the rail."""
