@@ -172,13 +172,14 @@ class Winkler(ts.Elasticity):
         return table
 
 
+@pytest.mark.slow
 def test_wheels_roll_on_user_defined_bodies():
     """On springs, the pressure is the overlap over the compliance, whichever patch it is in."""
-    one = scene(4.92, yaw=11.8, load=6e4)
+    one = scene(4.92, grid={"elements": [25, 25]}, yaw=11.8, load=2e4)
     history = ts.roll(one, laws=ts.Laws.of(one).replace(elasticity=Winkler()))
     angle = np.radians(history["contact_angle"])
     carried = history["P"] * np.cos(angle) - history["Qy"] * np.sin(angle)
-    assert carried.sum() == pytest.approx(6e4, rel=2e-6)
+    assert carried.sum() == pytest.approx(2e4, rel=2e-6)
     # The vertex of the overlap may lie between elements.
     assert history["p_max"] * 5e-5 == pytest.approx(history["approach"], rel=0.02)
 
