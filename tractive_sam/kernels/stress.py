@@ -401,23 +401,12 @@ def assemble_shear_y(integrals, nu):
     )
 
 
-@compiled
-def over_two_pi(t):
-    """Return six numbers divided by 2 pi."""
-    f = 0.5 / math.pi
-    return t[0] * f, t[1] * f, t[2] * f, t[3] * f, t[4] * f, t[5] * f
-
-
-@compiled
 def stress_patch(x, y, z, dx, dy, nu):
-    """Return the stresses at a point due to a unit load on a patch: six each for p_x, p_y and p_n.
+    """Return stresses at a point by unit loads p_x, p_y and p_n on a patch, shape (3, 6).
 
     Parameters: observer (x, y, z), z >= 0, from the patch's centre, and its sides, in one length
     unit; Poisson's ratio nu. Limits at z = 0: see `near_integrals`.
     """
     integrals = patch_integrals(x, y, z, dx, dy)
-    return (
-        over_two_pi(assemble_shear_x(integrals, nu)),
-        over_two_pi(assemble_shear_y(integrals, nu)),
-        over_two_pi(assemble_normal(integrals, nu)),
-    )
+    loads = assemble_shear_x, assemble_shear_y, assemble_normal
+    return np.array([assemble(integrals, nu) for assemble in loads]) / (2.0 * math.pi)

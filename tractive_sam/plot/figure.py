@@ -2,6 +2,7 @@
 
 from base64 import b64encode
 from collections.abc import Iterator
+from functools import lru_cache
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -14,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.ticker import ScalarFormatter
 from PIL import Image
@@ -21,6 +23,11 @@ from PIL import Image
 from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
 from tractive_sam.safe_text import printable_text
+
+_parse_math: Any = getattr(MathTextParser, "_parse_cached", None)
+if hasattr(_parse_math, "__wrapped__"):
+    # Matplotlib stores 50 parsed formulas, fewer than the figures of a history contain.
+    MathTextParser._parse_cached = lru_cache(500)(_parse_math.__wrapped__)  # type: ignore[attr-defined]
 
 
 class InsideLayout(ConstrainedLayoutEngine):
@@ -131,6 +138,13 @@ class Figure(matplotlib.figure.Figure):
     def add_axes(self, *args: Any, **options: Any) -> Axes:
         """Add axes in a rectangle; arguments as in matplotlib."""
         return _format_ticks(super().add_axes(*args, **options))
+
+    def colorbar(self, mappable: Any, *args: Any, **options: Any) -> Any:
+        """Add a colour bar; arguments as in matplotlib."""
+        bar = super().colorbar(mappable, *args, **options)
+        if type(bar.formatter) is ScalarFormatter:
+            bar.formatter = TickNumbers()
+        return bar
 
     def savefig(self, fname: str | PathLike[str] | IO, **options: Any) -> None:
         """Save the figure; the file appears when it is complete. Arguments as in matplotlib.

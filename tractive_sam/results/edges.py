@@ -85,9 +85,8 @@ def covered_elements(pressure: np.ndarray) -> float:
     the first axis alone.
     """
     if pressure.shape[1] == 1:
-        return np.count_nonzero(pressure > 0.0) + float(
-            sum(np.nansum(e - 0.5) for e in distances_to_edges(pressure))
-        )
+        beyond = np.array(distances_to_edges(pressure)) - 0.5
+        return np.count_nonzero(pressure > 0.0) + float(np.nansum(beyond))
     # Cells have the centres of four elements at their corners; the edge crosses their sides.
     wide = np.zeros((pressure.shape[0] + 4, pressure.shape[1] + 4))
     wide[2:-2, 2:-2] = pressure
