@@ -33,7 +33,7 @@ def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Qu
             )
 
 
-def _solver_error(history: HistoryData, name: str, row: int, share: float = 1e-7) -> float:
+def _solver_error(history: HistoryData, name: str, row: int, share: float = 1e-6) -> float:
     """Return the size up to which a force or moment may be a solver error beside larger forces."""
     force = share * math.hypot(history["Qx"][row], history["Qy"][row])
     ratio = force / history["P"][row] if history["P"][row] > 0.0 else 0.0
