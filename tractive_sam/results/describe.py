@@ -18,9 +18,8 @@ def format_values(history: HistoryData, row: int) -> Iterator[tuple[str, str, Qu
     for name, quantity in history.of_dims().items():
         if not (quantity.error_of or np.isnan(history[name]).all()):
             value = history[name][row]
-            if abs(value) < _solver_error(history, name, row):
-                value = 0.0
-            text = format_number(value, error_bar(history, name, row))
+            small = abs(value) < _solver_error(history, name, row)
+            text = format_number(0.0 if small else value, error_bar(history, name, row))
             yield name, text, quantity
     for name, quantity in history.of_dims("body").items():
         for body in quantity.bodies(history.scene) if not quantity.error_of else ():
