@@ -1,6 +1,6 @@
 """The status and the cost of a solve."""
 
-from dataclasses import astuple, dataclass, field
+from dataclasses import dataclass, field
 from enum import StrEnum
 from operator import add
 
@@ -42,8 +42,8 @@ class Cost:
     over_application: float = field(default=0.0, compare=False)
 
     def __add__(self, other: "Cost") -> "Cost":
-        return Cost(*map(add, astuple(self), astuple(other)))
+        return Cost(*map(add, vars(self).values(), vars(other).values()))
 
     def scaled(self, share: float) -> "Cost":
         """Return the cost multiplied by a share, for work on a coarser mesh."""
-        return Cost(*(share * part for part in astuple(self)))
+        return Cost(*(share * part for part in vars(self).values()))
