@@ -50,7 +50,7 @@ ENTRIES = [
     ("load.force_x", math.inf, "finite"),
     ("creepage.longitudinal", "slow", "a number"),
     ("creepage.spin", math.nan, "finite"),
-    ("friction.mu", 0, "above 0"),
+    ("friction.mu", -0.1, "above 0"),
     ("friction.mu", True, "above 0"),
     ("friction.mu", [0.3, -0.3], "a pair"),
     ("friction.mu", [0.3, 0.3, 0.3], "a pair"),
@@ -367,3 +367,8 @@ def test_a_text_that_would_do_as_a_number(entries, cure):
         Scene.builtin("twin-discs").replace(**entries)
     (fault,) = caught.value.faults
     assert cure in fault.allowed if cure else "quotes" not in fault.allowed
+
+
+def test_zero_friction_is_a_frictionless_contact():
+    scene = Scene.builtin("spheres")
+    assert scene.with_set(["friction.mu=0"]) == scene.replace(friction=None)
