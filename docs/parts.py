@@ -8,11 +8,10 @@ import inspect
 import re
 import tomllib
 from collections.abc import Iterable
-from enum import Enum
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
-from typing import get_args
+from typing import Literal, get_args, get_origin
 
 import names
 import renamed
@@ -122,14 +121,13 @@ def _describe_parameter(parameter: inspect.Parameter) -> tuple[str, str]:
     kind, option = get_args(parameter.annotation)[:2]
     if isinstance(option, typer.models.ArgumentInfo):
         return f"`{option.metavar or parameter.name.upper()}`", option.help
-    types = [member for member in get_args(kind) or (kind,) if isinstance(member, type)]
-    choices = [str(choice.value) for choice in types[0]] if issubclass(types[0], Enum) else []
+    choices = [str(choice) for choice in get_args(kind)] if get_origin(kind) is Literal else []
+    types = [member for member in get_args(kind) or (kind,) if isinstance(member, type)] or [str]
     value = "" if types[0] is bool else option.metavar or "|".join(choices) or types[0].__name__
     # In an annotation, the first name of an option is in the place of its default.
     first = (option.default,) if isinstance(option.default, str) else ()
     names = (*first, *(option.param_decls or ())) or (f"--{parameter.name.replace('_', '-')}",)
-    is_choice = isinstance(parameter.default, Enum)
-    default = f" By default {parameter.default.value}." if is_choice else ""
+    default = f" By default {parameter.default}." if choices else ""
     return f"`{' '.join([', '.join(names), value]).strip()}`", option.help + default
 
 

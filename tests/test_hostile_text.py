@@ -325,7 +325,7 @@ def code_of(table):
 
 def shapes_of(table):
     """Elements of the description of a model, with the names of their attributes."""
-    description = ET.fromstring(Description2(table, "a", "b").model)
+    description = ET.fromstring(Description2(table, "a", "b").files["modelDescription.xml"])
     return [(one.tag, *one.keys()) for one in description]
 
 
