@@ -21,7 +21,7 @@ LIMITS = {
     "functions over 60 code lines": 0,
     "modules over 250 code lines": 2,
     "module constants": 250,
-    "code lines": 38273,
+    "code lines": 38318,
     "public names": 123,
 }
 
