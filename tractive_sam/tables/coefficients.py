@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.lookup import MIRROR, REVERSED
 
@@ -118,7 +118,7 @@ def _slope(
         if len(nodes) == 2:
             step = np.diff(values, axis=axis) / np.diff(nodes)
             return np.repeat(step, 2, axis=axis)
-        return CubicSpline(nodes, values, axis=axis)(nodes, 1)
+        return scipy.interpolate.CubicSpline(nodes, values, axis=axis)(nodes, 1)
     if kind not in (HEADING, TILT):
         return np.gradient(values, nodes, axis=axis, edge_order=2 if len(nodes) > 2 else 1)
     beyond = _beyond_full_range if full_range else _beyond_quarter

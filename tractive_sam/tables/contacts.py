@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.special import elliprd
+import scipy  # its parts are loaded when first used
 
 from tractive_sam.compute import single_blas_thread
 from tractive_sam.contact import Model, jacobian_of, solve_on_fitted_mesh
@@ -243,7 +243,8 @@ def odd(number: float) -> int:
 def unit_scene(ratio: float, poisson: float) -> Scene:
     """Return the scene of a Hertz contact with a given a/b and Poisson's ratio, without mesh."""
     # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz`.
-    curvatures = elliprd(0.0, 1.0 / ratio, ratio) / elliprd(0.0, ratio, 1.0 / ratio)
+    integral = scipy.special.elliprd
+    curvatures = integral(0.0, 1.0 / ratio, ratio) / integral(0.0, ratio, 1.0 / ratio)
     body = {"young": YOUNG, "poisson": poisson}
     flat = {"radius_x": np.inf, "radius_y": np.inf}
     curved = {"radius_x": RADIUS / curvatures**0.5, "radius_y": RADIUS * curvatures**0.5}

@@ -11,7 +11,7 @@ over n elements across the contact yields the limit, and its scatter yields the 
 """
 
 import numpy as np
-from scipy.stats import t as student
+import scipy  # its parts are loaded when first used
 
 
 def rest_meshes(
@@ -66,5 +66,5 @@ def extrapolate_slopes(
     fitted = inverse @ values
     free = max(len(meshes) - np.linalg.matrix_rank(basis, tol=1e-6 * np.abs(basis).max()), 1)
     scatter = np.sqrt(np.sum((values - basis @ fitted) ** 2, axis=0) / free)
-    bar = student.ppf(0.5 + 0.5 * confidence, free) * np.linalg.norm(inverse[0]) * scatter
+    bar = scipy.special.stdtrit(free, 0.5 + 0.5 * confidence) * np.linalg.norm(inverse[0]) * scatter
     return fitted[0].reshape(slopes.shape[1:]), bar.reshape(slopes.shape[1:])
