@@ -49,7 +49,8 @@ class Host:
     ) -> np.ndarray:
         """Return the convolution in the precision of the fields (`Backend.convolve`)."""
         single = fields.dtype == np.float32
-        plan, began = convolver(len(fields), fields.shape[1:], padded, single), process_time()
+        plan = convolver(len(fields), fields.shape[1:], padded, single)
+        began = 0.0 if single else process_time()
         result = plan(fields, spectra, self.products[len(spectra[0])])
         if not single:
             count_time(len(fields), padded, began)

@@ -14,6 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
+def rotation(angle: float) -> Array:
+    """Return the matrix (2, 2) that rotates rows (y, z) by an angle, rad, if they precede it."""
+    return np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+
+
 class Rail(Protocol):
     """Protocol of the surface of a rail: a `Profile` along the track, or varying sections."""
 
@@ -33,6 +38,8 @@ class Rail(Protocol):
         near: float | None = None,
     ) -> tuple[Array, Array, Array]:
         """Return points (..., 2), angles and arc lengths at positions along an inclined axis.
+
+        For varying sections numbers of points take the place of arc lengths.
 
         Parameters
         ----------
@@ -197,7 +204,7 @@ class Profile:
         shift : array_like, shape (2,)
             Displacement in y and z of the origin, mm.
         """
-        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        turn = rotation(angle)
         return Profile(self.s, self.points @ turn + np.asarray(shift), self.tangents @ turn)
 
     def worn(self, depth: ArrayLike, outward: float) -> Profile:

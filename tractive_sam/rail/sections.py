@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.input_file import read_text
 
 from .files import ProfileError
-from .profile import Array, Profile, arc_lengths, interpolate_run
+from .profile import Array, Profile, arc_lengths, interpolate_run, rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class RailSections:
 
     def moved(self, angle: float, shift: ArrayLike) -> Self:
         """Return all sections rotated by an angle, rad, and then shifted, mm."""
-        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        turn = rotation(angle)
         points = self.points @ turn + np.asarray(shift)
         return replace(self, points=points, tangents=self.tangents @ turn)
 
