@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.solvers.krylov import gmres
+from tractive_sam.solvers.krylov import Basis, gmres
 
 
 @pytest.fixture
@@ -41,3 +41,15 @@ def test_nothing_to_solve(system):
     x, iterations = gmres(system[0].__matmul__, identity, np.zeros(30), 1e-12, 30)
     assert iterations == 0
     assert not x.any()
+
+
+def test_the_memory_of_a_basis_does_not_change_the_solution(system):
+    A, b = system
+    basis = Basis()
+    for number in (np.float64, np.float32, np.float64):
+        matrix, right = A.astype(number), b.astype(number)
+        fresh, iterations = gmres(matrix.__matmul__, identity, right, 1e-4, 30)
+        again, repeated = gmres(matrix.__matmul__, identity, right, 1e-4, 30, basis)
+        np.testing.assert_array_equal(again, fresh)
+        assert again.dtype == number
+        assert repeated == iterations

@@ -34,8 +34,32 @@ class LinearSystem(Protocol):
         """Return the matrix times a vector with a known response; the next call overwrites it."""
 
 
+class Basis:
+    """Memory for the vectors of a Krylov space, which the solves of several systems share.
+
+    On large meshes the system takes longer to provide fresh memory for a vector than it takes to
+    make it orthogonal to the others.
+    """
+
+    def __init__(self) -> None:
+        self._vectors = np.empty((0, 0))
+
+    def vectors(self, count: int, like: np.ndarray) -> np.ndarray:
+        """Return rows like a vector, at least `count`; those returned before keep their values."""
+        if self._vectors.dtype != like.dtype or not len(self._vectors):
+            self._vectors = np.empty((16, like.size), like.dtype)
+        if count > len(self._vectors):
+            self._vectors = np.concatenate((self._vectors, np.empty_like(self._vectors)))
+        return self._vectors
+
+
 def gmres(
-    operator: Map, preconditioner: Map, rhs: np.ndarray, tolerance: float, max_steps: int
+    operator: Map,
+    preconditioner: Map,
+    rhs: np.ndarray,
+    tolerance: float,
+    max_steps: int,
+    memory: Basis | None = None,
 ) -> tuple[np.ndarray, int]:
     """Solve ``operator(x) = rhs`` by GMRES (Saad & Schultz 1986); return x and the steps.
 
@@ -49,6 +73,8 @@ def gmres(
         Norm of the residual over the norm of `rhs` at which to stop.
     max_steps : int
         Most iterations.
+    memory : Basis, optional
+        Memory for the Krylov space, of solves of as many equations before.
 
     Returns
     -------
@@ -60,18 +86,18 @@ def gmres(
     norm = sqrt(rhs @ rhs)
     if norm == 0.0:
         return np.zeros_like(rhs), 0
-    basis = np.empty((min(max_steps, 15) + 1, rhs.size), rhs.dtype)
-    basis[0] = rhs / norm
+    memory = memory or Basis()
+    basis = memory.vectors(1, rhs)
+    np.divide(rhs, rhs.dtype.type(norm), out=basis[0])
     # The basis has the precision of rhs. The triangle and the rotations are small and in double
     # precision: they add no rounding errors.
     triangle = np.zeros((max_steps, max_steps))
     rotations: list[tuple[float, float]] = []
-    residual = np.zeros(max_steps + 1)
-    residual[0] = norm
-    k = 0
+    residual, k = [norm], 0
     while k < max_steps and abs(residual[k]) > tolerance * norm:
-        w = np.array(operator(preconditioner(basis[k])))
-        h, beyond = orthogonalise(w, basis[: k + 1])
+        basis = memory.vectors(k + 2, rhs)
+        basis[k + 1] = operator(preconditioner(basis[k]))
+        h, beyond = orthogonalise(basis[k + 1], basis[: k + 1])
         # Givens: the rotations so far, then one that takes away what the new vector adds below.
         column = h.tolist()
         for i, (c, s) in enumerate(rotations):
@@ -84,16 +110,11 @@ def gmres(
         column[k] = size
         rotations.append((c, s))
         triangle[: k + 1, k] = column
-        residual[k + 1] = -s * residual[k]
-        residual[k] *= c
+        residual[k:] = c * residual[k], -s * residual[k]
         k += 1
         if s == 0.0:  # the Krylov space holds the solution
             break
-        if k == len(basis):
-            basis = np.concatenate((basis, np.empty_like(basis)))
-        np.divide(w, rhs.dtype.type(beyond), out=basis[k])
-    if k == 0:
-        return np.zeros_like(rhs), 0
+        basis[k] /= rhs.dtype.type(beyond)
     # Preconditioned from the right: the residual minimised belongs to the system itself, and the
     # step is preconditioned once, at the end.
     weights = np.linalg.solve(triangle[:k, :k], residual[:k]).astype(rhs.dtype)

@@ -28,11 +28,6 @@ def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
     return values[..., : shape[0], : shape[1]]
 
 
-def refine_traction(coarse: np.ndarray, bound: np.ndarray, fine_bound: np.ndarray) -> np.ndarray:
-    """Interpolate tractions to a finer mesh by their ratio to the traction bound."""
-    return refine(shares(coarse, bound), fine_bound.shape) * fine_bound
-
-
 def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
     """Return tractions over their bound, (2, n_x, n_y), extended one element beyond contact."""
     inside = bound > 0.0
@@ -134,8 +129,8 @@ def refined(
         pressure = _refined_pressure(coarse, problem.free_pressure)
     bound, fine_bound = coarse_problem.bound(coarse_pressure), problem.bound(pressure)
     coarse_traction = needed(coarse.traction, "outcome.traction")
-    traction = refine_traction(coarse_traction, bound.radius, fine_bound.radius)
-    return replace(coarse, pressure=pressure, traction=traction)
+    share = refine(shares(coarse_traction, bound.radius), fine_bound.radius.shape)
+    return replace(coarse, pressure=pressure, traction=share * fine_bound.radius)
 
 
 def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:

@@ -21,7 +21,7 @@ import numpy as np
 
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
-from tractive_sam.solvers.krylov import conjugate_residuals, gmres
+from tractive_sam.solvers.krylov import Basis, conjugate_residuals, gmres
 from tractive_sam.solvers.newton_system import Iterate, System
 from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed
 from tractive_sam.solvers.problem import FixedPressure, NormalProblem, Problem
@@ -120,7 +120,7 @@ class Newton:
             )
         at, cost = self._first(problem, start)
         smallest, since, before, bounded = np.inf, 0, np.inf, self.bounded
-        status, taken = Status.OUT_OF_ITERATIONS, 0
+        status, taken, basis = Status.OUT_OF_ITERATIONS, 0, Basis()
         for taken in range(self.steps + 1):
             report_progress(problem.operators.lattice.shape, at.residual)
             if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
@@ -144,7 +144,7 @@ class Newton:
                 smallest, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded)
+            at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded, basis)
             cost = cost + spent
         return _outcome(problem, at, status, taken, cost)
 
@@ -192,6 +192,7 @@ class Newton:
         tolerance: float,
         stalled: bool,
         bounded: bool,
+        basis: Basis,
     ) -> tuple[Iterate, Cost]:
         """Return the iterate after one Newton step, and the cost of the step."""
         elements = at.pressure.size
@@ -205,8 +206,8 @@ class Newton:
             if rounded <= self.rounding * tolerance * at.drag:
                 response = response_to_step.astype(float, copy=False)
         else:
-            rhs = system.right_hand_side()
-            vector, _ = gmres(system.operator, system.preconditioner, rhs, goal, self.krylov)
+            maps = system.operator, system.preconditioner
+            vector, _ = gmres(*maps, system.right_hand_side(), goal, self.krylov, basis)
         vector = vector.astype(float, copy=False)  # iterates are in double precision
         step, extra = system.fields(vector), vector[system.size :]
         ahead, trials = self._step_along(problem, at, step, extra, response, stalled, bounded)

@@ -13,7 +13,7 @@ from typing import Self
 
 import numpy as np
 
-from tractive_sam.compute import Convolution, backend_of
+from tractive_sam.compute import backend_of
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.mechanics import Bound, FrictionOnMesh, Linearisation
 from tractive_sam.operators import (
@@ -250,7 +250,7 @@ class Problem:
         if self.coupled:
             backend = backend_of(rigid)
             fields = backend.concat((pressure[None, ...], backend.xp.zeros_like(rigid)))
-            rigid = rigid + self._coupled(fields)[1:, ...]
+            rigid = rigid + self.kinematics.coupled(self.operators)(fields)[1:, ...]
         return replace(
             self, normal=FixedPressure(self.operators, pressure, gap), rigid=rigid, wear=None
         )
@@ -290,24 +290,14 @@ class Problem:
             kinematics=self.kinematics.coarsened(block),
         )
 
-    @property
-    def _tangential(self) -> Convolution:
-        """Operator from tractions to slip."""
-        return self.kinematics.tangential(self.operators)
-
-    @property
-    def _coupled(self) -> Convolution:
-        """Operator from pressure and tractions to gap and slip."""
-        return self.kinematics.coupled(self.operators)
-
     def response(self, fields: np.ndarray) -> np.ndarray:
         """Return the elastic gap and slip due to fields (pressure, tractions)."""
+        if self.coupled and not self.is_pressure_fixed:
+            return self.kinematics.coupled(self.operators)(fields)
+        slip = self.kinematics.tangential(self.operators)(fields[-2:, ...])
         if self.is_pressure_fixed:
-            return self._tangential(fields)
-        if self.coupled:
-            return self._coupled(fields)
-        concat, normal = backend_of(fields).concat, self.operators.normal
-        return concat((normal(fields[:1, ...]), self._tangential(fields[1:, ...])))
+            return slip
+        return backend_of(fields).concat((self.operators.normal(fields[:1, ...]), slip))
 
     @cached_property
     def approximate(self) -> Self:
