@@ -101,18 +101,23 @@ class Stepper:
         advection = Advection.from_distance(inputs.distance / self.model.grid.dx)
         motion, law = self._motion(before, inputs, advection), self._law(before, inputs, advection)
         worn = before.worn if self.wear is None else advection.move_depths(before.worn)
-        expected = worn
+        depth = worn
         if earlier is not None:
-            expected = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)
+            depth = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)
         problem = replace(
-            self._problem(inputs, expected.sum(axis=0), law),
+            self._problem(inputs, depth.sum(axis=0), law),
             rigid=motion.rigid - motion.displacement[-2:],
             forces=self.model.forces_of(inputs.forces),
             kinematics=self._kinematics(before.contact, motion),
         )
-        start = self._start(problem, before, advection, inputs, earlier, ratio)
+        expected = before.contact.traction
+        if earlier is not None:
+            expected = expected + ratio * (expected - earlier.contact.traction)
+        start = self._start(problem, before, motion, inputs, expected, earlier, ratio)
         outcome = self._solve(problem, start, advection.length)
         result, cost = self._result(inputs, advection, problem, outcome, worn), outcome.cost
+        if ratio > 0.0:
+            result = replace(result, unexpected=result.contact.traction - expected)
         if result.contact.converged:
             if len(problem.forces):
                 slip = problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
@@ -290,19 +295,22 @@ class Stepper:
         self,
         problem: Problem,
         before: StepResult,
-        advection: Advection,
+        motion: ParticleMotion,
         inputs: StepInput,
+        expected: np.ndarray,
         earlier: StepResult | None,
         ratio: float,
     ) -> Start:
         """Return the initial guess of a step: extrapolated from two steps, or the last step.
 
-        If the pressure before the step still solves the normal problem, it is not extrapolated.
+        What the extrapolation missed a step before moves with the particles that stick, for example
+        the border between particles that entered before and after a change of the creepages. It is
+        added to `expected`, the extrapolated traction, MPa. If the pressure before the step still
+        solves the normal problem, it is not extrapolated.
         """
-        model, units, columns = self.model, self.model.units, self.model.grid.elements[0]
-        steps = (before,) if earlier is None or not ratio else (before, earlier)
-        last, first = steps[0].contact, steps[-1].contact
-        per_distance = units.slip / self._distance(advection)
+        model, units = self.model, self.model.units
+        last, first = before.contact, (earlier or before).contact
+        per_distance = units.slip / self._distance(motion.advection)
 
         def extrapolate(value: Any, earlier_value: Any) -> Any:
             return value if first is last else value + ratio * (value - earlier_value)
@@ -312,22 +320,22 @@ class Stepper:
             for name, force in zip(("xi_x", "xi_y"), inputs.forces, strict=True)
             if force is not None
         ]
-        gap, pressure, approach, response = None, last.pressure, last.approach, None
+        gap, pressure, approach = None, last.pressure, last.approach
         if before.has_pressure_of(problem.free_pressure):
             gap = last.gap / units.gap
         else:
             pressure = extrapolate(pressure, first.pressure)
             approach = extrapolate(approach, first.approach)
-        if not (model.elasticity.coupled and pressure.min() < 0.0):
-            moved = [self.displacement(step, 0)[:, :columns] for step in steps]
-            response = extrapolate(moved[0], moved[-1])
-        traction = extrapolate(last.traction, first.traction)
+        if before.unexpected is not None and ratio > 0.0:
+            sticking, advection = last.sticking, motion.advection
+            missed = advection.with_nodes_ahead(np.where(sticking, before.unexpected, 0.0))
+            missed = advection.previous_values(missed, motion.curved)
+            expected = expected + np.where(sticking, ratio * missed, 0.0)
         return Start(
             np.maximum(pressure, 0.0) / units.pressure,
-            model.frame.to_scaled(traction) / units.pressure,
+            model.frame.to_scaled(expected) / units.pressure,
             approach / units.gap,
             np.nan_to_num(creepages) / per_distance if creepages else None,
-            response,
             gap,
         )
 

@@ -158,7 +158,6 @@ class Newton:
                 cost + outcome.cost,
             )
         start = start or Start()
-        answer = getattr(start, "response", None)
         traction = np.zeros_like(problem.rigid) if start.traction is None else start.traction
         creepage = start.creepage
         if creepage is None or not len(problem.forces):
@@ -168,9 +167,8 @@ class Newton:
             pressure, approach = normal.pressure, 0.0
         elif normal.load is None:
             approach = normal.approach
-        has_response = answer is not None
         guess = needed(pressure, "start.pressure"), traction, needed(approach, "start.approach")
-        at = Iterate(problem, *guess, creepage, 1.0, not has_response, answer)
+        at = Iterate(problem, *guess, creepage)
         if len(problem.forces) and start.creepage is not None and not self.bounded:
             at = self._with_smallest_slip(problem, at)
         return at, cost + Cost(at.applications)

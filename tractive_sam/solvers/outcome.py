@@ -77,18 +77,16 @@ class Note:
 
 @dataclass(frozen=True, eq=False)
 class Start:
-    """Initial guess of a solver: any of pressure, traction, approach, creepages, response.
+    """Initial guess of a solver: any of pressure, traction, approach, creepages.
 
-    An `Outcome` will do as well. Two more things may be known: the response of the elastic operator
-    to the tractions, of dissimilar bodies with the pressure (`response`, shape (2 or 3, n_x, n_y)),
-    and the gap, if pressure, gap and approach already solve the normal problem without tractions.
+    An `Outcome` will do as well. The gap may be known, if pressure, gap and approach already solve
+    the normal problem without tractions.
     """
 
     pressure: np.ndarray | None = None
     traction: np.ndarray | None = None
     approach: float = 0.0
     creepage: np.ndarray | None = None
-    response: np.ndarray | None = None
     gap: np.ndarray | None = None
 
 

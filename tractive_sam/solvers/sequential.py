@@ -82,16 +82,13 @@ def _start_on_rectangle(problem: Problem, start: Start | Outcome, box: Box) -> S
     """Return the start of a tangential problem on a rectangle, from a start on the mesh."""
     if start.traction is None:
         return Start(creepage=start.creepage)
-    traction, response = start.traction[:, *box], getattr(start, "response", None)
-    if response is not None:  # of all tractions, or of none
-        is_complete = np.count_nonzero(traction) == np.count_nonzero(start.traction)
-        response = response[-2:, *box] if is_complete else None
-    elif start.pressure is not None:
+    traction = start.traction[:, *box]
+    if start.pressure is not None:
         bound = problem.friction.bound(start.pressure).radius[box]
         traction = (
             shares(traction, bound) * problem.bound(problem.fixed_pressure.pressure).radius[box]
         )
-    return Start(traction=traction, creepage=start.creepage, response=response)
+    return Start(traction=traction, creepage=start.creepage)
 
 
 @dataclass(frozen=True)
