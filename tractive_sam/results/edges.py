@@ -88,38 +88,42 @@ def covered_elements(pressure: np.ndarray) -> float:
         beyond = np.array(distances_to_edges(pressure)) - 0.5
         return np.count_nonzero(pressure > 0.0) + float(np.nansum(beyond))
     # Cells have the centres of four elements at their corners; the edge crosses their sides.
-    wide = np.zeros((pressure.shape[0] + 4, pressure.shape[1] + 4))
+    wide: np.ndarray = np.zeros((pressure.shape[0] + 4, pressure.shape[1] + 4))
     wide[2:-2, 2:-2] = pressure
     touching = wide > 0.0
     pairs = touching[:-1].view(np.int8) + touching[1:]
     corners = pairs[:, :-1] + pairs[:, 1:]
     i, j = cells = np.nonzero((corners > 0) & (corners < 4))
-    left, right = _covered_sides(wide, i, j, 1, 0), _covered_sides(wide, i, j + 1, 1, 0)
-    lower, upper = _covered_sides(wide, i, j, 0, 1), _covered_sides(wide, i + 1, j, 0, 1)
-    first, opposite = touching[cells], touching[i + 1, j + 1]
-    areas = np.select(
-        (corners[cells] == 1, corners[cells] == 3, first & opposite, ~(first | opposite)),
+    row = wide.shape[1]
+    begin = i * row + j + np.array([[0], [1], [0], [row]])
+    left, right, lower, upper = _covered_sides(
+        wide.ravel(), begin, np.array([[row], [row], [1], [1]])
+    )
+    first, count = touching[cells], corners[cells]
+    # Two corners in contact are neighbours (2), the first and its opposite (0), or the others (4).
+    diagonal = (count == 2) & (first == touching[i + 1, j + 1])
+    areas = np.choose(
+        np.where(diagonal, np.where(first, 0, 4), count),
         (
-            0.5 * (left + right) * (lower + upper),  # a triangle; sides without the edge are 0
-            1.0 - 0.5 * (1.0 - left - right) * (1.0 - lower - upper),
             0.5 * (left * lower + right * upper),
+            0.5 * (left + right) * (lower + upper),  # a triangle; sides without the edge are 0
+            0.5 * (left + right + lower + upper),
+            1.0 - 0.5 * (1.0 - left - right) * (1.0 - lower - upper),
             0.5 * (left * upper + right * lower),
         ),
-        0.5 * (left + right + lower + upper),
     )
     return np.count_nonzero(corners == 4) + float(areas.sum())
 
 
-def _covered_sides(
-    pressure: np.ndarray, i: np.ndarray, j: np.ndarray, di: int, dj: int
-) -> np.ndarray:
+def _covered_sides(pressure: np.ndarray, begin: np.ndarray, step: np.ndarray) -> np.ndarray:
     """Return the lengths of sides of cells from their corner in contact to the edge, 0 to 1.
 
-    The sides join the centres (i, j) and (i + di, j + dj) of elements. They are 0 where both or
-    none of their ends are in contact.
+    The sides join the centres `begin` and `begin + step` of elements, indices of a flat array. They
+    are 0 where both or none of their ends are in contact.
     """
-    first, second = pressure[i, j], pressure[i + di, j + dj]
-    crossed = (first > 0.0) != (second > 0.0)
-    before, after = pressure[i - di, j - dj], pressure[i + 2 * di, j + 2 * dj]
+    first, second = pressure[begin], pressure[begin + step]
+    inside = first > 0.0
+    crossed = inside != (second > 0.0)
+    before = pressure[np.where(inside, begin - step, begin + 2 * step)]
     here = np.where(crossed, np.maximum(first, second), 1.0)
-    return np.where(crossed, edge_place(here, np.where(first > 0.0, before, after)), 0.0)
+    return np.where(crossed, edge_place(here, before), 0.0)
