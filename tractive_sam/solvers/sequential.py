@@ -82,12 +82,10 @@ def _start_on_rectangle(problem: Problem, start: Start | Outcome, box: Box) -> S
     """Return the start of a tangential problem on a rectangle, from a start on the mesh."""
     if start.traction is None:
         return Start(creepage=start.creepage)
-    traction = start.traction[:, *box]
-    if start.pressure is not None:
+    traction, pressure = start.traction[:, *box], problem.fixed_pressure.pressure
+    if start.pressure is not None and start.pressure is not pressure:
         bound = problem.friction.bound(start.pressure).radius[box]
-        traction = (
-            shares(traction, bound) * problem.bound(problem.fixed_pressure.pressure).radius[box]
-        )
+        traction = shares(traction, bound) * problem.bound(pressure).radius[box]
     return Start(traction=traction, creepage=start.creepage)
 
 
