@@ -1,7 +1,10 @@
 """Plans are remembered between processes, and a cache out of reach does no harm."""
 
-from tractive_sam.compute import wisdom
+import pytest
+
+from tractive_sam.compute import fft, wisdom
 from tractive_sam.compute.fft import PaddedTransform
+from tractive_sam.compute.tiles import TiledConvolution, UntiledConvolution
 
 
 def test_wisdom_is_stored_and_recalled(tmp_path, monkeypatch):
@@ -20,3 +23,15 @@ def test_an_unwritable_cache_is_done_without(tmp_path, monkeypatch):
     monkeypatch.setenv("TRACTIVE_SAM_CACHE", str(tmp_path / "file"))
     wisdom.save()
     wisdom.load()
+
+
+@pytest.mark.parametrize("kind", [UntiledConvolution, TiledConvolution])
+def test_only_transforms_of_tiles_are_measured(kind, monkeypatch):
+    efforts = set()
+
+    def plan(source, target, axes, direction, flags, threads):
+        efforts.add(flags[0])
+
+    monkeypatch.setattr(fft.pyfftw, "FFTW", plan)
+    kind(1, (6, 6), (12, 12), False)
+    assert efforts == {"FFTW_MEASURE" if kind is TiledConvolution else "FFTW_ESTIMATE"}

@@ -38,8 +38,6 @@ class FFTW:
         Not used.
     threads : int
         Number of threads.
-    planning_timelimit : float, optional
-        Not used.
     """
 
     def __init__(
@@ -48,9 +46,8 @@ class FFTW:
         target: np.ndarray,
         axes: tuple[int],
         direction: str,
-        flags: Sequence[str] = (),
-        threads: int = 1,
-        planning_timelimit: float | None = None,
+        flags: Sequence[str],
+        threads: int,
     ) -> None:
         self._source, self._target = source, target
         (axis,) = axes
