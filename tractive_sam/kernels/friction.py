@@ -249,7 +249,7 @@ def _set_sticking(direction, kappa, across, i, j):
 def linearise(
     traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
 ):
-    """Set `state` to `defect` of the linearised law; return sums of squares, plain and weighted.
+    """Set `state` to `defect` of the linearised law; return three sums of squares.
 
     Parameters
     ----------
@@ -283,9 +283,11 @@ def linearise(
         Sum of squares of disc(p - s) - p, with unit weights.
     merit : float
         Sum of squares of disc(p - w s) - p, in the norm of the weights.
+    reached : float
+        Sum of squares of p plus its `defect`.
     """
     nx, ny = bound.shape
-    total = merit = 0.0
+    total = merit = reached = 0.0
     inverse0, inverse1 = 1.0 / w0, 1.0 / w1
     centre, turned, ratios = np.empty((2, ny)), np.empty((2, ny)), np.ones(ny)
     for i in range(nx):
@@ -344,7 +346,8 @@ def linearise(
                 kappa[i, j] = k
                 _respond(slip, m0, m1, staggered, s0, s1, ratio, -n1, n0, i, j, across)
             defect[0, i, j], defect[1, i, j] = d0, d1
-    return total, merit
+            reached += (p0 + d0) ** 2 + (p1 + d1) ** 2
+    return total, merit, reached
 
 
 @compiled

@@ -269,7 +269,7 @@ class FrictionLaw(Law, ABC):
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
         direction, defect, across = (np.empty((*size, *shape)) for size in ((2,), (2,), (2, 2)))
         weights = (weight * axis_weight for axis_weight in self.frame.weights)
-        squares, merit = friction.linearise(
+        sums = friction.linearise(
             *(traction, slip, bound.radius, contact, staggered, *weights),
             *(state, direction, kappa, across, defect),
         )
@@ -278,7 +278,7 @@ class FrictionLaw(Law, ABC):
             direction[:, ~active] = 0.0
         slope = None if bound.slope is None else SlipDependence(bound.slope, staggered)
         return Linearisation(
-            state, direction, kappa, across, defect, contact, squares, merit, slope, staggered
+            state, direction, kappa, across, defect, contact, *sums, slope, staggered
         )
 
 
@@ -397,6 +397,8 @@ class Linearisation:
         Sum of squares of disc(p - s) - p.
     merit : float
         Sum of squares with the weights of the frame, which Newton's steps reduce.
+    reached : float
+        Sum of squares of the tractions plus `defect`.
     falling : SlipDependence, optional
         For a bound that depends on the slip: the equation along n is n.p minus the change of the
         bound.
@@ -412,6 +414,7 @@ class Linearisation:
     contact: np.ndarray
     squares: float
     merit: float
+    reached: float
     falling: "SlipDependence | None" = None
     staggered: float = 1.0
 

@@ -83,8 +83,7 @@ class Iterate:
             self.force_missed = forces.target - forces.force(self.traction)
             missed = np.sum(self.force_missed**2) / elements
             wanted = float(np.linalg.norm(forces.target) / np.sqrt(elements))
-        reached = self.traction + self.law.defect
-        self.drag = drag = max(sqrt(np.vdot(reached, reached)), wanted)
+        self.drag = drag = max(sqrt(self.law.reached), wanted)
         self._tangential = self.law.merit + missed
         self._normal = 0.0
         defect = sqrt(self.law.squares + missed)
