@@ -98,7 +98,7 @@ NEARBY = Newton(
     rise=0.5,  # the response to a shorter step is known as well
     bounded=False,
     loosest=0.03,  # iterations cost less than the linearisations that they save
-    aim=0.6,
+    aim=0.8,
     single_from=0,  # what is planned serves many steps
     gmres_from=50_000,  # above, three vectors would take most of the memory
 )
