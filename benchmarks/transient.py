@@ -6,8 +6,8 @@
 - `killed`: 40 of these courses, stopped after a random record and resumed: difference between the
   two histories, divided by the largest value;
 - `steps`: applications and convolutions per step on 91 x 91 elements, for several courses;
-- `cost`: applications, convolutions and time per step for several meshes, and the time divided by
-  the time of one application of the tangential operator;
+- `cost`: applications, convolutions and time per step for several meshes, the time divided by the
+  time of one application of the tangential operator, and a chart of them;
 - `order`: error of Q_x after a step of creepage, for several meshes and step lengths, relative to
   an extrapolation;
 - `wear`: wear of a constant course compared with a steady revolution, for several meshes; an
@@ -25,7 +25,8 @@ from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
-from timing import seconds, show, write
+from matplotlib.figure import Figure
+from timing import RESULTS, seconds, show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
@@ -33,6 +34,8 @@ from tractive_sam.contact import Model
 SPHERES = ts.Scene.builtin("spheres").replace(subsurface=None, creepage=None)
 P, MU, A = SPHERES.normal_load, SPHERES.friction.mu[0], SPHERES.hertz.a
 COURSES, KILLED = 200, 40
+CONTACT_MILLISECONDS = {45: 11.5, 91: 70.8}
+"""Time per step of the Fortran program CONTACT (its method TangCG, to 1e-6), on an equal core."""
 
 
 def random_scene(seed: int, n: int = 19) -> ts.Scene:  # noqa: PLR0912 - each may be or not
@@ -222,7 +225,7 @@ def steps() -> None:
 def cost() -> None:
     """Measure work and time per step for several meshes: constant creepage from rest, to 1e-6."""
     count, rows = 40, []
-    for n in (31, 45, 91, 181):
+    for n in (31, 45, 61, 91, 127, 181):
         scene = SPHERES.replace(
             transient={"distance": [0, count * 8.16 / n], "creepage.longitudinal": [-0.003] * 2},
             **{"grid.elements": (n, n), "solver.tolerance": 1e-6},
@@ -242,6 +245,30 @@ def cost() -> None:
         )
     write("transient_cost", rows)
     show("work and time per step", rows)
+    print(f"written: {draw_cost(rows)}")
+
+
+def draw_cost(rows: list[dict]) -> Path:
+    """Draw work and time per step over the number of elements a side; return the file."""
+    figure = Figure(figsize=(9, 3.8), layout="constrained")
+    work, time = figure.subplots(1, 2)
+    n = [int(row["elements"].split()[0]) for row in rows]
+    for axes, names in ((work, ("applications", "convolutions")), (time, ("milliseconds",))):
+        for name in names:
+            label = "tractive_sam" if axes is time else name
+            axes.loglog(n, [row[name] for row in rows], "o-", label=label)
+    time.loglog(*zip(*CONTACT_MILLISECONDS.items(), strict=True), "k^:", label="CONTACT")
+    work.set(ylabel="applications and convolutions per step", ylim=(1.0, 100.0))
+    time.set(ylabel="milliseconds per step, one thread", ylim=(1.0, 100.0))
+    for axes in (work, time):
+        axes.set_xticks(n, [str(size) for size in n])
+        axes.minorticks_off()
+        axes.set_xlabel("elements a side")
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize=8)
+    path = RESULTS / "transient_cost.png"
+    figure.savefig(path, dpi=150)
+    return path
 
 
 def order() -> None:
