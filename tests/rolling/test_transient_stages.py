@@ -78,7 +78,8 @@ def test_a_stage_cut_in_two_gives_the_same(motion, key):
     expected, found = ts.roll(single), ts.roll(scene(first, second))
     assert list(found["stage"]) == [0.0] * 5 + [1.0] * 4
     for name in ("distance", "Qx", "shift_x", "step_work", "step_friction", "elastic_energy"):
-        np.testing.assert_allclose(found[name], expected[name], rtol=1e-11)  # of guesses
+        # Guesses differ by rounding, solutions by a tenth of the solver's tolerance at most.
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-9)
 
 
 def test_the_state_passes_from_stage_to_stage(mixed):

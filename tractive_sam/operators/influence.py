@@ -48,7 +48,8 @@ class Lattice:
     @property
     def padded(self) -> tuple[int, int]:
         """Periods (p_x, p_y) of the operators' tables, for linear convolutions."""
-        return padded_length(self.shape[0], self.reach), padded_length(self.shape[1], self.reach)
+        nx, ny = self.shape
+        return padded_length(nx, self.reach, columns=True), padded_length(ny, self.reach)
 
     @property
     def cyclic(self) -> tuple[int, int]:
@@ -57,7 +58,7 @@ class Lattice:
         That loads also act across its edges costs a method none or one iteration more; without
         padding an inverse takes a third of the time.
         """
-        return fast_length(self.shape[0]), fast_length(self.shape[1])
+        return fast_length(self.shape[0], columns=True), fast_length(self.shape[1])
 
     @property
     def coarsening(self) -> tuple[int, int]:
