@@ -269,7 +269,7 @@ class FrictionLaw(Law, ABC):
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
         direction, defect, across = (np.empty((*size, *shape)) for size in ((2,), (2,), (2, 2)))
         weights = (weight * axis_weight for axis_weight in self.frame.weights)
-        squares, merit, reached = friction.linearise(
+        sums: tuple[float, float, float] = friction.linearise(
             *(traction, slip, bound.radius, contact, staggered, *weights),
             *(state, direction, kappa, across, defect),
         )
@@ -278,17 +278,7 @@ class FrictionLaw(Law, ABC):
             direction[:, ~active] = 0.0
         slope = None if bound.slope is None else SlipDependence(bound.slope, staggered)
         return Linearisation(
-            state,
-            direction,
-            kappa,
-            across,
-            defect,
-            contact,
-            squares,
-            merit,
-            reached,
-            slope,
-            staggered,
+            state, direction, kappa, across, defect, contact, *sums, slope, staggered
         )
 
 
