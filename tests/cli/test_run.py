@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numba
 import pytest
-from numba.core import event
 from typer.testing import CliRunner
 
 from tractive_sam.cli import app
 from tractive_sam.cli.output import report_compiling
 from tractive_sam.cli.scene_input import complete_keys, complete_scenes
 from tractive_sam.input_file import read_piped
+from tractive_sam.kernels.compiled import _Compiler
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 
@@ -257,8 +257,7 @@ def test_completion_of_scenes_and_keys(folder):
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_compiling_is_reported_without_a_terminal(capsys):
     with report_compiling():
-        for _ in range(2):
-            with event.trigger_event("numba:compile"):
-                pass
+        for number in (1, 2):
+            _Compiler.notify(number, 7)
     (line,) = capsys.readouterr().err.splitlines()
-    assert "compiling kernels" in line
+    assert "compiling kernels, once: 1 of at most 7" in line

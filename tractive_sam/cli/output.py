@@ -247,16 +247,16 @@ def report_warnings() -> Iterator[list[warnings.WarningMessage]]:
 
 @contextmanager
 def report_compiling() -> Iterator[None]:
-    """Print a note if the block compiles kernels, as in a first run, and their number so far."""
+    """Print notes while the block compiles kernels, as in a first run, with their number so far."""
     from tractive_sam.kernels import compiled
 
     interval, next_time = 5.0, 0.0  # seconds
 
-    def report(number: int) -> None:
+    def report(number: int, most: int) -> None:
         nonlocal next_time
         if monotonic() >= next_time:
             next_time = monotonic() + interval
-            print_note(f"compiling kernels, once (later commands load them): number {number}")
+            print_note(f"compiling kernels, once: {number} of at most {most}")
 
     with compiled.notify_compilation(report):
         yield

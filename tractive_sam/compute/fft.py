@@ -150,12 +150,6 @@ _PLANNING, _QUEUE = Lock(), Lock()
 """FFTW's planner is not safe for threads. Who waits for it does so in the queue."""
 
 
-def _wait_for_planner() -> None:
-    """Acquire the planner's lock; a fork of the process that waits for it comes first."""
-    with _QUEUE:
-        _PLANNING.acquire()
-
-
 def _keep_planner_for_fork() -> None:
     # A lock that another thread holds while the process forks stays held in the child for good.
     # With the queue, the fork waits for one plan, and not for all plans that threads still request.
@@ -195,7 +189,8 @@ class PlanCache(Generic[Plan]):
     def __init__(self, make: Callable[..., Plan], size: int) -> None:
         @lru_cache(maxsize=size)
         def of_thread(_thread: int, *arguments) -> Plan:
-            _wait_for_planner()
+            with _QUEUE:  # a fork of the process that waits for the planner comes first
+                _PLANNING.acquire()
             try:
                 return make(*arguments)
             finally:

@@ -268,8 +268,7 @@ class TiledConvolution:
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
         """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
-        for _ in ("forward", "backward"):
-            count_transform(self._fields, self._padded)
+        count_transform(2 * self._fields, self._padded)
         out = np.empty(fields.shape, fields.dtype)
         inputs, results = (each.reshape(-1, fields.shape[-1]) for each in (fields, out))
         phases: tuple[Callable[[Worker], None], ...] = (

@@ -11,17 +11,19 @@ error alone is 40 functions of numba), a literal number passed to another kernel
 not contiguous (each is a further specialisation).
 """
 
+import operator
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numba
-from numba.core import event
 from numba.core.caching import FunctionCache
+from numba.core.compiler import Compiler
+from numba.core.types.functions import BaseFunction
 
 ANY_ORDER = {"reassoc", "contract", "nsz"}
 """`fastmath` of sums that may be added in any order, which allows for vector instructions."""
@@ -43,6 +45,7 @@ def compiled(
     """
     if function is None:
         return lambda function: compiled(function, fastmath=fastmath, inner=inner)
+    _Compiler.kernels.add(function)
     name = function.__qualname__
     # numba names the files of its cache when it is given the function.
     function.__qualname__ = f"{hash_sources(function.__module__.rpartition('.')[2])}.{name}"
@@ -50,12 +53,54 @@ def compiled(
         options = {"error_model": "numpy", "nogil": True, "fastmath": fastmath}
         # An entry for callbacks from C, and one from Python: about a tenth of the time each takes.
         options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": inner}
-        kernel: Any = numba.njit(**options)(function)
+        kernel: Any = numba.njit(pipeline_class=_Compiler, **options)(function)
         with suppress(RuntimeError):  # of no folder that may be written
             kernel._cache = _StoredOverloads(function)
         return kernel
     finally:
         function.__qualname__ = name
+
+
+class _Compiler(Compiler):
+    """Compiler of kernels: numba's, which counts them, and remembers the signatures of operators.
+
+    Several times for each operation of a kernel numba looks for the signature of its operator, by
+    trial; that took a fifth of a compilation.
+    """
+
+    kernels: ClassVar[set[Any]] = set()
+    begun: ClassVar[set[Any]] = set()
+    notify: ClassVar[Callable[[int, int], None] | None] = None
+    operators = frozenset(value for value in vars(operator).values() if callable(value))
+    signatures: ClassVar[dict[tuple[Any, ...], Any]] = {}
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function."""
+        self.begun.add(function)
+        if _Compiler.notify:
+            _Compiler.notify(len(self.begun), len(self.kernels))
+        numba_function: Any = BaseFunction
+        before, numba_function.get_call_type = BaseFunction.get_call_type, self.signature
+        try:
+            return super().compile_extra(function)
+        finally:
+            numba_function.get_call_type = before
+
+    @staticmethod
+    def signature(
+        function: Any,
+        context: Any,
+        arguments: Any,
+        keywords: Any,
+        find: Any = BaseFunction.get_call_type,
+    ) -> Any:
+        """Return the signature of a function for types of its arguments."""
+        if keywords or function.typing_key not in _Compiler.operators:
+            return find(function, context, arguments, keywords)
+        signatures, operation = _Compiler.signatures, (function, tuple(arguments))
+        if operation not in signatures:
+            signatures[operation] = find(function, context, arguments, keywords)
+        return signatures[operation]
 
 
 class _StoredOverloads(FunctionCache):
@@ -85,22 +130,14 @@ def hash_sources(module: str) -> str:
 
 
 @contextmanager
-def notify_compilation(notify: Callable[[int], None]) -> Iterator[None]:
-    """Call a function before each compilation in the `with` block, with the number of this one."""
-    with event.install_listener("numba:compile", _Counter(notify)):
+def notify_compilation(notify: Callable[[int, int], None]) -> Iterator[None]:
+    """Call a function before each compilation in the `with` block.
+
+    Its arguments are the number of kernels that the process compiles, up to this one, and their
+    largest possible number: that of the kernels of all modules that are loaded.
+    """
+    _Compiler.notify = notify
+    try:
         yield
-
-
-class _Counter(event.Listener):
-    """Listener that numbers the events, from 1, and calls a function with each number."""
-
-    def __init__(self, notify: Callable[[int], None]) -> None:
-        self._notify, self._count = notify, 0
-
-    def on_start(self, event: event.Event) -> None:
-        """Call the function with the number of the compilation that starts."""
-        self._count += 1
-        self._notify(self._count)
-
-    def on_end(self, event: event.Event) -> None:
-        """Do nothing when a compilation ends (required by numba)."""
+    finally:
+        _Compiler.notify = None

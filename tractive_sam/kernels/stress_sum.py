@@ -71,24 +71,10 @@ def cumulative_sums(tractions):
     """
     fields, nx, ny = tractions.shape
     sums = np.zeros((nx + 1, ny + 1, fields, 4))
-    _accumulate(sums, tractions)
+    i, j = np.arange(nx)[:, None], np.arange(ny)
+    for k, weight in enumerate((1.0, i, j, i * j)):
+        sums[1:, 1:, :, k] = np.moveaxis((weight * tractions).cumsum(2).cumsum(1), 0, 2)
     return sums
-
-
-@compiled
-def _accumulate(sums, tractions):
-    """Set all but the first rows of `sums` to those of `cumulative_sums`."""
-    fields, nx, ny = tractions.shape
-    for i in range(nx):
-        for k in range(fields):
-            of_row = of_row_j = 0.0
-            for j in range(ny):
-                of_row += tractions[k, i, j]
-                of_row_j += j * tractions[k, i, j]
-                sums[i + 1, j + 1, k, 0] = sums[i, j + 1, k, 0] + of_row
-                sums[i + 1, j + 1, k, 1] = sums[i, j + 1, k, 1] + i * of_row
-                sums[i + 1, j + 1, k, 2] = sums[i, j + 1, k, 2] + of_row_j
-                sums[i + 1, j + 1, k, 3] = sums[i, j + 1, k, 3] + i * of_row_j
 
 
 @compiled

@@ -5,7 +5,6 @@ import numpy as np
 from tractive_sam.kernels.compiled import compiled
 
 
-@compiled
 def sweep_wear(entering, rate, dx):
     """Return the depth (n_x, n_y), mm: entering depth plus rate summed from the leading edge.
 
@@ -25,14 +24,7 @@ def sweep_wear(entering, rate, dx):
     ndarray, shape (n_x, n_y)
         Depth, mm; its row 0 is what leaves the contact.
     """
-    nx, ny = rate.shape
-    depth = np.empty((nx, ny))
-    for j in range(ny):
-        total = entering[j]
-        for i in range(nx - 1, -1, -1):
-            total += rate[i, j] * dx
-            depth[i, j] = total
-    return depth
+    return np.concatenate((entering[None], dx * rate[::-1])).cumsum(0)[:0:-1].copy()
 
 
 @compiled
