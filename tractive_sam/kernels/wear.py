@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from tractive_sam.kernels.compiled import compiled
-
 
 def sweep_wear(entering, rate, dx):
     """Return the depth (n_x, n_y), mm: entering depth plus rate summed from the leading edge.
@@ -27,7 +25,6 @@ def sweep_wear(entering, rate, dx):
     return np.concatenate((entering[None], dx * rate[::-1])).cumsum(0)[:0:-1].copy()
 
 
-@compiled
 def chart(speed, pressure, borders, limit, coefficients):
     """Return Archard's coefficient from a chart of sliding speed and pressure over hardness.
 
@@ -50,15 +47,5 @@ def chart(speed, pressure, borders, limit, coefficients):
     ndarray
         k, dimensionless: worn volume times hardness over load and sliding distance.
     """
-    charted = np.empty(speed.shape)
-    at, over, of = speed.ravel(), pressure.ravel(), charted.ravel()
-    for n in range(of.size):
-        if over[n] > limit:
-            of[n] = coefficients[3]
-        elif at[n] < borders[0]:
-            of[n] = coefficients[0]
-        elif at[n] <= borders[1]:
-            of[n] = coefficients[1]
-        else:
-            of[n] = coefficients[2]
-    return charted
+    regimes = pressure > limit, speed < borders[0], speed <= borders[1]
+    return np.select(regimes, (coefficients[3], *coefficients[:2]), coefficients[2])
