@@ -235,9 +235,9 @@ def test_units_do_not_matter():
         *(f"body.{b}.young=208e9" for b in "AB"),
         "load.normal=5e5",
     )
-    # On each of two meshes, one application more if rounding decides whether a tolerance is just
-    # met.
-    assert metre.cost.applications == pytest.approx(mm.cost.applications, abs=1.5)
+    # Rounding decides whether a tolerance is just met: up to two applications more on this mesh,
+    # and one on the coarser mesh, which counts half.
+    assert metre.cost.applications == pytest.approx(mm.cost.applications, abs=2.5)
     np.testing.assert_allclose(metre.traction, 1e6 * mm.traction, rtol=1e-7, atol=1e-3)
 
 
