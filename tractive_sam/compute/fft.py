@@ -61,8 +61,8 @@ def plan(
 
     Back to real numbers, executing it overwrites the source.
 
-    FFTW estimates what is fastest, or measures it. Measuring takes as long as hundreds of
-    executions and saves up to a tenth of each. It pays for tiles: a convolution has many.
+    FFTW estimates what is fastest, or measures it. Measuring saves 2 to 30 % of each execution and
+    takes as long as 1,000 to 30,000. It pays for tiles: a convolution has many.
     """
     if measured:
         _recall_wisdom()
