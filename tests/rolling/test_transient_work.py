@@ -55,7 +55,8 @@ def test_what_is_stored_does_not_change_what_is_computed(start, stepping):
     assert between.sum() == len(saved) - len(plain)
     # A contact between two steps is solved for itself, and has its part of their work.
     np.testing.assert_allclose(saved["P"][between], 100.0, rtol=1e-9)
-    assert (np.diff(saved["friction_work"]) > -1e-9 * saved["friction_work"][-1]).all()
+    # A step that does hardly any work has it up to the tolerance of the contacts, 1e-8.
+    assert (np.diff(saved["friction_work"]) > -1e-8 * saved["friction_work"][-1]).all()
     assert "energy" in describe_balances(saved)
     assert not describe_balances(saved, only_if_open=True).keys() & {"energy"}
 
