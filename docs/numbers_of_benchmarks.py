@@ -91,7 +91,8 @@ def wheel_rail_patches() -> str:
 def wheel_rail_crossing() -> str:
     """Return computed and printed results of a wheel on the nose and wing rail of a crossing."""
     columns = {"contact angle, degrees": ("angle", number(".1f"))}
-    columns |= {"element, mm": ("element", number(".2f")), **_computed_and_printed()}
+    columns |= {"element, mm": ("element", number(".2f")), "sampling": ("sampling", str)}
+    columns |= _computed_and_printed()
     return format_columns(read_rows("wheel_rail_crossing.csv"), columns)
 
 
