@@ -107,9 +107,10 @@ def test_a_resumed_run_is_the_uninterrupted_one(name, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         ts.roll(scene, path, progress=stop)
     history = ts.roll(scene, path, resume=True)
-    # Arrays from a file lie otherwise in memory, so that sums and transforms round otherwise. The
-    # linear systems of steps are of single precision, within their tolerance.
-    rounding = 1e-10 if scene.transient else 1e-13
+    # Arrays from a file lie otherwise in memory, so that sums and transforms round otherwise. A step
+    # of a transient starts from another guess, as the last extrapolation is not stored: it agrees
+    # within the tolerance of the contacts.
+    rounding = 1e-8 if scene.transient else 1e-13
     for column in ("energy_max", "energy_profile", "Qx"):
         atol = rounding * np.abs(whole[column]).max()
         np.testing.assert_allclose(history[column], whole[column], rtol=rounding, atol=atol)
