@@ -107,8 +107,8 @@ def test_a_resumed_run_is_the_uninterrupted_one(name, tmp_path):
     with pytest.raises(KeyboardInterrupt):
         ts.roll(scene, path, progress=stop)
     history = ts.roll(scene, path, resume=True)
-    # Arrays from a file lie otherwise in memory, so that sums and transforms round otherwise. A step
-    # of a transient starts from another guess, as the last extrapolation is not stored: it agrees
+    # Arrays from a file lie otherwise in memory, so that sums and transforms round otherwise. A
+    # transient continues from another guess, as the last extrapolation is not stored: it agrees
     # within the tolerance of the contacts.
     rounding = 1e-8 if scene.transient else 1e-13
     for column in ("energy_max", "energy_profile", "Qx"):
