@@ -117,7 +117,7 @@ class Stepper:
         outcome = self._solve(problem, start, advection.length)
         result, cost = self._result(inputs, advection, problem, outcome, worn), outcome.cost
         if ratio > 0.0:
-            result = replace(result, unexpected=result.contact.traction - expected)
+            result = replace(result, extrapolation_error=result.contact.traction - expected)
         if result.contact.converged:
             if len(problem.forces):
                 slip = problem.forces.slip(needed(outcome.creepage, "outcome.creepage"))
@@ -326,9 +326,9 @@ class Stepper:
         else:
             pressure = extrapolate(pressure, first.pressure)
             approach = extrapolate(approach, first.approach)
-        if before.unexpected is not None and ratio > 0.0:
+        if before.extrapolation_error is not None and ratio > 0.0:
             sticking, advection = last.sticking, motion.advection
-            missed = advection.with_nodes_ahead(np.where(sticking, before.unexpected, 0.0))
+            missed = advection.with_nodes_ahead(np.where(sticking, before.extrapolation_error, 0.0))
             missed = advection.previous_values(missed, motion.curved)
             expected = expected + np.where(sticking, ratio * missed, 0.0)
         return Start(

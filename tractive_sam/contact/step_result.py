@@ -79,7 +79,7 @@ class StepResult:
         Part of it that they lost in the step.
     deep : float
         Depth worn in the step over the largest depth that pressure can follow.
-    unexpected : ndarray, shape (2, n_x, n_y), optional
+    extrapolation_error : ndarray, shape (2, n_x, n_y), optional
         Traction less its linear extrapolation from the two steps before, MPa; None without one.
     """
 
@@ -94,7 +94,7 @@ class StepResult:
     worn: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
     deep: float = 0.0
-    unexpected: np.ndarray | None = field(default=None, repr=False)
+    extrapolation_error: np.ndarray | None = field(default=None, repr=False)
 
     def on(self, grid: Grid) -> "StepResult":
         """Return the result on a wider mesh: depths continue behind, displacement is empty.
@@ -104,7 +104,9 @@ class StepResult:
         worn, gained = (widen_field(depth, grid.elements) for depth in (self.worn, self.gained))
         behind = (grid.elements[0] - self.worn.shape[1]) // 2
         worn[:, :behind] = worn[:, behind : behind + 1]
-        unknown = replace(self, displacement=np.zeros((2, 0, 0)), normal=None, unexpected=None)
+        unknown = replace(
+            self, displacement=np.zeros((2, 0, 0)), normal=None, extrapolation_error=None
+        )
         return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
 
     def since(self, earlier: "StepResult | None") -> "StepResult":

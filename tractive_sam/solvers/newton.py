@@ -120,7 +120,7 @@ class Newton:
             )
         at, cost = self._first(problem, start)
         smallest, since, before, bounded = np.inf, 0, np.inf, self.bounded
-        status, taken, basis = Status.OUT_OF_ITERATIONS, 0, Basis()
+        status, taken, memory = Status.OUT_OF_ITERATIONS, 0, Basis()
         for taken in range(self.steps + 1):
             report_progress(problem.operators.lattice.shape, at.residual)
             if at.residual <= tolerance and not (at.is_admissible or problem.kinematics.joint):
@@ -144,7 +144,7 @@ class Newton:
                 smallest, since = at.residual, taken
             goal = self.sharp if stalled else self.forcing(at.residual, before, tolerance)
             before = at.residual
-            at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded, basis)
+            at, spent = self._advance(problem, at, goal, tolerance, stalled, bounded, memory)
             cost = cost + spent
         return _outcome(problem, at, status, taken, cost)
 
@@ -190,7 +190,7 @@ class Newton:
         tolerance: float,
         stalled: bool,
         bounded: bool,
-        basis: Basis,
+        memory: Basis,
     ) -> tuple[Iterate, Cost]:
         """Return the iterate after one Newton step, and the cost of the step."""
         elements = at.pressure.size
@@ -205,7 +205,7 @@ class Newton:
                 response = response_to_step.astype(float, copy=False)
         else:
             maps = system.operator, system.preconditioner
-            vector, _ = gmres(*maps, system.right_hand_side(), goal, self.krylov, basis)
+            vector, _ = gmres(*maps, system.right_hand_side(), goal, self.krylov, memory)
         vector = vector.astype(float, copy=False)  # iterates are in double precision
         step, extra = system.fields(vector), vector[system.size :]
         ahead, trials = self._step_along(problem, at, step, extra, response, stalled, bounded)
