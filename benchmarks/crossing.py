@@ -66,7 +66,8 @@ def write_sections(profiles: Path, path: Path) -> None:
 def spline_through(points: np.ndarray) -> Profile:
     """Return the cubic spline through points (n, 2) over the length of their polygon."""
     length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-    return Profile.from_curve(CubicSpline(length, points), length)
+    curve = CubicSpline(length, points)
+    return Profile.from_nodes(curve(length), curve(length, 1))
 
 
 def sample_sections(profiles: Path, rail: RailSections, largest: float = 0.5) -> RailSections:

@@ -1,3 +1,5 @@
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,48 @@ def test_written_rails_are_read(tmp_path):
 def test_any_direction_is_recognised(wheel, signs, order):
     found = from_measurement(wheel.points[::order] * signs, "wheel")
     assert np.abs(found.height(Y) - wheel.height(Y)).max() < 2e-9
+
+
+SHAPES = {  # corners with z down
+    "wheel": [(-70, 9), (-60, 28), (-50, 28), (-38, 5), (-20, 0), (65, -3), (70, -40)],
+    "rail": [(-36, 38), (-35, 12), (-25, 2), (25, 2), (35, 12), (36, 38)],
+    "nose with a wide foot": [(0, 35), (4, 2), (12, 0), (17, 2), (24, 38), (85, 39)],
+    "flangeway": [(-42, 42), (-32, 20), (-25, 20), (-5, 55), (10, 55), (20, 0), (97, -3), (99, 9)],
+    "roller": [(-50, -30), (-30, -10), (-10, 0), (10, 0), (30, -10), (50, -30)],
+}
+UNCLEAR_SHAPES = {
+    "groove": [(-40, 0), (-20, 0), (-15, 30), (15, 30), (20, 0), (40, 0)],  # or a rail with feet
+    "line": [(-50, -10), (50, 10)],
+    "raised ends": [(-40, 32), (-38, 40), (-20, 40), (-15, 0), (15, 0), (20, 40), (40, 40)],
+}
+
+
+def place_points(shape, crowded=None):
+    """Return 1000 points along a shape, and 2000 more on the face with the number `crowded`."""
+    corners = np.array((SHAPES | UNCLEAR_SHAPES)[shape], dtype=float)
+    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))))
+    at = np.linspace(0.0, s[-1], 1000)
+    if crowded is not None:
+        at = np.union1d(at, np.linspace(s[crowded], s[crowded + 1], 2000))
+    return np.stack([np.interp(at, s, column) for column in corners.T], axis=1)
+
+
+@pytest.mark.parametrize("crowded", [None, 0, 2, 4])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_the_outward_side_does_not_depend_on_the_spacing_of_points(shape, crowded):
+    kind = "wheel" if shape in ("wheel", "roller") else "section"
+    points = place_points(shape, crowded)
+    for y, z, order in product((1, -1), repeat=3):
+        found = from_measurement((points * (y, z))[::order], kind).points
+        expected = points if shape == "wheel" else (points * (y, 1))[::y]  # its flange is inside
+        np.testing.assert_allclose(found, expected, atol=1e-12)  # rounding of the spline
+
+
+@pytest.mark.parametrize("shape", UNCLEAR_SHAPES)
+@pytest.mark.parametrize("kind", ["wheel", "section"])
+def test_a_profile_whose_outward_side_is_unclear_is_refused(shape, kind):
+    with pytest.raises(ValueError, match="which side"):
+        from_measurement(place_points(shape), kind)
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("mm", 1.0), ("m", 1e3), ("in", 25.4)])

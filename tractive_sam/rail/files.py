@@ -36,8 +36,8 @@ def read_profile(
 
     Lines that begin with two numbers, separated by blanks, tabs, commas or semicolons, are points:
     lateral position and height. Directions may be reversed: the flange shows which side of a wheel
-    is inside, and flange and flanks which way is down. For files with ``units.len.f = ...`` lengths
-    are divided by this factor to metres.
+    is inside and which is down, and a rail ends on its flanks. For files with ``units.len.f = ...``
+    lengths are divided by this factor to metres.
 
     Parameters
     ----------
@@ -100,13 +100,12 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
     Raises
     ------
     ValueError
-        If they are no profile of a wheel or a rail in mm.
+        If they are no profile of a wheel or a rail in mm, or it is not clear which side is down.
     """
     if len(points) < 20:
         raise ValueError(f"{len(points)} points; at least 20 are needed")
     if not np.isfinite(points).all():
         raise ValueError("a coordinate is not finite; allowed: finite numbers")
-    points = _outward(points, kind)
     _check_size(points, kind)
     steps = np.diff(points, axis=0)
     lengths = np.hypot(*steps.T)
@@ -121,15 +120,15 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
             "allowed: points in their order along the profile"
         )
     _check_crossing(points)
-    s = np.concatenate(([0.0], np.cumsum(lengths)))
-    return _spline(s, points, smoothing)
+    return _spline(_orient(points, kind), smoothing)
 
 
-def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
+def _spline(points: Array, smoothing: float | None) -> Profile:
     """Return the spline profile through points, or at an rms distance `smoothing` from them."""
+    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
     if smoothing is None:
         curve = scipy.interpolate.CubicSpline(s, points)
-        return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
+        return Profile.from_nodes(curve(s), curve(s, 1))
 
     def fit(exponent: float) -> "scipy.interpolate.BSpline":
         return scipy.interpolate.make_smoothing_spline(s, points, lam=10.0**exponent)
@@ -142,22 +141,45 @@ def _spline(s: Array, points: Array, smoothing: float | None) -> Profile:
     if excess(high) < 0.0:
         raise ValueError(f"smoothing {smoothing:g} mm leaves a straight line; use less")
     exponent = low if excess(low) > 0.0 else scipy.optimize.brentq(excess, low, high, xtol=1e-3)
-    curve = fit(exponent)
-    return Profile.from_curve(lambda at, order: np.asarray(curve(at, order)), s)
+    smoothed = fit(exponent)
+    return Profile.from_nodes(smoothed(s), smoothed(s, 1))
 
 
-def _outward(points: Array, kind: Kind) -> Array:
-    """Return points in the standard orientation: y outward, in increasing order, z down."""
-    middle = np.median(points[:, 1])
-    above, below = points[:, 1].max() - middle, middle - points[:, 1].min()
-    down = above > below  # flange or flanks reach farther from the tread than anything else
-    if not down:
-        points = points * np.array([1.0, -1.0])
-    if kind == "wheel":
-        tip = points[np.argmax(points[:, 1]), 0]
-        if tip > points[:, 0].mean():
-            points = points * np.array([-1.0, 1.0])
+def _orient(points: Array, kind: Kind) -> Array:
+    """Return points in the standard orientation: y outward, in increasing order, z down.
+
+    A part of a profile counts by the width that it spans: the distances of the points do not
+    matter, and steep faces hardly count.
+    """
+    across = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points[:, 0])))))
+    y, z = (np.interp(np.linspace(0.0, across[-1], 1001), across, values) for values in points.T)
+    points = points * (_wheel_signs(y, z) if kind == "wheel" else (1.0, _end_direction(z)))
     return points if points[-1, 0] > points[0, 0] else points[::-1]
+
+
+def _wheel_signs(y: Array, z: Array) -> tuple[float, float]:
+    """Return the signs of y and z with which the flange of a wheel is inside and points down."""
+    low, tread, high = np.percentile(z, (2.0, 50.0, 98.0))
+    excess = high + low - 2.0 * tread  # the flange reaches farther from the tread than other parts
+    flange = y[np.sign(excess) * (z - tread) > 8.0]  # mm: a third of the height of a flange
+    inside = y.mean() - flange.mean() if flange.size else 0.0
+    if abs(excess) < 0.1 * (high - low) or abs(inside) < 0.2 * np.ptp(y):
+        return 1.0, -_end_direction(z)  # a roller, or flanges on both sides
+    return float(np.sign(inside)), float(np.sign(excess))
+
+
+def _end_direction(z: Array) -> float:
+    """Return the sign of the z direction in which a profile ends; raise a ValueError if not clear.
+
+    The ends are compared with their neighbourhoods and with the mean. Sections of noses with a wide
+    foot, and of crossings with a deep flangeway, differ from the neighbourhoods by 0.16 of their
+    depth or more; a groove between two flat ends does not, whose direction is not known.
+    """
+    ends = z[0] + z[-1]
+    bend = ends - z[:50].mean() - z[-50:].mean()
+    if abs(bend) < 0.05 * np.ptp(z) or bend * (ends - 2.0 * z.mean()) < 0.0:
+        raise ValueError("which side is down is not clear; allowed: a flange, or an end on a flank")
+    return float(np.copysign(1.0, bend))
 
 
 def _check_size(points: Array, kind: Kind) -> None:
@@ -173,9 +195,9 @@ def _check_size(points: Array, kind: Kind) -> None:
 
 def _check_crossing(points: Array) -> None:
     """Raise a ValueError with the coordinates if a profile crosses itself."""
-    if (np.diff(points[:, 0]) > 0.0).all():
-        return  # a graph over y
     a, d = points[:-1], np.diff(points, axis=0)
+    if abs(np.sign(d[:, 0]).sum()) == len(d):
+        return  # a graph over y
     between = a[None, :, :] - a[:, None, :]
     cross = d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, Self
@@ -96,19 +95,9 @@ class Profile:
         return cls(arc_lengths(points, tangents), points, tangents)
 
     @classmethod
-    def from_curve(cls, curve: Callable[[Array, int], Array], s: Array) -> Profile:
-        """Return the profile along curve(s, order): points for order 0, derivatives for order 1.
-
-        Parameters
-        ----------
-        curve : callable
-            (s, order) -> derivative of y and z with respect to s, shape (n, 2).
-        s : ndarray, shape (n,)
-            Parameter at the nodes.
-        """
-        tangents = curve(s, 1)
-        tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
-        points = curve(s, 0)
+    def from_nodes(cls, points: Array, directions: Array) -> Profile:
+        """Return the profile through points, shape (n, 2), with tangents of any length there."""
+        tangents = directions / np.hypot(directions[:, :1], directions[:, 1:])
         return cls(arc_lengths(points, tangents), points, tangents)
 
     @cached_property
@@ -222,9 +211,8 @@ class Profile:
         offset = -outward * removed(self.s)[:, None]
         slope = -outward * removed(self.s, 1)[:, None]
         stretch = 1.0 - offset * self.curvature(self.s)[:, None]
-        points, tangents = self.points + offset * normals, stretch * self.tangents + slope * normals
-        tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
-        return Profile(arc_lengths(points, tangents), points, tangents)
+        directions = stretch * self.tangents + slope * normals
+        return Profile.from_nodes(self.points + offset * normals, directions)
 
 
 def arc_lengths(points: Array, tangents: Array) -> Array:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.input_file import read_text
 
 from .files import ProfileError
-from .profile import Array, Profile, arc_lengths, interpolate_run, rotation
+from .profile import Array, Profile, interpolate_run, rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +98,7 @@ class RailSections:
         """Return the cross-section at a position along the track, mm."""
         if x not in self._sections:
             numbers = np.arange(float(self.points.shape[1]))
-            points, tangents = self._at(np.full(numbers.shape, x), numbers)
-            tangents = tangents / np.hypot(tangents[:, :1], tangents[:, 1:])
-            self._sections[x] = Profile(arc_lengths(points, tangents), points, tangents)
+            self._sections[x] = Profile.from_nodes(*self._at(np.full(numbers.shape, x), numbers))
         return self._sections[x]
 
     def across(
