@@ -1,7 +1,15 @@
-"""Compare the time of a contact with transforms of FFTW and of SciPy, which replace FFTW if needed.
+"""Measure transforms: FFTW against SciPy, and which lengths FFTW's estimated plans make fast.
 
-Both run alternately, each in a separate process without compilation. Times are CPU times of the
-processes.
+`scipy` compares the time of a contact with transforms of FFTW and of SciPy, which replace FFTW if
+needed. Both run alternately, each in a separate process without compilation. Times are CPU times of
+the processes.
+
+`lengths` measures transforms of real rows and of complex columns as in a small convolution, in
+double and single precision, and prints the lengths for which no length up to a quarter longer costs
+less, in the mean of both precisions. `tractive_sam.compute.fft.fast_length` lists those of most
+runs.
+
+    python benchmarks/transforms.py [scipy lengths]
 
 Page: docs/citing.md
 """
@@ -10,7 +18,11 @@ import json
 import statistics
 import subprocess
 import sys
+from itertools import product
+from time import process_time
 
+import numpy as np
+import pyfftw
 from timing import show, write
 
 PROGRAM = """
@@ -35,7 +47,7 @@ def measure(n: int, scipy: bool) -> tuple[float, float]:
     return seconds, force
 
 
-def main() -> None:
+def compare_with_scipy() -> None:
     rows = []
     for n in (41, 91, 181, 361):
         pairs = [(measure(n, False), measure(n, True)) for _ in range(3)]
@@ -54,5 +66,73 @@ def main() -> None:
     write("transforms", rows)
 
 
+def nanoseconds(source: np.ndarray, target: np.ndarray) -> float:
+    """Return the time per number of an estimated transform and its inverse along the last axis."""
+    forward, backward = (
+        pyfftw.FFTW(a, b, (2,), direction, flags=("FFTW_ESTIMATE", *keep))
+        for a, b, direction, keep in (
+            (source, target, "FFTW_FORWARD", ()),
+            (target, source, "FFTW_BACKWARD", ("FFTW_DESTROY_INPUT",)),
+        )
+    )
+    source[:] = 0.0
+    target[:] = 0.0
+    best = np.inf
+    for _ in range(40):
+        began = process_time()
+        for _ in range(5):
+            forward.execute()
+            backward.execute()
+        best = min(best, (process_time() - began) / 10)
+    return 1e9 * best / source.size
+
+
+def rows_and_columns(length: int, real: type, spectral: type) -> tuple[float, float]:
+    """Return the times of real rows and of complex columns of a length, in a mesh half as wide."""
+    half, stored = length // 2 + 1, (2, length // 2 + 1, length + 4)
+    first, second = (pyfftw.zeros_aligned(stored, dtype=spectral)[..., :length] for _ in range(2))
+    fields = pyfftw.zeros_aligned((2, half - 1, length), dtype=real)
+    rows = nanoseconds(fields, first[..., : half - 1].swapaxes(1, 2))
+    return rows, nanoseconds(first, second)
+
+
+def find_lengths() -> None:
+    """Measure lengths from 16 to 512, and print those that pay."""
+    powers = product(range(2, 9), range(4), range(3), range(2))
+    lengths = sorted({2**a * 3**b * 5**c * 7**d for a, b, c, d in powers})
+    lengths = [n for n in lengths if 16 <= n <= 512]
+    rows = []
+    for n in lengths:
+        double, single = (
+            rows_and_columns(n, *kinds)
+            for kinds in ((np.float64, np.complex128), (np.float32, np.complex64))
+        )
+        times = dict(zip(("rows", "columns"), zip(double, single, strict=True), strict=True))
+        rows.append(
+            {"length": n}
+            | {
+                f"{k}_{p}": t
+                for k, v in times.items()
+                for p, t in zip(("double", "single"), v, strict=True)
+            }
+        )
+    write("transform_lengths", rows)
+    # The other steps of a convolution take as long per number as these.
+    for kind, others in (("rows", 1.0), ("columns", 0.4)):
+        # Double precision takes 2.2 times as long.
+        cost = {
+            r["length"]: r["length"]
+            * (0.5 * (r[f"{kind}_double"] / 2.2 + r[f"{kind}_single"]) + others)
+            for r in rows
+        }
+        best = {
+            min((m for m in lengths if n <= m <= 1.25 * n + 2), key=cost.__getitem__)
+            for n in range(16, 401)
+        }
+        print(f"{kind}: {sorted(best)}")
+
+
 if __name__ == "__main__":
-    main()
+    parts = {"scipy": compare_with_scipy, "lengths": find_lengths}
+    for name in sys.argv[1:] or parts:
+        parts[name]()
