@@ -66,7 +66,7 @@ STATES = {  # share of the bound that sticking elements carry, slips of the othe
 
 
 @pytest.mark.parametrize("case", STATES)
-def test_in_steady_rolling_each_element_counts_alone(case):
+def test_in_steady_rolling_the_steepest_element_decides(case):
     problem = falling_problem(MIDDLE)
     fields = fields_of(problem, MIDDLE, *STATES[case])
     secants, tangents = slopes_of(MIDDLE, fields[0], *fields[2:])
@@ -135,7 +135,7 @@ def test_a_path_without_the_start_follows_otherwise(middle, status):
 
 
 @pytest.mark.parametrize(("start", "step"), [(None, True), (Start(), False)])
-def test_without_a_start_and_in_steady_rolling_only_the_path_is_followed(start, step):
+def test_without_a_start_and_in_steady_rolling_only_the_path_is_used(start, step):
     outcome, starts = solve_near(2.4, start, step)
     assert starts == [start]
     assert outcome.cost == Cost(1)
