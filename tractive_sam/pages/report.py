@@ -111,15 +111,8 @@ def _empty_style(name: str) -> Html:
 
 def _plotly() -> tuple[str, dict[str, Any]]:
     """Return (source of plotly's script, plotly's colour scales by the names on the page)."""
-    # Colour maps of the figures: names in plotly by names in the page.
-    scales = {
-        "Viridis": "Viridis",
-        "Magma": "Magma",
-        "Inferno": "Inferno",
-        "Cividis": "Cividis",
-        "Plasma": "Plasma",
-        "RdBu": "RdBu_r",
-    }
+    same = "Viridis", "Magma", "Inferno", "Cividis", "Plasma"
+    scales = {"RdBu": "RdBu_r"} | {name: name for name in same}  # plotly's names by the page's
     with require_extra("report"):
         from plotly.colors import get_colorscale  # noqa: PLC0415 - of an extra
         from plotly.offline import get_plotlyjs  # noqa: PLC0415
@@ -162,8 +155,5 @@ def _notes(history: History) -> list[str]:
 def _scene(history: History, limit: int = 20_000) -> str:
     """Return the scene of a history as TOML, cut after `limit` characters."""
     text = history.scene.to_toml()
-    return (
-        text
-        if len(text) <= limit
-        else f"{text[:limit]}\n... and {len(text) - limit} characters more"
-    )
+    excess = len(text) - limit
+    return text if excess <= 0 else f"{text[:limit]}\n... and {excess} characters more"
