@@ -13,26 +13,7 @@ does not jump.
 
 import numpy as np
 
-
-def edge_place(here: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """Return the distances of the contact edge beyond the centres of outermost elements, elements.
-
-    A cubic in the ratio of both pressures; peaks at a rim are cut where the next element touches.
-
-    Parameters
-    ----------
-    here : ndarray
-        Pressures of outermost elements, positive.
-    before : ndarray
-        Pressures of their neighbours in the contact; 0 if there is none.
-    """
-    # Place of the edge of an element without neighbours in contact: half its width.
-    single = 0.5
-    # Largest place of an edge: there, the next element comes into contact.
-    last = 0.8246
-    r = here / np.maximum(before, here)
-    place = np.minimum(-0.1754 + r * (1.0173 + r * (0.3268 + r * 0.3638)), last)
-    return np.where(before > 0.0, place, single)
+from tractive_sam.kernels.contact_edge import edge_place
 
 
 def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
@@ -87,43 +68,9 @@ def covered_elements(pressure: np.ndarray) -> float:
     if pressure.shape[1] == 1:
         beyond = np.array(distances_to_edges(pressure)) - 0.5
         return np.count_nonzero(pressure > 0.0) + float(np.nansum(beyond))
-    # Cells have the centres of four elements at their corners; the edge crosses their sides.
+    # Reading and drawing results needs no compiler, which takes long to load.
+    from tractive_sam.kernels.contact_area import covered_area  # noqa: PLC0415
+
     wide: np.ndarray = np.zeros((pressure.shape[0] + 4, pressure.shape[1] + 4))
     wide[2:-2, 2:-2] = pressure
-    touching = wide > 0.0
-    pairs = touching[:-1].view(np.int8) + touching[1:]
-    corners = pairs[:, :-1] + pairs[:, 1:]
-    i, j = cells = np.nonzero((corners > 0) & (corners < 4))
-    row = wide.shape[1]
-    begin = i * row + j + np.array([[0], [1], [0], [row]])
-    left, right, lower, upper = _covered_sides(
-        wide.ravel(), begin, np.array([[row], [row], [1], [1]])
-    )
-    first, count = touching[cells], corners[cells]
-    # Two corners in contact are neighbours (2), the first and its opposite (0), or the others (4).
-    diagonal = (count == 2) & (first == touching[i + 1, j + 1])
-    areas = np.choose(
-        np.where(diagonal, np.where(first, 0, 4), count),
-        (
-            0.5 * (left * lower + right * upper),
-            0.5 * (left + right) * (lower + upper),  # a triangle; sides without the edge are 0
-            0.5 * (left + right + lower + upper),
-            1.0 - 0.5 * (1.0 - left - right) * (1.0 - lower - upper),
-            0.5 * (left * upper + right * lower),
-        ),
-    )
-    return np.count_nonzero(corners == 4) + float(areas.sum())
-
-
-def _covered_sides(pressure: np.ndarray, begin: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """Return the lengths of sides of cells from their corner in contact to the edge, 0 to 1.
-
-    The sides join the centres `begin` and `begin + step` of elements, indices of a flat array. They
-    are 0 where both or none of their ends are in contact.
-    """
-    first, second = pressure[begin], pressure[begin + step]
-    inside = first > 0.0
-    crossed = inside != (second > 0.0)
-    before = pressure[np.where(inside, begin - step, begin + 2 * step)]
-    here = np.where(crossed, np.maximum(first, second), 1.0)
-    return np.where(crossed, edge_place(here, before), 0.0)
+    return covered_area(wide)
