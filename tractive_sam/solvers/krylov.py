@@ -6,10 +6,12 @@ to it is a sum as well.
 """
 
 from collections.abc import Callable
-from math import hypot, sqrt
+from math import hypot, inf, sqrt
 from typing import Protocol
 
 import numpy as np
+
+from tractive_sam.kernels.krylov import extend_basis
 
 Map = Callable[[np.ndarray], np.ndarray]
 
@@ -171,7 +173,7 @@ def conjugate_residuals(
     goal = tolerance * norm
     # Part of a new vector below which rounding has spoilt its digits.
     rounding = 500.0 * float(np.finfo(kind).eps)
-    rows, scratch = min(max_steps, 12), np.empty_like(residual)
+    rows = min(max_steps, 12)
     vectors, basis = np.empty((2, rows, residual.size), kind)
     responses = np.empty((rows, *system.shape), kind)
     triangle, along = np.zeros((rows, rows)), np.zeros(rows)
@@ -183,22 +185,13 @@ def conjugate_residuals(
                 for array in (vectors, responses, basis, along)
             )
             triangle, rows = np.pad(triangle, (0, k)), 2 * k
-        w = basis[k]
         vectors[k] = system.preconditioner(residual)
         responses[k] = system.response(vectors[k])
-        w[:] = system.product(vectors[k], responses[k])
-        h, beyond = orthogonalise(w, basis[:k])
-        if beyond <= rounding * sqrt(h @ h):
+        basis[k] = system.product(vectors[k], responses[k])
+        norm = extend_basis(basis, k, residual, triangle, along, rounding)
+        if norm == inf:
             break
-        w /= kind(beyond)
-        triangle[:k, k], triangle[k, k] = h, beyond
-        along[k] = w @ residual
-        residual -= np.multiply(w, kind(along[k]), out=scratch)
-        norm = sqrt(residual @ residual)
         k += 1
-    shares = along[:k]
-    for i in reversed(range(k)):  # back substitution
-        shares[i] = (shares[i] - triangle[i, i + 1 : k] @ shares[i + 1 :]) / triangle[i, i]
-    shares = shares.astype(kind)
+    shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
     response = shares @ responses.reshape(rows, -1)[:k]
     return shares @ vectors[:k], response.reshape(system.shape)
