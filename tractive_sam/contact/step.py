@@ -104,12 +104,9 @@ class Stepper:
         depth = worn
         if earlier is not None:
             depth = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)
-        problem = replace(
-            self._problem(inputs, depth.sum(axis=0), law),
-            rigid=motion.rigid - motion.displacement[-2:],
-            forces=self.model.forces_of(inputs.forces),
-            kinematics=self._kinematics(before.contact, motion),
-        )
+        rigid = motion.rigid - motion.displacement[-2:]
+        kinematics = self._kinematics(before.contact, motion)
+        problem = self._problem(inputs, rigid, kinematics, law, depth.sum(axis=0))
         expected = before.contact.traction
         if earlier is not None:
             expected = expected + ratio * (expected - earlier.contact.traction)
@@ -212,34 +209,41 @@ class Stepper:
         return law.with_previous(PreviousShare(grid.x, grid.y, share, inputs.distance))
 
     def _problem(
-        self, inputs: StepInput, worn: np.ndarray | float = 0.0, law: FrictionLaw | None = None
+        self,
+        inputs: StepInput,
+        rigid: np.ndarray,
+        kinematics: RollingStep,
+        law: FrictionLaw,
+        worn: np.ndarray | float = 0.0,
     ) -> Problem:
-        """Return the dimensionless problem of a step for a wear depth, mm, without rigid slip."""
+        """Return the dimensionless problem of a step for a wear depth, mm."""
         model, grid, units = self.model, self.model.grid, self.model.units
         load = None if inputs.load is None else inputs.load / (units.pressure * grid.element_area)
         approach = 0.0 if inputs.approach is None else inputs.approach / units.gap
         undeformed = model.undeformed_gap + inputs.separation + model.add_initial_wear(worn)
-        law = (law or model.friction_law).weakened(inputs.friction)
+        law = law.weakened(inputs.friction)
         x, y = grid.x[:, None], grid.y[None, :]
         # The slip of a step is per element length, the sliding speed per distance.
         slip_unit = units.slip * grid.dx / (inputs.distance or grid.dx)
         return Problem(
             NormalProblem(self.operators, undeformed / units.gap, load, approach),
-            np.zeros((2, *grid.elements)),
+            rigid,
             FrictionOnMesh(law, x, y, units.pressure, slip_unit),
-            kinematics=RollingStep(model.stencil),
+            model.forces_of(inputs.forces),
+            kinematics=kinematics,
         )
 
     def press(self, inputs: StepInput) -> State:
         """Solve the contact under the load of a step without traction; creepages are ignored."""
-        problem = self._problem(inputs)
-        outcome = PRESSURE_ONLY.solve(problem, self.model.scene.solver.tolerance)
-        slip, depth = np.zeros_like(problem.rigid), self.model.add_initial_wear(0.0)
-        return state_of(self.model, problem, outcome, slip, (0.0, 0.0, 0.0), depth)
+        model, none = self.model, np.zeros((2, *self.model.grid.elements))
+        problem = self._problem(inputs, none, RollingStep(model.stencil), model.friction_law)
+        outcome = PRESSURE_ONLY.solve(problem, model.scene.solver.tolerance)
+        depth = model.add_initial_wear(0.0)
+        return state_of(model, problem, outcome, none, (0.0, 0.0, 0.0), depth)
 
     def at_rest(self, contact: State) -> StepResult:
         """Return a contact as the step before the first one, with its energy and displacements."""
-        displacement = self.displacement(StepResult(contact), 0)
+        displacement = self.displacement(StepResult(contact), 1)
         energy = self.work.energy(self.model.scaled_fields(contact), displacement)
         none = np.zeros((2, *self.model.grid.elements))
         return StepResult(contact, energy=energy, displacement=displacement, worn=none, gained=none)

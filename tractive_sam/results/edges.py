@@ -52,11 +52,21 @@ def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def contact_extent(pressure: np.ndarray) -> float:
     """Return the length along x from first to last edge, in elements; 0 without contact."""
-    i, _, ahead = _edges_ahead(pressure)
-    from_end, _, behind = _edges_ahead(pressure[::-1])
-    if i.size == 0:
+    rows = np.flatnonzero(pressure.any(axis=1))
+    if not rows.size:
         return 0.0
-    return float((i + ahead).max() + (from_end + behind).max() - (len(pressure) - 1))
+    first, last = rows[0], rows[-1]
+    ahead, behind = pressure[max(last - 2, 0) : last + 1], pressure[first : first + 3][::-1]
+    return float(last - first + _last_edge(ahead) + _last_edge(behind))
+
+
+def _last_edge(pressure: np.ndarray) -> float:
+    """Return where the last edge ahead lies, in elements beyond the centres of the last row.
+
+    It belongs to an element of the last two rows.
+    """
+    i, _, place = _edges_ahead(pressure)
+    return (i + place).max() - (len(pressure) - 1)
 
 
 def covered_elements(pressure: np.ndarray) -> float:

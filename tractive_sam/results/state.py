@@ -214,7 +214,8 @@ class State:
     def at_edge(self) -> tuple[bool, bool]:
         """Whether the contact reaches the edge of the mesh in x and in y (a line: not in y)."""
         touching, is_line = self.touching, self.touching.shape[1] == 1
-        return bool(touching[[0, -1]].any()), bool(touching[:, [0, -1]].any()) and not is_line
+        ends, sides = touching[0] | touching[-1], touching[:, 0] | touching[:, -1]
+        return bool(ends.any()), bool(sides.any()) and not is_line
 
     @property
     def elements_across(self) -> tuple[int, ...]:

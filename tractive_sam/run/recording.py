@@ -119,7 +119,8 @@ class Recording:
                 seconds = perf_counter() - began
                 record = replace(record, values={**record.values, "seconds": seconds})
                 began = perf_counter()
-                state = process.state(step) if step.continues else None
+                stored = step.continues and self.path is not None
+                state = process.state(step) if stored else None
                 sink.append(record, step.grid, state)
                 widest = np.fmax(widest, [record.values[name] for name in self.half_widths])
                 if self.progress is not None:

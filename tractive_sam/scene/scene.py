@@ -280,7 +280,7 @@ class Scene(Document):
             return Turns.equal(self.wear_share)
         return Turns.from_radii(self.wear_share, self.body.A.radius_x, self.body.B.radius_x)
 
-    @property
+    @cached_property
     def under_largest_load(self) -> Scene:
         """Steady scene under the largest load of a [transient], from which the mesh follows."""
         return self.schedule.under_largest_load(self)
