@@ -101,15 +101,13 @@ class Stepper:
         advection = Advection.from_distance(inputs.distance / self.model.grid.dx)
         motion, law = self._motion(before, inputs, advection), self._law(before, inputs, advection)
         worn = before.worn if self.wear is None else advection.move_depths(before.worn)
-        depth = worn
+        depth, expected = worn, before.contact.traction
         if earlier is not None:
             depth = worn + (ratio * before.gained if ratio >= 0.0 else -ratio * earlier.gained)
+            expected = expected + ratio * (expected - earlier.contact.traction)
         rigid = motion.rigid - motion.displacement[-2:]
         kinematics = self._kinematics(before.contact, motion)
         problem = self._problem(inputs, rigid, kinematics, law, depth.sum(axis=0))
-        expected = before.contact.traction
-        if earlier is not None:
-            expected = expected + ratio * (expected - earlier.contact.traction)
         start = self._start(problem, before, motion, inputs, expected, earlier, ratio)
         outcome = self._solve(problem, start, advection.length)
         result, cost = self._result(inputs, advection, problem, outcome, worn), outcome.cost

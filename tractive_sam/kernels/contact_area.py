@@ -7,7 +7,7 @@ _edge_place = compiled(edge_place, inner=True)
 
 
 @compiled(inner=True)
-def _covered_side(pressure, i, j, di, dj):
+def _covered(pressure, i, j, di, dj):
     """Return the length of a side of a cell from its corner in contact to the edge, 0 to 1.
 
     The side joins the centres of the elements (i, j) and (i + di, j + dj). It is 0 where both or
@@ -36,10 +36,8 @@ def covered_area(pressure):
             if corners == 4:
                 area += 1.0
             elif corners > 0:
-                left = _covered_side(pressure, i, j, 1, 0)
-                right = _covered_side(pressure, i, j + 1, 1, 0)
-                lower = _covered_side(pressure, i, j, 0, 1)
-                upper = _covered_side(pressure, i + 1, j, 0, 1)
+                left, right = _covered(pressure, i, j, 1, 0), _covered(pressure, i, j + 1, 1, 0)
+                lower, upper = _covered(pressure, i, j, 0, 1), _covered(pressure, i + 1, j, 0, 1)
                 if corners == 1:  # a triangle; sides without the edge are 0
                     area += 0.5 * (left + right) * (lower + upper)
                 elif corners == 3:

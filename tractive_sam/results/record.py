@@ -83,17 +83,10 @@ class Record:
         warm = {}
         if contact.heat is not None:
             warm = {name: quantity.read(contact) for name, quantity in HEAT_FIELDS.items()}
-        user_values = {quantity.name: values for quantity, values in (user_fields or {}).items()}
-        quantities = {
-            quantity.name: quantity.with_units_of(contact.scene) for quantity in user_fields or {}
-        }
-        return cls(
-            values,
-            names,
-            restart_fields(contact) | warm | user_values,
-            tuple(stress),
-            user_fields=quantities,
-        )
+        user_fields = user_fields or {}
+        fields = restart_fields(contact) | warm | {k.name: v for k, v in user_fields.items()}
+        quantities = {k.name: k.with_units_of(contact.scene) for k in user_fields}
+        return cls(values, names, fields, tuple(stress), user_fields=quantities)
 
     @property
     def coordinate(self) -> Quantity:

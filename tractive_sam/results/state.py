@@ -221,8 +221,7 @@ class State:
     def elements_across(self) -> tuple[int, ...]:
         """Elements of the contact in x, and in y; of a line contact in x alone."""
         directions = range(self.grid.directions)
-        counts = (self.touching.any(axis=1 - axis).sum() for axis in directions)
-        return tuple(map(int, counts))
+        return tuple(int(self.touching.any(axis=1 - axis).sum()) for axis in directions)
 
     def on(self, grid: Grid) -> "State":
         """Return the contact on a wider mesh of equal elements: gap inf, else 0 outside, no heat.

@@ -244,10 +244,8 @@ def _roll(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple
 def jump_on(model: Model, last: Passage, jump: int, response: np.ndarray) -> tuple[Passage, float]:
     """Return the passage after a jump of revolutions, and its error over the tolerance."""
     revolution, here = last.revolution + jump, last.course[-1]
-    formula, open_ = (
-        _TwoStepFormula.from_course(last.course, jump),
-        _rate_lost_to_gap(last, response),
-    )
+    formula = _TwoStepFormula.from_course(last.course, jump)
+    open_ = _rate_lost_to_gap(last, response)
     profile, expected, response = _predict(last, formula, response)
     lag = _wear_tolerance(model)
     end = passage_at(model, revolution, profile, last.contacts, lag, _growth(expected, last))

@@ -183,7 +183,8 @@ def block_orders(
     loads = rates.sum(axis=1)
     both = BlockOrder.from_spectrum(spectrum, loads, revolution)
     drift = both.drift(responses, revolution)
-    changes = [block @ (wear + drift) for block, wear in zip(responses, both.wear, strict=True)]
+    each = zip(responses, both.wear, strict=True)
+    changes = np.array([block @ (wear + drift) for block, wear in each])
     mean = np.tensordot(both.shares, loads, axes=1)
     orders = []
     for body in range(rates.shape[1]):
@@ -191,9 +192,7 @@ def block_orders(
         of_body = np.tensordot(order.shares, rates[:, body], axes=1)
         part = drift * np.divide(of_body, mean, out=np.zeros_like(mean), where=mean > 0.0)
         wear, offset = order.wear + part, order.offset + part
-        orders.append(
-            replace(order, wear=wear, offset=offset, loads=loads, changes=np.array(changes))
-        )
+        orders.append(replace(order, wear=wear, offset=offset, loads=loads, changes=changes))
     return tuple(orders)
 
 

@@ -22,6 +22,7 @@ d dz/w': cracks start there if and only if w' is below w'_bal(y) = integral of d
 
 import math
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -113,14 +114,12 @@ class BodyDamage:
         """Return the values of the body's damage columns by name; empty without a `life` law."""
         if life is None:
             return {}
-        top, at = self.fatigue.damage_max
-        each = self.passes or 1.0
+        fatigue, used, each = self.fatigue, self.utilisation, self.passes or 1.0
+        top, at = fatigue.damage_max
         # At the depths of the damage, so that without wear the life is the inverse of the damage.
-        new = each * _per_pass(
-            life, shares, self.fatigue.depth, self.utilisation, self.fatigue.zeta
-        )
-        largest, _ = self.fatigue.with_damage(self.fatigue.zeta, new, 0.0 * self.rate).damage_max
-        balance = each * _integrate_damage(self.fatigue.depth, self.utilisation, life, shares)
+        new = each * _per_pass(life, shares, fatigue.depth, used, fatigue.zeta)
+        largest, _ = fatigue.with_damage(fatigue.zeta, new, 0.0 * self.rate).damage_max
+        balance = each * _integrate_damage(fatigue.depth, used, life, shares)
         works = balance > 0.1 * balance.max()  # rows with little damage have any margin
         margin = (self.rate[works] / balance[works]).min() if works.any() else math.inf
         return {
@@ -174,14 +173,9 @@ def widen_body(damage: BodyDamage, y: np.ndarray) -> BodyDamage:
         damage=widen_rows(fatigue.damage, y.size),
         utilisation=widen_rows(fatigue.utilisation, y.size),
     )
-    return replace(
-        damage,
-        fatigue=fatigue,
-        rate=widen_field(damage.rate, y.shape),
-        utilisation=widen_rows(damage.utilisation, y.size),
-        utilisation_before=widen_rows(damage.utilisation_before, y.size),
-        error=widen_rows(damage.error, y.size),
-    )
+    names = ("utilisation", "utilisation_before", "error")
+    rows: dict[str, Any] = {k: widen_rows(getattr(damage, k), y.size) for k in names}
+    return replace(damage, fatigue=fatigue, rate=widen_field(damage.rate, y.shape), **rows)
 
 
 def after_jump(
@@ -233,6 +227,19 @@ def _remaining(fatigue: BodyFatigue) -> np.ndarray:
     return fatigue.zeta >= fatigue.worn[:, None]
 
 
+def _remaining_damage(
+    fatigue: BodyFatigue,
+    life: Woehler,
+    shares: tuple[float, ...],
+    used: np.ndarray,
+    worn: np.ndarray,
+) -> np.ndarray:
+    """Return the damage (n_y, m) per pass of the material points; 0 of those worn off."""
+    deep = fatigue.zeta - worn[:, None]
+    per_pass = _per_pass(life, shares, fatigue.depth, used, np.maximum(deep, 0.0))
+    return np.where(deep >= 0.0, per_pass, 0.0)
+
+
 def _damage_of_jump(
     previous: BodyDamage,
     later: BodyDamage,
@@ -242,13 +249,7 @@ def _damage_of_jump(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the damage (n_y, m) of one pass per revolution over a jump, and its error."""
     before, after, (length, last) = previous.fatigue, later.fatigue, jump
-    zeta, depth = before.zeta, before.depth
-
-    def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
-        deep = zeta - worn[:, None]
-        per_pass = _per_pass(life, shares, depth, used, np.maximum(deep, 0.0))
-        return np.where(deep >= 0.0, per_pass, 0.0)
-
+    damage = partial(_remaining_damage, before, life, shares)
     end = damage(later.utilisation, after.worn)
     if length == 1:
         return end, np.zeros_like(end)
@@ -260,15 +261,14 @@ def _damage_of_jump(
         bend *= length / (last * (length + last))
     # One part for each material depth that the fastest row loses: the damage of material ends
     # when wear removes it, and no Gauss rule holds across that. More than 400 take too long.
-    steps = np.searchsorted(zeta, after.worn) - np.searchsorted(zeta, before.worn)
+    steps = np.searchsorted(before.zeta, after.worn) - np.searchsorted(before.zeta, before.worn)
     parts = int(min(max(1, steps.max()), 400))
     total, missed = np.zeros_like(end), np.zeros_like(end)
+    ends = before.worn, previous.rate, after.worn, later.rate
     for part in range(parts):
         for node, weight in zip(NODES, WEIGHTS, strict=True):
             t = (part + node) / parts
-            worn = _interpolate_profile(
-                before.worn, previous.rate, after.worn, later.rate, t, length
-            )
+            worn = _interpolate_profile(*ends, t, length)
             even = (1.0 - t) * first + t * second
             here = damage(np.maximum(even + t * (t - 1.0) * bend, 0.0), worn)
             total += weight * length / parts * here
@@ -285,20 +285,14 @@ def _block_order_error(
     previous: BodyDamage, later: BodyDamage, order: BlockOrder, revolutions: int, life: Woehler
 ) -> np.ndarray:
     """Return the damage error (n_y, m) of a jump that rolls the mean of the blocks."""
-    zeta, depth = previous.fatigue.zeta, previous.fatigue.depth
+    before = previous.fatigue
 
     def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
-        deep = zeta - worn[:, None]
-        return np.where(
-            deep >= 0.0,
-            life.damage(interpolate_over_depth(depth, used, np.maximum(deep, 0.0))),
-            0.0,
-        )
+        return _remaining_damage(before, life, (1.0,), used[None], worn)
 
-    ends = (previous.utilisation, later.utilisation), (previous.fatigue.worn, later.fatigue.worn)
-    return order.damage_error(
-        damage, *ends, revolutions, order.load_factors(previous.fatigue.y, depth)
-    )
+    ends = (previous.utilisation, later.utilisation), (before.worn, later.fatigue.worn)
+    factors = order.load_factors(before.y, before.depth)
+    return order.damage_error(damage, *ends, revolutions, factors)
 
 
 def _interpolate_profile(

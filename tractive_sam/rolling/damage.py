@@ -161,9 +161,8 @@ class Damage(Observer):
                 body: value + mesh.get(body, 0.0) for body, value in columns["damage_error"].items()
             }
         if "fatigue_life" in columns and bars["utilisation"] is not None:
-            columns["fatigue_life_error"] = life_error_bars(
-                columns, bars["utilisation"], required(model.laws.life, "fatigue.limit")
-            )
+            life = required(model.laws.life, "fatigue.limit")
+            columns["fatigue_life_error"] = life_error_bars(columns, bars["utilisation"], life)
         if "stressed_volume" in columns and bars["stressed_volume"] is not None:
             law = required(model.laws.volume, "fatigue.volume")
             volume = volume_error_bars(columns, bars["stressed_volume"], law)
@@ -173,9 +172,8 @@ class Damage(Observer):
     def record_block(self, block: int) -> dict[str, Any]:
         """Return the columns of the largest utilisation in a block, by name and body."""
         each = self.bodies.items()
-        return utilisation_columns(
-            {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
-        )
+        cycles = {k: replace(d.fatigue, utilisation=d.utilisation[block]) for k, d in each}
+        return utilisation_columns(cycles)
 
     def restore(self, passage: Passage, stored: StoredStep) -> Self:
         """Return the observer with the stored damage of each body, to resume from."""
@@ -203,15 +201,8 @@ class Damage(Observer):
             fatigue = BodyFatigue(
                 body, grid.y, depth, used.max(axis=0), shear, radius, None, shear_yield
             ).with_damage(zeta, damage, worn)
-            bodies[body] = BodyDamage(
-                fatigue,
-                used,
-                before,
-                rate,
-                passage.turns[0].per_count[body],
-                error,
-                float(initiation[body]),
-            )
+            passes, began = passage.turns[0].per_count[body], float(initiation[body])
+            bodies[body] = BodyDamage(fatigue, used, before, rate, passes, error, began)
         return replace(self, revolution=passage.revolution, earlier=earlier, bodies=bodies)
 
 
@@ -239,6 +230,5 @@ def _block_orders(passage: Passage, model: Model) -> dict[str, BlockOrder]:
     if spectrum is None or passage.rolled is not None:
         return {}
     rates = passage.gained_by_block / np.reshape(passage.weights, (-1, 1, 1))
-    return dict(
-        zip("AB", block_orders(spectrum, rates, passage.responses, passage.revolution), strict=True)
-    )
+    orders = block_orders(spectrum, rates, passage.responses, passage.revolution)
+    return dict(zip("AB", orders, strict=True))

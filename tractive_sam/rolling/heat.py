@@ -69,9 +69,8 @@ class TransientHeat(Observer):
         temperature, and in contact the temperature of two half-spaces put together.
         """
         heat = step.result.contact.heat or _first_temperatures(step.result.contact, model)
-        first = TransientHeat(
-            heat, _per_body(heat_memories(model), HeatMemory.steady_fields, heat.flux)
-        )
+        past = _per_body(heat_memories(model), HeatMemory.steady_fields, heat.flux)
+        first = TransientHeat(heat, past)
         return first._after_shift(step.result, model) if step.result.shifted else first
 
     def after(self, step: Any, model: Model) -> "TransientHeat":

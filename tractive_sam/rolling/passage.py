@@ -191,12 +191,11 @@ class Passage(Step):
     def gained_by_block(self) -> np.ndarray:
         """Depth that each block adds to each body in this revolution, (blocks, 2, n_y), mm."""
         each = zip(self.weights, self.turns, self.contacts, strict=True)
-        return np.array(
-            [
-                [w * turns.per_count[body] * turns.share[body] * _depth_of_pass(c) for body in "AB"]
-                for w, turns, c in each
-            ]
-        )
+        gained = [
+            [w * turns.per_count[body] * turns.share[body] * _depth_of_pass(c) for body in "AB"]
+            for w, turns, c in each
+        ]
+        return np.array(gained)
 
     def _initial_depth(self, body: str | None = None) -> np.ndarray | float:
         """Return the wear depth with which the roll began, of one body or both, mm; or 0."""
@@ -233,9 +232,8 @@ class Passage(Step):
             depths = (depth - self._initial_depth() for depth in (self.entering, self.leaving))
             return self._initial_depth(body) + self.turns[0].depth_behind(body, *depths)
         each = zip(self.turns, self.contacts, strict=True)
-        return self._entering_of(body) + _weighted_mean(
-            self.weights, (turns.share[body] * _depth_of_pass(contact) for turns, contact in each)
-        )
+        depths = (turns.share[body] * _depth_of_pass(contact) for turns, contact in each)
+        return self._entering_of(body) + _weighted_mean(self.weights, depths)
 
     def mean_depth(self, body: str) -> np.ndarray:
         """Return the wear depth of a body averaged around its circumference, shape (n_y,), mm."""
@@ -270,9 +268,8 @@ def _middle_rows(narrow: Grid, wide: Grid) -> np.ndarray:
 
 def first_passage(model: Model) -> Passage:
     """Solve the steady contacts with the initial wear; return them as revolution zero."""
-    return start_passage(
-        model, tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
-    )
+    contacts = tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
+    return start_passage(model, contacts)
 
 
 def start_passage(model: Model, contacts: tuple[State, ...]) -> Passage:

@@ -91,10 +91,8 @@ class PositionWear:
         """Return the wear at a position from its stored arrays and its contact."""
         pressure, *traction = state["fields"]
         *half_length, approach = state["numbers"].tolist()
-        grid, none = (
-            Grid((half_length[0], half_length[1]), pressure.shape),
-            np.zeros(pressure.shape),
-        )
+        grid = Grid((half_length[0], half_length[1]), pressure.shape)
+        none = np.zeros(pressure.shape)
         start = replace(
             contact,
             **{"grid": grid, "pressure": pressure, "traction": np.stack(traction)},
@@ -125,17 +123,13 @@ def implicit_step(
         Largest depth of wear, mm.
     """
     size = nodes[0].size
-    totals = [patch.rates.sum(axis=0) for _, patch in worn]
-    onto = [
-        _onto_nodes(patch, nodes, total) for (_, patch), total in zip(worn, totals, strict=True)
-    ]
-    rate = sum(
-        share * matrix @ total for (share, _), matrix, total in zip(worn, onto, totals, strict=True)
-    )
+    onto = [_onto_nodes(patch, nodes) for _, patch in worn]
+    each = [*zip(worn, onto, strict=True)]
+    rate = sum(share * matrix @ patch.rates.sum(axis=0) for (share, patch), matrix in each)
     length = max(1, int(min(longest, deepest / max(float(rate.max()), 1e-300))))
     active = np.flatnonzero(rate > 0.0)
     system = np.eye(active.size)
-    for (share, patch), matrix in zip(worn, onto, strict=True):
+    for (share, patch), matrix in each:
         pairs = zip(patch.places, nodes, strict=True)
         at_rows = np.concatenate([_interpolation(s, at) for at, s in pairs], axis=1)[:, active]
         system -= length * share * matrix[active] @ patch.response @ at_rows
@@ -145,10 +139,9 @@ def implicit_step(
     return (change[:size], change[size:]), length
 
 
-def _onto_nodes(
-    patch: PatchWear, nodes: tuple[np.ndarray, np.ndarray], total: np.ndarray
-) -> np.ndarray:
+def _onto_nodes(patch: PatchWear, nodes: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """Return the matrix from wear depths at rows of a patch to depths at profile nodes."""
+    total = patch.rates.sum(axis=0)
     parts = patch.rates / np.where(total > 0.0, total, 1.0)
     triples = zip(patch.places, nodes, parts, strict=True)
     return np.concatenate([_interpolation(at, s) * part for at, s, part in triples])

@@ -197,9 +197,8 @@ class ProfileWear(Process[WornStep]):
                 ("pressure", "traction_x", "traction_y", "slip_x", "slip_y"), none
             )
             contact = replace(of_block.contact(row, fields | {"wear": none}), scene=local)
-            positions.append(
-                PositionWear.restore(share, contact, stored.state_under(f"position{k}"))
-            )
+            state = stored.state_under(f"position{k}")
+            positions.append(PositionWear.restore(share, contact, state))
         revolution = int(history["revolution"][row])
         return WornStep.from_positions(scene, revolution, depths, tuple(positions), history.grid)
 
@@ -284,9 +283,8 @@ class ProfileWear(Process[WornStep]):
         """Return the wear rates and the response of one solved patch."""
         law, y = required(wear_law_at(model, contact), "wear"), contact.grid.y
         patch = required(model.patch, "wheel")
-        rates = law.rates(
-            model.scene.wear_share, contact.pressure, contact.traction, contact.slip
-        ).sum(axis=1)
+        fields = contact.pressure, contact.traction, contact.slip
+        rates = law.rates(model.scene.wear_share, *fields).sum(axis=1)
         new_wheel, new_rail = self._nodes
         places = (
             np.interp(patch.wheel_profile(y)[1], wheel.s, new_wheel),

@@ -6,7 +6,7 @@ to it is a sum as well.
 """
 
 from collections.abc import Callable
-from math import hypot, inf, sqrt
+from math import hypot, inf, prod, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -174,24 +174,22 @@ def conjugate_residuals(
     # Part of a new vector below which rounding has spoilt its digits.
     rounding = 500.0 * float(np.finfo(kind).eps)
     rows = min(max_steps, 12)
-    vectors, basis = np.empty((2, rows, residual.size), kind)
-    responses = np.empty((rows, *system.shape), kind)
-    triangle, along = np.zeros((rows, rows)), np.zeros(rows)
+    space = np.empty((3, rows, residual.size), kind)
+    triangle, along, size = np.zeros((rows, rows)), np.zeros(rows), prod(system.shape)
     k = 0
     while k < max_steps and norm > goal:
         if k == rows:
-            vectors, responses, basis, along = (
-                np.concatenate((array, np.empty_like(array)))
-                for array in (vectors, responses, basis, along)
-            )
-            triangle, rows = np.pad(triangle, (0, k)), 2 * k
+            space = np.concatenate((space, np.empty_like(space)), axis=1)
+            triangle, along, rows = np.pad(triangle, (0, k)), np.pad(along, (0, k)), 2 * k
+        vectors, responses, basis = space
         vectors[k] = system.preconditioner(residual)
-        responses[k] = system.response(vectors[k])
-        basis[k] = system.product(vectors[k], responses[k])
+        response = system.response(vectors[k])
+        responses[k, :size] = response.ravel()
+        basis[k] = system.product(vectors[k], response)
         norm = extend_basis(basis, k, residual, triangle, along, rounding)
         if norm == inf:
             break
         k += 1
     shares = np.linalg.solve(triangle[:k, :k], along[:k]).astype(kind)
-    response = shares @ responses.reshape(rows, -1)[:k]
-    return shares @ vectors[:k], response.reshape(system.shape)
+    vector, response = shares @ space[0, :k], shares @ space[1, :k, :size]
+    return vector, response.reshape(system.shape)
