@@ -1,7 +1,6 @@
 """The page of a fit: estimates, what is not determined, figures, and residuals."""
 
 from collections.abc import Iterator
-from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 
@@ -10,9 +9,9 @@ from tractive_sam.description import html_columns
 from tractive_sam.fitting.entries import base_of
 from tractive_sam.fitting.figures import fit_figures
 from tractive_sam.fitting.results import DONE, FitResult
-from tractive_sam.markup import Html, fill, security_policy
+from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
-from tractive_sam.pages import style
+from tractive_sam.pages import fill_page
 from tractive_sam.scene import Scene
 
 
@@ -43,12 +42,9 @@ def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
     >>> fitting.report_fit(found, "fit.html").stat().st_size < 1e6
     True
     """
-    folder = files(__package__)
-    look = Html(f"\n{style()}\n{folder.joinpath('page.css').read_text('utf-8')}")
-    page = fill(
-        folder.joinpath("page.html").read_text("utf-8"),
-        policy=security_policy(styles=[look]),
-        style=look,
+    page = fill_page(
+        __package__,
+        "page",
         title=result.title or "A fit",
         status=result.status,
         kind="good" if result.status == DONE else "bad",

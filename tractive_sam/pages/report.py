@@ -11,9 +11,10 @@ from typing import Any
 
 from tractive_sam import interrupt
 from tractive_sam.extras import require_extra
-from tractive_sam.markup import Html, fill, security_policy
+from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import page_data
+from tractive_sam.pages.page import fill_page
 from tractive_sam.plot import Measurements, list_figures
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
@@ -72,23 +73,23 @@ def report(
 
 def _page(history: History, measured: Measurements | None) -> str:
     """Return the HTML of the interactive page of a history."""
-    part_names = ("report.html", "report.js", "report.css", "style.css")
-    # Pattern of the code with which plotly looks for a style of its maps; it adds a missing one.
+    # Code with which plotly looks for a style of its maps; without an element, it would add one.
     guarded_style = r'getElementById\("([0-9a-f]{64})"\)'
     script, colours = _plotly()
     data = page_data(history, measured=measured) | {"colours": colours}
-    parts = {name: files(__package__).joinpath(name).read_text("utf-8") for name in part_names}
+    own_script = files(__package__).joinpath("report.js").read_text("utf-8")
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)
     named = [f"{name} {number}" for name, number in history.versions.items()]
-    json_text = _escape_script(json.dumps(data, allow_nan=False))
-    style = f"\n{parts['style.css']}{parts['report.css']}\n"
-    # plotly sets attributes of style and fills an empty element of style: neither runs anything.
-    return fill(
-        parts["report.html"],
-        policy=security_policy([script, parts["report.js"]], [style, ""], style_attributes=True),
+    return fill_page(
+        __package__,
+        "report",
+        [script, own_script],
         title=history.title or "A rolling contact",
-        style=Html(style),
+        head=(
+            fill('<style id="$name"></style>', name=name)
+            for name in set(re.findall(guarded_style, script))
+        ),
         status=history.status,
         kind=kind,
         message=history.message,
@@ -98,15 +99,9 @@ def _page(history: History, measured: Measurements | None) -> str:
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
-        unused=[_empty_style(name) for name in set(re.findall(guarded_style, script))],
-        data=Html(json_text),
-        script=Html(parts["report.js"]),
+        data=Html(_escape_script(json.dumps(data, allow_nan=False))),
+        script=Html(own_script),
     )
-
-
-def _empty_style(name: str) -> Html:
-    """Return an empty style element with the id that plotly would otherwise add to the page."""
-    return fill('<style id="$name"></style>', name=name)
 
 
 def _plotly() -> tuple[str, dict[str, Any]]:

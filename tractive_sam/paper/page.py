@@ -5,12 +5,11 @@ from base64 import b64encode
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from importlib.metadata import version
-from importlib.resources import files
 from itertools import groupby
 from platform import python_version
 
-from tractive_sam.markup import Html, as_html, fill, security_policy
-from tractive_sam.pages import style
+from tractive_sam.markup import Html, as_html, fill
+from tractive_sam.pages import fill_page
 from tractive_sam.paper.finding import Chapter, Finding, FindingTable, Picture, Statement, Verdict
 from tractive_sam.paper.size import FULL, Size
 
@@ -54,16 +53,14 @@ def page(
     count = '<li class="count"><b>$count</b>$badge</li>'
     programs = ("tractive-sam", "numpy", "scipy", "pyfftw", "numba")
     versions = ", ".join(f"{name} {version(name)}" for name in programs)
-    folder = files(__package__)
-    look = Html(f"\n{style()}{folder.joinpath('page.css').read_text('utf-8')}")
     notice = (
         "A reduced size, with coarse meshes and few revolutions, as a quick check: its numbers and "
         "verdicts differ from the full size."
     )
-    return fill(
-        folder.joinpath("page.html").read_text("utf-8"),
-        policy=security_policy(styles=[look]),
-        style=look,
+    return fill_page(
+        __package__,
+        "page",
+        title="The paper, reproduced - tractive_sam",
         seconds=f"{seconds:.0f}",
         size=text(size.name),
         notice="" if size == FULL else fill('<p class="notice">$text</p>', text=text(notice)),
