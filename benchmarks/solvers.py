@@ -4,9 +4,10 @@ All methods start without an initial guess, with a given pressure, and stop at a
 Uzawa's method uses the upwind slip, as in the paper; Newton's method uses both schemes.
 Applications of Newton's method on coarser meshes count in proportion to their elements; they are
 also listed without this weight. `steady` measures complete solutions, with the normal problem, and
-divides their time by the time of one application of the tangential operator.
+divides their time by the time of one application of the tangential operator. `growth` repeats this
+for other scenes: how does the work grow with the mesh?
 
-    python benchmarks/solvers.py [methods steady]
+    python benchmarks/solvers.py [methods steady growth]
 
 Page: docs/benchmarks.md
 """
@@ -113,32 +114,61 @@ def compare_methods():
     print(f"written: {write('solvers', rows)}, {draw(rows)}")
 
 
+SCENES = {
+    "spheres": {},
+    "with spin": {"creepage.spin": 0.0005},
+    "dissimilar bodies": {"body.B.shear": 3.0},
+    "orthotropic friction": {"friction.mu": (0.4, 0.2), "friction.angle": 30.0},
+    "falling friction": {
+        "friction.mu": None,
+        "friction.static": 0.4013,
+        "friction.kinetic": 0.3,
+        "friction.half_speed": 3.0,
+        "friction.law": "exponential",
+        "creepage.speed": 1000.0,
+    },
+}
+
+
+def measure_solution(n: int, changes: dict) -> dict:
+    """Return the work and time of a steady solution on n x n elements of `spheres`, changed."""
+    mesh = {"grid.elements": (n, n), "solver.tolerance": TOLERANCE}
+    model = Model(Scene.builtin("spheres").replace(**changes, **mesh))
+    contact = equilibrium(model)
+    assert contact.converged, (n, changes, contact.status)
+    operator, fields = model.operators.tangential, np.ones((2, n, n))
+    operator(fields)  # plans its transforms
+    application = seconds(lambda: operator(fields), 1.0, 50)
+    took = seconds(lambda: equilibrium(model))
+    return {
+        "elements": f"{n} x {n}",
+        "applications": contact.cost.applications,
+        "preconditioner": contact.cost.preconditioner,
+        "convolutions": contact.cost.convolutions,
+        "seconds": took,
+        "over_application": took / application,
+    }
+
+
 def measure_steady_solves():
     """Measure steady solutions from scene to contact, including the normal problem."""
     rows = []
     for n in (91, 181, 361, 512, 1024):
-        scene = Scene.builtin("spheres").with_set(
-            [f"grid.elements=[{n}, {n}]", f"solver.tolerance={TOLERANCE}"]
-        )
-        model = Model(scene)
-        cost = equilibrium(model).cost
-        operator, fields = model.operators.tangential, np.ones((2, n, n))
-        operator(fields)  # plans its transforms
-        application = seconds(lambda apply=operator, on=fields: apply(on), 1.0, 50)
-        took = seconds(lambda m=model: equilibrium(m))
-        rows.append(
-            {
-                "elements": f"{n} x {n}",
-                "applications": cost.applications,
-                "preconditioner": cost.preconditioner,
-                "convolutions": cost.convolutions,
-                "seconds": took,
-                "over_application": took / application,
-                "CONTACT/this": CONTACT_SECONDS[n] / took if n in CONTACT_SECONDS else "",
-            }
-        )
+        row = measure_solution(n, {})
+        rows.append(row | {"CONTACT/this": CONTACT_SECONDS.get(n, np.nan) / row["seconds"]})
     show("Normal and tangential problem together, to 1e-8", rows)
     print(f"written: {write('solvers_steady', rows)}")
+
+
+def measure_growth():
+    """Measure the same for scenes of several kinds."""
+    rows = [
+        {"scene": name} | measure_solution(n, changes)
+        for name, changes in SCENES.items()
+        for n in (45, 91, 181, 361)
+    ]
+    show("Growth of the work with the mesh, to 1e-8", rows)
+    print(f"written: {write('solvers_growth', rows)}")
 
 
 def draw(rows):
@@ -163,6 +193,10 @@ def draw(rows):
 
 
 if __name__ == "__main__":
-    parts = {"methods": compare_methods, "steady": measure_steady_solves}
+    parts = {
+        "methods": compare_methods,
+        "steady": measure_steady_solves,
+        "growth": measure_growth,
+    }
     for name in sys.argv[1:] or parts:
         parts[name]()

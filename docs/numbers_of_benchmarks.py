@@ -40,6 +40,16 @@ def solvers_steady() -> str:
     return format_columns(read_rows("solvers_steady.csv"), columns)
 
 
+def solvers_growth() -> str:
+    """Return the work of steady solutions of several scenes for each mesh."""
+    columns = {"scene": ("scene", str), "elements": ("elements", str)}
+    columns |= {
+        name: (name, number(".3g")) for name in ("applications", "preconditioner", "convolutions")
+    }
+    columns["CPU time / CPU time of an application"] = ("over_application", number(".3g"))
+    return format_columns(read_rows("solvers_growth.csv"), columns)
+
+
 def large() -> str:
     """Return time and memory of large meshes."""
     columns = {
@@ -875,6 +885,7 @@ TABLES = {
     for table in (
         solvers,
         solvers_steady,
+        solvers_growth,
         large,
         normal,
         wheel_rail,
