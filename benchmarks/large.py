@@ -4,7 +4,10 @@ Each mesh is solved twice in a separate process. The script reports the peak mem
 the second solution requires no planning and compilation. The residual is 1e-6, far below the error
 of the mesh. All cores are used (the environment variable OMP_NUM_THREADS limits them).
 
-    python benchmarks/large.py [--meshes 128 256 512 1024 2048 4096]
+`--threads` repeats the solution with these numbers of threads instead, and measures one application
+of the tangential operator beside it; times are wall times, the least of three.
+
+    python benchmarks/large.py [--meshes 128 256 512 1024 2048 4096] [--threads 1 2 4]
 
 Page: docs/benchmarks.md
 """
@@ -17,7 +20,7 @@ import sys
 from time import perf_counter, process_time
 
 MESHES = (128, 256, 512, 1024, 2048, 4096)
-MESH_VARIABLE = "_TRACTIVE_SAM_MESH"
+MESH_VARIABLE, THREADS_VARIABLE = "_TRACTIVE_SAM_MESH", "_TRACTIVE_SAM_THREADS"
 
 
 def measure_mesh(n: int) -> dict:
@@ -52,24 +55,56 @@ def measure_mesh(n: int) -> dict:
     }
 
 
+def measure_threads(n: int) -> dict:
+    """Measure a solution and an application with as many threads as OMP_NUM_THREADS allows."""
+    import numpy as np  # noqa: PLC0415 - not before the number of threads is set
+
+    import tractive_sam as ts  # noqa: PLC0415
+    from tractive_sam.contact import Model  # noqa: PLC0415
+
+    scene = ts.Scene.builtin("spheres").with_set(
+        [f"grid.elements=[{n}, {n}]", "solver.tolerance=1e-6"]
+    )
+    operator, fields = Model(scene).operators.tangential, np.ones((2, n, n))
+
+    def least(run) -> float:
+        times = []
+        for _ in range(4):
+            began = perf_counter()
+            run()
+            times.append(perf_counter() - began)
+        return min(times[1:])  # the first run plans
+
+    return {
+        "n": n,
+        "threads": int(os.environ["OMP_NUM_THREADS"]),
+        "application s": least(lambda: operator(fields)),
+        "solution s": least(lambda: ts.solve(scene)),
+    }
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--meshes", type=int, nargs="+", default=MESHES)
-    environment, rows = dict(os.environ), []
+    parser.add_argument("--threads", type=int, nargs="+", default=[])
+    environment, rows, wanted = dict(os.environ), [], parser.parse_args()
     from timing import show, write  # noqa: PLC0415 - holds this process to one thread
 
-    for n in parser.parse_args().meshes:
-        mesh = environment | {MESH_VARIABLE: str(n)}
-        ran = subprocess.run(
-            [sys.executable, __file__], env=mesh, stdout=subprocess.PIPE, check=True
-        )
-        rows.append(json.loads(ran.stdout))
+    for n in wanted.meshes:
+        for threads in wanted.threads or [0]:
+            mesh = environment | {MESH_VARIABLE: str(n)}
+            mesh |= {THREADS_VARIABLE: "1", "OMP_NUM_THREADS": str(threads)} if threads else {}
+            ran = subprocess.run(
+                [sys.executable, __file__], env=mesh, stdout=subprocess.PIPE, check=True
+            )
+            rows.append(json.loads(ran.stdout))
     show(f"`spheres`, to 1e-6, on {len(os.sched_getaffinity(0))} cores", rows)
-    print(f"written: {write('large', rows)}")
+    print(f"written: {write('large_threads' if wanted.threads else 'large', rows)}")
 
 
 if __name__ == "__main__":
     if MESH_VARIABLE in os.environ:
-        print(json.dumps(measure_mesh(int(os.environ[MESH_VARIABLE]))))
+        measure = measure_threads if THREADS_VARIABLE in os.environ else measure_mesh
+        print(json.dumps(measure(int(os.environ[MESH_VARIABLE]))))
     else:
         main()
