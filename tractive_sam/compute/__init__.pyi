@@ -7,7 +7,6 @@ from .backends import backend_of as backend_of
 from .convolution import Convolution as Convolution
 from .fft import fast_length as fast_length
 from .fft import padded_length as padded_length
-from .fft import spectrum as spectrum
 from .fft import transform as transform
 from .memory import available_memory as available_memory
 from .meter import ConvolutionMeter as ConvolutionMeter

@@ -19,6 +19,7 @@ from tractive_sam.compute.threads import threads_for_transform
 Plan = TypeVar("Plan")
 
 
+@cache
 def fast_length(n: int, columns: bool = False) -> int:
     """Return an even length of at least n that FFTW transforms fast.
 
@@ -212,8 +213,3 @@ class PlanCache(Generic[Plan]):
 
 transform = PlanCache(PaddedTransform, 32)
 """The `PaddedTransform` of its arguments, made on its first use."""
-
-
-def spectrum(table: np.ndarray) -> np.ndarray:
-    """Return the spectrum of a periodic kernel table, divided by its size."""
-    return np.fft.rfft2(table) / (table.shape[-2] * table.shape[-1])

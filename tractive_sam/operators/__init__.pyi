@@ -8,7 +8,7 @@ from .heat_memory import HeatMemory as HeatMemory
 from .influence import Box as Box
 from .influence import Lattice as Lattice
 from .influence import block_mean as block_mean
-from .influence import unfold_quadrant as unfold_quadrant
+from .influence import transform_quadrant as transform_quadrant
 from .kinematics import Kinematics as Kinematics
 from .kinematics import RollingStep as RollingStep
 from .kinematics import SteadyRolling as SteadyRolling

@@ -14,11 +14,11 @@ isotropic friction of unit coefficient.
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
-from tractive_sam.compute import Convolution, spectrum
+from tractive_sam.compute import Convolution
 from tractive_sam.mechanics import Elasticity, Frame
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice
@@ -52,8 +52,10 @@ class Operators:
     ):
         self.lattice = lattice
         self.elasticity = elasticity
-        self._per_gap, self._per_slip = 1.0 / gap, 1.0 / slip
+        # Displacement over an element's length is in units of slip.
+        self._per_gap, self._per_dx = 1.0 / gap, 1.0 / (slip * lattice.dx)
         self._units = gap, slip
+        self._displacement = partial(influence.displacement, lattice, elasticity)
         self.frame = frame or Frame()
 
     def on(self, lattice: Lattice) -> "Operators":
@@ -81,16 +83,6 @@ class Operators:
         lattice, bodies = self.lattice, (self.elasticity, *self._units, self.frame)
         return lru_cache(8)(lambda shape: Operators(lattice.with_shape(shape), *bodies))
 
-    def _displacement(self, component: str, period: tuple[int, int] | None = None) -> np.ndarray:
-        """Return the spectrum of a component ("xx", "xz", ...) of the displacement, mm/MPa."""
-        return spectrum(
-            influence.displacement_table(self.lattice, self.elasticity, component, period)
-        )
-
-    def _slip(self, component: str) -> np.ndarray:
-        """Return the spectrum of a component ("xx", "xz", ...) of the slip per traction."""
-        return spectrum(influence.slip(self.lattice, self.elasticity, component))
-
     def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
         """Return the spectrum of A_nn, gap per pressure, dimensionless."""
         return self._per_gap * self._displacement("zz", period).real
@@ -98,17 +90,22 @@ class Operators:
     @cached_property
     def along_x(self) -> np.ndarray:
         """Spectrum along x of normal displacement, mm/MPa, (p_y, p_x/2 + 1), weighted for sums."""
-        px, _ = self.lattice.padded
+        px, py = self.lattice.padded
         # Even in x: a real spectrum. Parseval over its half: inner frequencies count twice.
-        table = influence.displacement_table(self.lattice, self.elasticity, "zz")
-        along = np.fft.rfft(table, axis=0).real / px
-        along[1:-1] *= 2.0
-        return np.ascontiguousarray(along.T)
+        sides = self.lattice.dx, self.lattice.dy
+        table = self.elasticity.coefficients("zz", (px // 2 + 1, py // 2 + 1), *sides)
+        along = np.fft.rfft(influence.unfold(table.T, 1, px)).real / px
+        along[:, 1:-1] *= 2.0
+        return np.ascontiguousarray(influence.unfold(along.T, 1, py).T)
 
-    def _slip_spectra(self) -> np.ndarray:
-        """Return the spectra of the entries (11, 12, 22) of D_tt, from tractions to slip."""
-        entries = self._tangential(*(self._slip(k) for k in ("xx", "xy", "yy")))
-        return self._per_slip * np.stack(entries)
+    def _tangential_spectra(
+        self, period: tuple[int, int] | None = None, difference: bool = False
+    ) -> np.ndarray:
+        """Return the spectra (11, 12, 22) of A_tt / dx, or of its difference in x, D_tt."""
+        entries = [self._displacement(k, period, difference) for k in ("xx", "xy", "yy")]
+        if not difference:  # even, and so real
+            entries = [entry.real for entry in entries]
+        return self._per_dx * np.stack(self._tangential(*entries))
 
     def _convolution(self, spectra: Sequence[np.ndarray] | np.ndarray) -> Convolution:
         """Return the zero-padded convolution on the lattice with spectra of kernels."""
@@ -123,6 +120,8 @@ class Operators:
     def _tangential(self, xx, xy, yy):
         """Rotate and scale entries to the frame: (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""
         (a, b), (c, d) = self.frame.matrix
+        if (a, b, c, d) == (1.0, 0.0, 0.0, 1.0):
+            return xx, xy, yy
         return (
             a * a * xx + 2.0 * a * b * xy + b * b * yy,
             a * c * xx + (a * d + b * c) * xy + b * d * yy,
@@ -142,23 +141,25 @@ class Operators:
     @cached_property
     def slip(self) -> Convolution:
         """Operator D_tt from tangential tractions to slip at the leading faces of the elements."""
-        return self._convolution(self._slip_spectra())
+        return self._convolution(self._tangential_spectra(difference=True))
 
     @cached_property
     def self_influence(self) -> Entries:
         """Slip at an element due to its own traction: entries (11, 12, 22) of D_tt."""
-        lattice = self.lattice.with_shape((1, 1))
-        tables = (influence.slip(lattice, self.elasticity, k) for k in ("xx", "xy", "yy"))
-        entries = self._tangential(*(table[0, 0] for table in tables))
-        first, mixed, second = (float(self._per_slip * e) for e in entries)
-        return first, mixed, second
+        return self._entries_at(np.array([1.0, -1.0]))
 
     @cached_property
     def self_displacement(self) -> Entries:
         """Displacement of an element due to its own traction: entries (11, 12, 22) of A_tt / dx."""
-        operator = self.on(self.lattice.with_shape((1, 1))).tangential
-        first, second = (operator(unit.reshape(2, 1, 1)).ravel() for unit in np.eye(2))
-        return float(first[0]), float(first[1]), float(second[1])
+        return self._entries_at(np.array([1.0, 0.0]))
+
+    def _entries_at(self, weights: np.ndarray) -> Entries:
+        """Return entries (11, 12, 22) of A_tt / dx, a weighted sum of an element and the next."""
+        sides = self.lattice.dx, self.lattice.dy
+        tables = (self.elasticity.coefficients(k, (2, 1), *sides) for k in ("xx", "xy", "yy"))
+        entries = self._tangential(*(weights @ table[:, 0] for table in tables))
+        first, mixed, second = (float(self._per_dx * entry) for entry in entries)
+        return first, mixed, second
 
     @cached_property
     def ripple_compliance(self) -> float:
@@ -173,7 +174,7 @@ class Operators:
     def layer_slip(self) -> np.ndarray | None:
         """Slip of an interfacial layer per traction gained over an element, (2, 2), or None."""
         layer, F = self.elasticity.layer, self.frame.matrix
-        return self._per_slip * layer / self.lattice.dx * F @ F.T if layer else None
+        return self._per_dx * layer * F @ F.T if layer else None
 
     def opening(self, angle: np.ndarray) -> np.ndarray:
         """Return the slip per unit of closing gap at edges with these angles, shape (m, 2, 2).
@@ -183,55 +184,44 @@ class Operators:
         angle : ndarray, shape (m,)
             Angles of the edges (`operators.stencil.edge_angles`).
         """
-        per_gap, F = self._per_slip / (self._per_gap * self.lattice.dx), self.frame.matrix
+        per_gap, F = self._per_dx / self._per_gap, self.frame.matrix
         normal = np.stack((np.cos(angle), np.sin(angle)))
         return per_gap * F @ self.elasticity.opening(normal, self.lattice.dx, self.lattice.dy) @ F.T
 
     @cached_property
     def tangential(self) -> Convolution:
         """Operator A_tt / dx from tractions to tangential displacement over dx (units of slip)."""
-        return self._convolution(self._displacement_per_dx())
+        return self._convolution(self._tangential_spectra())
 
     @cached_property
     def tangential_inverse(self) -> Convolution:
         """Approximate (circulant) inverse of `tangential`, used as a preconditioner."""
-        a11, a12, a22 = self._displacement_per_dx(self.lattice.cyclic)
+        a11, a12, a22 = self._tangential_spectra(self.lattice.cyclic)
         determinant = a11 * a22 - a12 * a12
         return self._inverse(a22 / determinant, -a12 / determinant, a11 / determinant)
-
-    def _displacement_per_dx(self, period: tuple[int, int] | None = None) -> np.ndarray:
-        """Return the spectra of A_tt / dx, tangential displacement over dx in units of slip."""
-        entries = self._tangential(
-            *(self._displacement(k, period).real for k in ("xx", "xy", "yy"))
-        )
-        return self._per_slip / self.lattice.dx * np.stack(entries)
 
     @cached_property
     def coupled(self) -> Convolution:
         """Operator from pressure and tractions to (gap, slip), including A_nt and D_tn."""
-        drag = [self._per_slip * self._slip(k) for k in ("xz", "yz")]
-        return self._with_pressure(drag, self._slip_spectra())
+        return self._with_pressure(difference=True)
 
     @cached_property
     def coupled_displacement(self) -> Convolution:
         """Operator from pressure and tractions to (gap, tangential displacement over dx)."""
-        per_dx = self._per_slip / self.lattice.dx
-        drag = [per_dx * 1j * self._displacement(k).imag for k in ("xz", "yz")]
-        return self._with_pressure(drag, self._displacement_per_dx())
+        return self._with_pressure(difference=False)
 
-    def _with_pressure(self, drag: list[np.ndarray], tangential: np.ndarray) -> Convolution:
+    def _with_pressure(self, difference: bool) -> Convolution:
         """Return the operator from pressure and tractions to gap and slip, or displacement over dx.
 
         Parameters
         ----------
-        drag : list of ndarray
-            Spectra of the tangential response along x and y to the pressure.
-        tangential : ndarray
-            Spectra (11, 12, 22) of the tangential response to the tractions, in the scaled frame.
+        difference : bool
+            Whether to slip, a difference of displacements over dx.
         """
-        F, (t11, t12, t22) = self.frame.matrix, tangential
+        F, (t11, t12, t22) = self.frame.matrix, self._tangential_spectra(None, difference)
+        drag = [self._per_dx * self._displacement(k, None, difference) for k in ("xz", "yz")]
         # Reciprocity: u_n from p_x is minus u_x from p_n, A_zx = -A_xz.
-        lift = [-1j * self._per_gap * self._displacement(k).imag for k in ("xz", "yz")]
+        lift = [-self._per_gap * self._displacement(k) for k in ("xz", "yz")]
         lift_1, lift_2 = (row[0] * lift[0] + row[1] * lift[1] for row in F)
         drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tractive_sam.compute import Convolution, padded_length, spectrum
+from tractive_sam.compute import Convolution, padded_length
 from tractive_sam.kernels import heat
 from tractive_sam.results import Grid
 
@@ -127,7 +127,7 @@ class SurfaceHeat:
         table[i, :ny] = coefficients
         if ny > 1:
             table[i, 1 - ny :] = coefficients[:, :0:-1]
-        self._spectrum = spectrum(table)
+        self._spectrum = np.fft.rfft2(table) / table.size
         self._apply = Convolution(self._spectrum[None], grid.elements, period)
 
     def __call__(self, flux: np.ndarray) -> np.ndarray:

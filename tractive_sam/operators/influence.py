@@ -71,35 +71,60 @@ class Lattice:
         return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy)
 
 
-def _coefficients(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
-    """Return displacement per unit traction, mm/MPa, at non-negative offsets in x and y."""
-    px, py = lattice.padded
-    # Two more offsets in x than half a period, for the difference at the last one.
-    offsets = px // 2 + 2, py // 2 + 1
-    return elasticity.coefficients(component, offsets, lattice.dx, lattice.dy)
+def unfold(values: np.ndarray, parity: int, period: int) -> np.ndarray:
+    """Extend values at offsets >= 0 (last axis) to a period, evenly or oddly (parity 1 or -1)."""
+    half = period // 2
+    mirrored = parity * values[..., half - 1 : 0 : -1]
+    return np.concatenate((values[..., : half + 1], mirrored), axis=-1)
 
 
-def unfold_quadrant(
-    table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], shift: int = 0
+def transform_quadrant(
+    table: np.ndarray, parity: tuple[int, int], period: tuple[int, int], difference: bool = False
 ) -> np.ndarray:
-    """Extend a table of offsets >= 0 to a periodic one, by its parities, moved by `shift`."""
-    px, py = period
-    i = np.arange(px)
-    i = np.where(i > px // 2, i - px, i) + shift
-    j = np.arange(py)
-    j = np.where(j > py // 2, j - py, j)
-    unfolded = table[np.abs(i)[:, None], np.abs(j)[None, :]]
-    if parity[0] < 0:
-        unfolded = unfolded * np.sign(i)[:, None]
-    if parity[1] < 0:
-        unfolded = unfolded * np.sign(j)[None, :]
-    return unfolded
+    """Return the spectrum of a periodic table from its entries at offsets >= 0.
+
+    Only these are transformed along y, and only half of the result along x.
+
+    Parameters
+    ----------
+    table : ndarray, shape (p_x/2 + 1 or more, p_y/2 + 1 or more)
+        Entries at offsets >= 0; for a difference one more in x.
+    parity : tuple of int
+        1 if the table is even in x (in y), -1 if it is odd.
+    period : tuple of int
+        (p_x, p_y), even.
+    difference : bool
+        Whether to transform the table less the same table one element ahead in x.
+
+    Returns
+    -------
+    ndarray of complex, shape (p_x, p_y/2 + 1)
+    """
+    (even_x, even_y), half = parity, period[0] // 2
+    along_y = np.fft.rfft(unfold(table[: half + 2], even_y, period[1]))
+    rows = (along_y.real if even_y > 0 else along_y.imag).T
+    values = unfold(rows, even_x, period[0])
+    if difference:
+        ahead = np.roll(values, -1, axis=1)
+        ahead[:, half] = rows[:, half + 1]
+        values = values - ahead
+    columns = np.fft.rfft(values)
+    spectrum = np.concatenate((columns, columns[:, half - 1 : 0 : -1].conj()), axis=1).T
+    return spectrum if even_y > 0 else 1j * spectrum
 
 
-def displacement_table(
-    lattice: Lattice, elasticity: Elasticity, component: str, period: tuple[int, int] | None = None
+def displacement(
+    lattice: Lattice,
+    elasticity: Elasticity,
+    component: str,
+    period: tuple[int, int] | None = None,
+    difference: bool = False,
 ) -> np.ndarray:
-    """Return the periodic table (p_x, p_y) of u_A - u_B per unit traction on an element, mm/MPa.
+    """Return the spectrum of the displacement u_A - u_B per unit traction on an element.
+
+    The difference of the displacements at the centres on both sides of the leading face of an
+    element, over dx, is its slip -du/dx. It is taken of the coefficients, so that an evaluation of
+    the slip is a single convolution.
 
     Parameters
     ----------
@@ -111,30 +136,19 @@ def displacement_table(
         One of `mechanics.elasticity.COMPONENTS`.
     period : tuple of int, optional
         (p_x, p_y), no longer than `Lattice.padded`, which it is by default.
+    difference : bool
+        Whether to return the spectrum of the displacement less that of the element ahead.
 
     Returns
     -------
-    ndarray, shape (p_x, p_y)
-        mm/MPa.
+    ndarray of complex, shape (p_x, p_y/2 + 1)
+        mm/MPa, divided by p_x p_y.
     """
-    coefficients = _coefficients(lattice, elasticity, component)
-    return unfold_quadrant(coefficients, _PARITY[component], period or lattice.padded, 0)
-
-
-def slip(lattice: Lattice, elasticity: Elasticity, component: str) -> np.ndarray:
-    """Return the periodic table of slip -du/dx at the leading face per unit traction, 1/MPa.
-
-    The difference of the displacements at the centres on both sides of the face. It is taken of
-    the coefficients, once, so that an evaluation of the slip is a single convolution.
-
-    Returns
-    -------
-    ndarray, shape (p_x, p_y)
-        For a component of `mechanics.elasticity.COMPONENTS`, 1/MPa.
-    """
-    coefficients, parity = _coefficients(lattice, elasticity, component), _PARITY[component]
-    here, ahead = (unfold_quadrant(coefficients, parity, lattice.padded, shift) for shift in (0, 1))
-    return (here - ahead) / lattice.dx
+    (px, py), sides = lattice.padded, (lattice.dx, lattice.dy)
+    table = elasticity.coefficients(component, (px // 2 + 1 + difference, py // 2 + 1), *sides)
+    period = period or (px, py)
+    scaled = table / (period[0] * period[1])
+    return transform_quadrant(scaled, _PARITY[component], period, difference)
 
 
 def block_mean(

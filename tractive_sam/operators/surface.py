@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from tractive_sam.compute import spectrum, transform
+from tractive_sam.compute import transform
 from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice
@@ -85,7 +85,7 @@ def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray
     """Return spectra of the displacement kernels: real ones xx, xy, yy, and xz, yz."""
 
     def of(component: str) -> np.ndarray:
-        return spectrum(influence.displacement_table(lattice, body, component))
+        return influence.displacement(lattice, body, component)
 
     even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
     return even, np.stack([of(component) for component in ("xz", "yz")])

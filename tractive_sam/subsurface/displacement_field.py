@@ -5,7 +5,7 @@ import numpy as np
 from tractive_sam.contact import Laws
 from tractive_sam.kernels import displacement as formula
 from tractive_sam.mechanics import HalfSpaces, Strips
-from tractive_sam.operators import Lattice, unfold_quadrant
+from tractive_sam.operators import Lattice, transform_quadrant
 from tractive_sam.results import State
 from tractive_sam.subsurface.depth import check_depths
 from tractive_sam.subsurface.mirror import SIGNS, tractions_on_bodies
@@ -59,7 +59,7 @@ def displacement(
         (px // 2 + 1, py // 2 + 1), grid.dx, grid.dy, depth, getattr(material, body).poisson
     )
     kernels = {
-        name: np.fft.rfft2(unfold_quadrant(values, formula.PARITY[name], lattice.padded))
+        name: transform_quadrant(values, formula.PARITY[name], lattice.padded)
         for name, values in table.items()
     }
     kernels["yx"] = kernels["xy"]
