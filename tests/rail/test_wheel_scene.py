@@ -298,7 +298,7 @@ def test_forces_change_little_over_small_displacements():
 
 def test_conformal_contacts_are_reported():
     """Near the root of the flange the contact angle varies over the patch."""
-    with pytest.warns(ts.SceneWarning, match="conformal"):
+    with pytest.warns(ts.SceneWarning, match="wheelset"):
         one = scene(6.1, grid={"elements": [15, 15]}, yaw=8.0, load=9e4)
     history = ts.roll(one)
     assert history["angle_range"].max() > 15.0

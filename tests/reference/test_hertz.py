@@ -163,12 +163,12 @@ def test_flat_pair_has_an_infinite_radius(radii):
     ],
 )
 def test_impossible_contact(wrong):
-    with pytest.raises(ValueError, match=r"positive|one"):
+    with pytest.raises(ValueError, match=[*(wrong or ["load"])][-1]):
         hertz(**({"e_star": 1.0, "radius_x": 1.0, "radius_y": 1.0} | wrong))
 
 
 def test_impossible_line():
-    with pytest.raises(ValueError, match="inf"):
+    with pytest.raises(ValueError, match="radius"):
         hertz_line(1.0, math.inf, 1.0)
 
 

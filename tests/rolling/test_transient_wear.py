@@ -294,7 +294,7 @@ def test_scenes_without_wear_have_nothing_of_it():
     history = ts.roll(SPHERES.replace(transient=rolling(2), **{"grid.elements": (15, 15)}))
     assert not {"step_worn", "worn_volume"} & set(history.columns)
     assert not history["wear_max"].any()
-    with pytest.raises(ValueError, match="track"):
+    with pytest.raises(ValueError, match="worn_track"):
         _ = history.worn_track
 
 

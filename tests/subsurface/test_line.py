@@ -91,7 +91,7 @@ def test_maximum_of_sliding_lies_at_the_surface():
 
 
 def test_half_width_in_y_is_no_unit():
-    with pytest.raises(ValueError, match="mm"):
+    with pytest.raises(ValueError, match=r"y=0\.5b"):
         subsurface.stress_on_planes(steady_line(32), ["y=0.5b"], ["A"])
 
 
