@@ -7,6 +7,7 @@ from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import roles
+from numpydoc.docscrape import NumpyDocString
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -51,6 +52,8 @@ MATHJAX = Path(find_spec("sphinx-mathjax-offline").origin).parent / "static" / "
 default_role = "literal"
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
+# Docstrings of tables have a section of keys. The manual lists the keys on the page "Scene keys".
+NumpyDocString.sections["Keys"] = []
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"tractive_sam {release}"
