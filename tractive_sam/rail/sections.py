@@ -148,7 +148,7 @@ def read_sections(path: str | PathLike[str], read: Callable[[Path], Profile]) ->
     Its lines, without comments after ``%`` or ``!``: offset and scale of positions; number of
     sections; numbers of marks, kinks and accelerations; a number (the kind of spline, not used);
     position and file of each section, the file in quotes; position and marks of each section, the
-    arc lengths in mm of corresponding points from the first point of its file.
+    arc lengths in mm of corresponding points from the end with the smallest y.
 
     Parameters
     ----------
