@@ -89,11 +89,11 @@ class StepWork:
 
     def tangential(self, fields: np.ndarray, moved: np.ndarray) -> float:
         """Return the work, N mm, of tractions on tangential displacements, both dimensionless."""
-        return self._slip * float((fields[-2:] * moved[-2:]).sum())
+        return self._slip * float(np.vdot(fields[-2:], moved[-2:]))
 
     def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
         """Return the work of the pressure, N mm; 0 if `fields` are tractions only."""
-        return self._gap * float((fields[:-2] * moved[:-2]).sum())
+        return self._gap * float(np.vdot(fields[:-2], moved[:-2]))
 
     def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
         """Return the elastic energy, N mm: half the work of fields on their displacements."""

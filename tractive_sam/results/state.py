@@ -220,8 +220,7 @@ class State:
     @property
     def elements_across(self) -> tuple[int, ...]:
         """Elements of the contact in x, and in y; of a line contact in x alone."""
-        directions = range(self.grid.directions)
-        return tuple(int(self.touching.any(axis=1 - axis).sum()) for axis in directions)
+        return tuple(int(self.touching.any(axis=1 - k).sum()) for k in range(self.grid.directions))
 
     def on(self, grid: Grid) -> "State":
         """Return the contact on a wider mesh of equal elements: gap inf, else 0 outside, no heat.
@@ -260,7 +259,8 @@ class State:
         """Tangential traction in the norm of the friction law, ||p_t||_mu, MPa; 0 if none."""
         if self.frame is None:
             return np.zeros_like(self.pressure)
-        return np.sqrt((self.frame.to_scaled(self.traction) ** 2).sum(axis=0))
+        first, second = self.frame.to_scaled(self.traction)
+        return np.sqrt(first**2 + second**2)
 
     @property
     def bound(self) -> np.ndarray:
@@ -317,8 +317,8 @@ class State:
     @cached_property
     def Mz(self) -> float:
         """Spin moment on A, N mm."""
-        x, y = self.grid.x[:, None], self.grid.y[None, :]
-        return self._integral(x * self.traction[1] - y * self.traction[0])
+        along_x, along_y = self.traction[1].sum(axis=1), self.traction[0].sum(axis=0)
+        return self._integral(self.grid.x @ along_x - self.grid.y @ along_y)
 
     @property
     def p_max(self) -> float:
