@@ -8,6 +8,7 @@ the force.
 """
 
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 import scipy  # its parts are loaded when first used
@@ -63,7 +64,7 @@ class Bracketing:
             return self.continuation.solve(problem, tolerance, start)
         search = _Search(self, problem, tolerance, start)
         try:
-            self._approach(search, start)
+            self._approach(search, tolerance, start)
             last = self.solver.solve(problem, tolerance, search.known)
             search.add(last)
         except _NotSolvedError:
@@ -72,18 +73,25 @@ class Bracketing:
         note = Note("newton between creepages", outcome.status, f" after {search.taken} problems")
         return replace(outcome, trace=(note,))
 
-    def _approach(self, search: "_Search", start: Start | Outcome | None) -> None:
-        """Search creepages until the first force is close to its prescribed value."""
+    def _approach(self, search: "_Search", tolerance: float, start: Start | Outcome | None) -> None:
+        """Search creepages until the first force is close to its prescribed value.
+
+        Intermediate problems are solved roughly; if that does not lead there, to the tolerance.
+        """
         here = 0.0 if start is None or start.creepage is None else float(start.creepage[0])
-        before, missed = here, search.force_missed(here)
-        side = np.sign(missed)
-        step = side * self.first
-        while missed and np.sign(missed) == side:
-            search.check_creepage()
-            before, here = here, here + step
-            missed, step = search.force_missed(here), self.growth * step
-        if missed:
-            scipy.optimize.brentq(search.force_missed, before, here, disp=False)
+        for search.rough in (max(tolerance, self.rough), tolerance):
+            force_missed = cache(search.force_missed)
+            before, missed = here, force_missed(here)
+            side = np.sign(missed)
+            step = side * self.first
+            while missed and np.sign(missed) == side:
+                search.check_creepage()
+                before, here = here, here + step
+                missed, step = force_missed(here), self.growth * step
+            if missed:
+                here = scipy.optimize.brentq(force_missed, before, here, disp=False)
+            if not search.missed:
+                break  # else the force of a rough solution was on the wrong side
 
 
 class _Search:
@@ -97,6 +105,10 @@ class _Search:
         The last outcome, with the cost of all problems before.
     taken : int
         Number of problems solved.
+    rough : float
+        Residual to which problems are solved.
+    missed : float
+        Last force minus its target, 0.0 if it is close.
     """
 
     outcome: Outcome
@@ -105,7 +117,7 @@ class _Search:
         self, method: Bracketing, problem: Problem, tolerance: float, start: Start | Outcome | None
     ):
         forces = problem.forces
-        self.method, self.problem, self.rough = method, problem, max(tolerance, method.rough)
+        self.method, self.problem, self.rough, self.missed = method, problem, tolerance, 0.0
         self.vector, self.target = forces.vectors[0], forces.target[0]
         self.others = PrescribedForces(forces.vectors[1:], forces.target[1:])
         self.known, self.taken = start, 0
@@ -141,7 +153,8 @@ class _Search:
         traction = needed(outcome.traction, "outcome.traction")
         missed = self.vector @ traction.sum(axis=(1, 2)) - self.target
         size = np.linalg.norm(self.vector) * np.hypot(*traction).sum()
-        return float(missed) if abs(missed) > self.method.close * size else 0.0
+        self.missed = float(missed) if abs(missed) > self.method.close * size else 0.0
+        return self.missed
 
     def check_creepage(self) -> None:
         """Raise an error if the creepage is so large that no creepage gives the force."""
