@@ -50,6 +50,27 @@ def solvers_growth() -> str:
     return format_columns(read_rows("solvers_growth.csv"), columns)
 
 
+def preconditioners() -> str:
+    """Return the iterations for one Newton step by preconditioner."""
+    columns = {name: (name, str) for name in ("elements", "preconditioner", "unknowns")}
+    columns["condition number"] = ("condition number", number(".3g"))
+    columns |= {
+        f"iterations to {goal}": (f"to {goal}", str) for goal in ("1e-02", "1e-04", "1e-08")
+    }
+    return format_columns(read_rows("preconditioners.csv"), columns)
+
+
+def large_threads() -> str:
+    """Return wall times on large meshes for several numbers of threads."""
+    columns = {
+        "elements": ("n", lambda n: f"{n} x {n}"),
+        "threads": ("threads", str),
+        "application, ms": ("application s", number(".3g", 1e3)),
+        "solution, s": ("solution s", number(".3g")),
+    }
+    return format_columns(read_rows("large_threads.csv"), columns)
+
+
 def large() -> str:
     """Return time and memory of large meshes."""
     columns = {
@@ -886,6 +907,8 @@ TABLES = {
         solvers,
         solvers_steady,
         solvers_growth,
+        preconditioners,
+        large_threads,
         large,
         normal,
         wheel_rail,
