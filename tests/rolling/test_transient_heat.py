@@ -132,9 +132,8 @@ def test_a_run_is_continued(tmp_path):
         interrupted(scene, path, 4)
         again = ts.roll(scene, path, resume=True)
         assert again.status == "done"
-        same(
-            again, ts.roll(scene), (*HEAT_FIELDS, "Qx"), rtol=1e-9
-        )  # an approach read from a column
+        # The error of the last extrapolation is not stored: contacts agree within their tolerance.
+        same(again, ts.roll(scene), (*HEAT_FIELDS, "Qx"), rtol=1e-8)
 
 
 def test_mirrored_scenes_are_mirrored():

@@ -162,9 +162,10 @@ def assert_same(results, wanted):
     assert results.complete, results.counts
     for name in ("revolution", "Qx", "Qy", "Mz", "p_max", "wear_max", "half_width_y"):
         # Plans of transforms may differ between processes, and with them the last digits, which
-        # grow to what the tolerance of the solver leaves open.
+        # grow to what the tolerance of the solver leaves open. Forces that symmetry makes zero are
+        # far below 1e-8 of the forces of the discs, but may exceed 1e-9 N.
         np.testing.assert_allclose(
-            results.column(name), wanted.column(name), rtol=1e-6, atol=1e-9, err_msg=name
+            results.column(name), wanted.column(name), rtol=1e-6, atol=1e-8, err_msg=name
         )
 
 
