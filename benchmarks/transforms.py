@@ -103,19 +103,12 @@ def find_lengths() -> None:
     lengths = [n for n in lengths if 16 <= n <= 512]
     rows = []
     for n in lengths:
-        double, single = (
-            rows_and_columns(n, *kinds)
-            for kinds in ((np.float64, np.complex128), (np.float32, np.complex64))
-        )
-        times = dict(zip(("rows", "columns"), zip(double, single, strict=True), strict=True))
-        rows.append(
-            {"length": n}
-            | {
-                f"{k}_{p}": t
-                for k, v in times.items()
-                for p, t in zip(("double", "single"), v, strict=True)
-            }
-        )
+        double = rows_and_columns(n, np.float64, np.complex128)
+        single = rows_and_columns(n, np.float32, np.complex64)
+        row: dict[str, float] = {"length": n}
+        for kind, *times in zip(("rows", "columns"), double, single, strict=True):
+            row |= {f"{kind}_double": times[0], f"{kind}_single": times[1]}
+        rows.append(row)
     write("transform_lengths", rows)
     # The other steps of a convolution take as long per number as these.
     for kind, others in (("rows", 1.0), ("columns", 0.4)):

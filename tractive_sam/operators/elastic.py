@@ -55,7 +55,7 @@ class Operators:
         # Displacement over an element's length is in units of slip.
         self._per_gap, self._per_dx = 1.0 / gap, 1.0 / (slip * lattice.dx)
         self._units = gap, slip
-        self._displacement = partial(influence.displacement, lattice, elasticity)
+        self._displacement = partial(influence.transform_displacement, lattice, elasticity)
         self.frame = frame or Frame()
 
     def on(self, lattice: Lattice) -> "Operators":
@@ -120,7 +120,7 @@ class Operators:
     def _tangential(self, xx, xy, yy):
         """Rotate and scale entries to the frame: (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""
         (a, b), (c, d) = self.frame.matrix
-        if (a, b, c, d) == (1.0, 0.0, 0.0, 1.0):
+        if (a, b, c, d) == (1.0, 0.0, 0.0, 1.0):  # isotropic friction
             return xx, xy, yy
         return (
             a * a * xx + 2.0 * a * b * xy + b * b * yy,
@@ -216,7 +216,7 @@ class Operators:
         Parameters
         ----------
         difference : bool
-            Whether to slip, a difference of displacements over dx.
+            True for slip, the difference of the displacement over dx from element to element.
         """
         F, (t11, t12, t22) = self.frame.matrix, self._tangential_spectra(None, difference)
         drag = [self._per_dx * self._displacement(k, None, difference) for k in ("xz", "yz")]

@@ -100,11 +100,14 @@ def transform_quadrant(
     -------
     ndarray of complex, shape (p_x, p_y/2 + 1)
     """
+    # Of real values, the transform is real if they are even, i times real if they are odd; its
+    # other half is the complex conjugate.
     (even_x, even_y), half = parity, period[0] // 2
     along_y = np.fft.rfft(unfold(table[: half + 2], even_y, period[1]))
     rows = (along_y.real if even_y > 0 else along_y.imag).T
     values = unfold(rows, even_x, period[0])
     if difference:
+        # Not periodic: beyond half a period, the next entry is that of the table.
         ahead = np.roll(values, -1, axis=1)
         ahead[:, half] = rows[:, half + 1]
         values = values - ahead
@@ -113,7 +116,7 @@ def transform_quadrant(
     return spectrum if even_y > 0 else 1j * spectrum
 
 
-def displacement(
+def transform_displacement(
     lattice: Lattice,
     elasticity: Elasticity,
     component: str,

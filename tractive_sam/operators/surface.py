@@ -85,7 +85,7 @@ def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray
     """Return spectra of the displacement kernels: real ones xx, xy, yy, and xz, yz."""
 
     def of(component: str) -> np.ndarray:
-        return influence.displacement(lattice, body, component)
+        return influence.transform_displacement(lattice, body, component)
 
     even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
     return even, np.stack([of(component) for component in ("xz", "yz")])

@@ -79,7 +79,7 @@ class Bracketing:
         Intermediate problems are solved roughly; if that does not lead there, to the tolerance.
         """
         here = 0.0 if start is None or start.creepage is None else float(start.creepage[0])
-        for search.rough in (max(tolerance, self.rough), tolerance):
+        for search.rough in sorted({max(tolerance, self.rough), tolerance}, reverse=True):
             force_missed = cache(search.force_missed)
             before, missed = here, force_missed(here)
             side = np.sign(missed)
