@@ -1,13 +1,21 @@
 """The structure of the package in numbers, each with a limit that only falls.
 
 The numbers show early that a change makes the code harder to read: imports that build on each
-other, functions and modules that do several things, constants that belong to a record. If one
-exceeds its limit, improve the code; if a number has fallen, lower its limit. Do not evade them.
+other, files and functions that were split so that a reader must look up what belongs together,
+functions and modules that do several things, constants that belong to a record. If one exceeds its
+limit, improve the code; if a number has fallen, lower its limit. Do not evade them, and change a
+limit that makes the code worse.
+
+There is no limit on the length of the package, and none on modules of less than 500 lines or
+functions of less than 60: such limits split 426 modules of 77 lines, whose import statements were a
+ninth of the code.
 """
 
 import ast
+from collections import Counter
 from functools import cache
 from pathlib import Path
+from statistics import median
 
 import pytest
 
@@ -17,13 +25,16 @@ LIMITS = {
     "modules on the longest chain of imports": 13,
     "modules that import each other, in any way": 0,
     "modules with TYPE_CHECKING": 3,
-    "functions over 40 code lines": 7,
+    "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
-    "modules over 250 code lines": 2,
+    "import lines, per cent of code lines": 11.2,
+    "functions of at most 3 statements with one use": 303,
     "module constants": 250,
-    "code lines": 38318,
-    "public names": 123,
+    "public names": 200,
 }
+
+SMALLEST = {"code lines of the median module": 70}
+"""Numbers that only rise."""
 
 PACKAGE = Path(tractive_sam.__file__).parent
 
@@ -140,24 +151,58 @@ def circular_modules(modules):
     return sorted(filter(reaches_itself, names))
 
 
+def count_import_lines(module):
+    imports = [n for n in module.nodes if isinstance(n, ast.Import | ast.ImportFrom)]
+    lines = {k for node in imports for k in range(node.lineno, node.end_lineno + 1)}
+    return len(lines & module.code_lines)
+
+
+def count_small_single_uses(modules):
+    """Return the number of functions of at most 3 statements that one place uses."""
+    nodes = [node for module in modules for node in module.nodes]
+    uses = Counter(n.id for n in nodes if isinstance(n, ast.Name))
+    uses.update(n.attr for n in nodes if isinstance(n, ast.Attribute))
+    functions = [function for module in modules for function in module.functions()]
+    definitions = Counter(function.name for function in functions)
+    return sum(
+        definitions[function.name] == uses[function.name] == 1
+        and not function.name.startswith("__")
+        for function in functions
+        if count_statements(function) <= 3
+    )
+
+
+def count_statements(function):
+    """Return the number of statements of a function, also nested ones, without its docstring."""
+    nested = sum(isinstance(node, ast.stmt) for node in ast.walk(function))
+    return nested - 1 - (ast.get_docstring(function) is not None)
+
+
 @cache
 def measure():
     modules = read_modules()
     lengths = [m.count_code_lines(node) for m in modules.values() for node in m.functions()]
     sizes = [len(module.code_lines) for module in modules.values()]
+    imports = sum(map(count_import_lines, modules.values()))
     return {
         "modules on the longest chain of imports": longest_chain(modules),
         "modules that import each other, in any way": len(circular_modules(modules)),
         "modules with TYPE_CHECKING": sum(m.has_type_checking() for m in modules.values()),
-        "functions over 40 code lines": sum(length > 40 for length in lengths),
+        "modules over 500 code lines": sum(size > 500 for size in sizes),
         "functions over 60 code lines": sum(length > 60 for length in lengths),
-        "modules over 250 code lines": sum(size > 250 for size in sizes),
+        "import lines, per cent of code lines": 100.0 * imports / sum(sizes),
+        "functions of at most 3 statements with one use": count_small_single_uses(modules.values()),
         "module constants": sum(len(module.constants()) for module in modules.values()),
-        "code lines": sum(sizes),
         "public names": len(tractive_sam.__all__),
+        "code lines of the median module": median(filter(None, sizes)),
     }
 
 
 @pytest.mark.parametrize("quantity", LIMITS)
 def test_structure_stays_within_its_limit(quantity):
     assert measure()[quantity] <= LIMITS[quantity]
+
+
+@pytest.mark.parametrize("quantity", SMALLEST)
+def test_structure_reaches_its_smallest_number(quantity):
+    assert measure()[quantity] >= SMALLEST[quantity]
