@@ -5,6 +5,9 @@ import pytest
 
 import tractive_sam as ts
 from tests.scenes import interrupted
+from tractive_sam.contact.heat import _solve_division
+from tractive_sam.operators.heat import SurfaceHeat, temperature_coefficients
+from tractive_sam.results import Grid
 
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}
 
@@ -52,6 +55,47 @@ def test_contact_conducts_without_sliding(cold):
     assert np.isnan(heat.share)  # no heat is made
     assert heat.flux["A"].sum() < 0.0  # it flows from A
     np.testing.assert_allclose(heat.flux["A"], -heat.flux["B"])
+
+
+@pytest.mark.parametrize("line", [True, False])
+def test_any_pair_of_bodies_is_solved(line):
+    """Random conductivities, Peclet numbers and sizes, against a dense solution.
+
+    The bound of the difference is the tolerance of GMRES times the condition of these matrices.
+    """
+    rng = np.random.default_rng(3)
+    for elements in ((589, 1), (401, 1), (101, 1)) if line else ((21, 17), (16, 9)):
+        grid = Grid((1.0, 0.5 if line else 1.0), elements)
+        y = np.zeros(1) if line else grid.y
+        touching = (grid.x[:, None] / 0.85) ** 2 + (y / 0.85) ** 2 < 1.0
+        i, j = np.nonzero(touching)
+        for _ in range(6):
+            speed, lams = 10.0 ** rng.uniform(0.0, 5.0), 10.0 ** rng.uniform(-1.0, 2.6, 2)
+            kappas = speed / 10.0 ** rng.uniform(-4.0, 3.0, 2)
+            bodies = [SurfaceHeat(grid, speed, *of) for of in zip(kappas, lams, strict=True)]
+            heat = touching * rng.random(touching.shape)
+            into_A, residual = _solve_division(*bodies, heat, 3.0, touching)
+            assert residual == 0.0  # within the tolerance
+            dense = []
+            for kappa, lam in zip(kappas, lams, strict=True):
+                x = grid.dx * np.arange(1 - elements[0], elements[0])
+                across = y if line else grid.dy * np.arange(1 - elements[1], elements[1])
+                sides = grid.dx, np.inf if line else grid.dy
+                table = temperature_coefficients(x, across, *sides, speed, kappa, lam)
+                rows, columns = i[:, None] - i, j[:, None] - j
+                dense.append(table[rows + elements[0] - 1, columns + elements[1] - 1])
+            exact = np.linalg.solve(sum(dense), dense[1] @ heat[touching] + 3.0)
+            assert np.abs(into_A[touching] - exact).max() < 1e-7 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize("course", [{}, {"transient": {"distance": [0.0, 0.05]}}])
+def test_unsolved_shares_are_not_converged(cold, monkeypatch, course):
+    monkeypatch.setattr("tractive_sam.contact.heat.gmres", lambda a, b, rhs, *_: (0.0 * rhs, 0))
+    scene = cold.replace(**{"body.B.thermal": GLASS, **course})
+    history = ts.roll(scene)
+    assert history.status != "done"
+    assert "heat" in history.message
+    assert np.isfinite(history["temperature_max"]).all()  # the data are there
 
 
 def test_symmetric_under_exchange_of_the_bodies(cold):

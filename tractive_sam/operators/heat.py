@@ -118,15 +118,16 @@ class SurfaceHeat:
     """
 
     def __init__(self, grid: Grid, speed: float, kappa: float, lam: float, until: float = np.inf):
-        nx, ny = grid.elements
         dx, dy = (*grid.sides, np.inf)[:2]
-        self._period = period = padded_length(nx), padded_length(ny)
-        x, y = dx * np.arange(1 - nx, nx), np.zeros(1) if ny == 1 else dy * np.arange(ny)
-        coefficients = temperature_coefficients(x, y, dx, dy, speed, kappa, lam, until)
-        table, i = np.zeros(period), np.arange(1 - nx, nx) % period[0]
-        table[i, :ny] = coefficients
-        if ny > 1:
-            table[i, 1 - ny :] = coefficients[:, :0:-1]
+        self._period = period = padded_length(grid.elements[0]), padded_length(grid.elements[1])
+        # A product uses the differences of indices below n_x and n_y. The others are filled all
+        # the same: with zeros there, the periodic operator has no useful inverse.
+        i, j = np.arange(period[0]) - period[0] // 2, np.arange(period[1] // 2 + 1)
+        y = np.zeros(1) if grid.elements[1] == 1 else dy * j
+        table, j = np.zeros(period), j[: y.size]
+        table[i[:, None], -j] = table[i[:, None], j] = temperature_coefficients(
+            dx * i, y, dx, dy, speed, kappa, lam, until
+        )
         self._spectrum = np.fft.rfft2(table) / table.size
         self._apply = Convolution(self._spectrum[None], grid.elements, period)
 

@@ -24,6 +24,8 @@ class FlashTemperature(ShortArrays):
         Temperatures of the surfaces of "A" and "B", degrees C.
     flux : mapping of str to ndarray, shape (n_x, n_y)
         Heat flux into each surface, mW/mm²; the sum is the frictional heat, -p_t . s.
+    residual : float
+        Relative residual of the equality of both temperatures in contact.
 
     Examples
     --------
@@ -36,6 +38,7 @@ class FlashTemperature(ShortArrays):
     touching: np.ndarray
     temperature: Mapping[str, np.ndarray]
     flux: Mapping[str, np.ndarray]
+    residual: float = 0.0
 
     @property
     def temperature_A(self) -> np.ndarray:
@@ -51,6 +54,17 @@ class FlashTemperature(ShortArrays):
     def into_A(self) -> np.ndarray:
         """Heat flux into A, mW/mm²."""
         return self.flux["A"]
+
+    @property
+    def shortfall(self) -> str:
+        """Message if the temperatures of both bodies differ in contact; empty if they are equal."""
+        if self.residual <= 1e-9:
+            return ""
+        return (
+            "not converged: heat: the shares of the bodies in the frictional heat were solved only "
+            f"to a residual of {self.residual:.1e}; check body.A.thermal and body.B.thermal, or "
+            "change grid.elements"
+        )
 
     @cached_property
     def _contact_temperature(self) -> np.ndarray:

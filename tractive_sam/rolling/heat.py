@@ -86,18 +86,21 @@ class TransientHeat(Observer):
         bulks = required(model.scene.heat, "heat").bulks
         before = {body: bulks[body] + memory.temperature for body, memory in carried.items()}
         heat = divide_heat(model, contact, _friction_heat(step.result) / time, before, time)
+        worst = np.maximum(heat.residual, required(self.heat, "heat").residual)
+        heat = replace(heat, residual=float(worst))
         past = _per_body(carried, lambda memory, flux: memory.after(flux), heat.flux)
         return replace(adopted, heat=heat, past=past)
 
     def _after_shift(self, result: StepResult, model: Model) -> "TransientHeat":
         """Return the observer after a shift: friction heats in no time, temperatures stay."""
         contact, none = result.contact, np.zeros(result.contact.grid.elements)
-        total, before = _friction_heat(result), required(self.heat, "heat").temperature
+        total, last = _friction_heat(result), required(self.heat, "heat")
         warmth = {
-            body: widen_field(before[body], none.shape, bulk)
+            body: widen_field(last.temperature[body], none.shape, bulk)
             for body, bulk in required(model.scene.heat, "heat").bulks.items()
         }
-        heat = FlashTemperature(contact.grid, contact.touching, warmth, dict.fromkeys(BODIES, none))
+        flux = dict.fromkeys(BODIES, none)
+        heat = FlashTemperature(contact.grid, contact.touching, warmth, flux, last.residual)
         past = {
             body: heat_memories(model)[body].after_shock(self.past[body], share * total)
             for body, share in shares_of_instant_heat(model).items()
@@ -122,6 +125,11 @@ class TransientHeat(Observer):
         Its columns and fields of temperature read this heat.
         """
         return replace(contact, heat=self.heat)
+
+    @property
+    def shortfall(self) -> str:
+        """Message if the heat shares of a step were not solved."""
+        return "" if self.heat is None else self.heat.shortfall
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
