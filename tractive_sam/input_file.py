@@ -1,5 +1,6 @@
 """Safe input: regular files only, up to a size limit."""
 
+import codecs
 import csv
 import errno
 import os
@@ -43,7 +44,7 @@ def read_text(path: str | PathLike[str], max_bytes: int, encoding: str = "utf-8"
     max_bytes : int
         Largest size of the file.
     encoding : str
-        Encoding of the characters.
+        Encoding of a text without a byte-order mark.
 
     Raises
     ------
@@ -132,4 +133,8 @@ def _read_limited(file: BinaryIO, max_bytes: int, encoding: str, name: str) -> s
     if len(content) > max_bytes:
         reason = f"larger than the limit of {max_bytes} bytes for a file of this kind"
         raise OSError(errno.EFBIG, reason, name)
+    # A byte-order mark, as editors of Windows write it, states the encoding.
+    marks = {codecs.BOM_UTF8: "utf-8-sig"}
+    marks |= dict.fromkeys((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE), "utf-16")
+    encoding = next((marks[mark] for mark in marks if content.startswith(mark)), encoding)
     return content.decode(encoding).replace("\r\n", "\n").replace("\r", "\n")

@@ -75,9 +75,15 @@ def test_blas_threads_are_limited_and_restored():
         return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 
     before = counts()
-    with threads.single_blas_thread():
+    with threads.numeric_settings():
         assert set(counts()) <= {1}
     assert counts() == before
+
+
+def test_underflow_is_no_error_whatever_the_caller_prescribes():
+    tiny = np.full(9, 1e-200)
+    with np.errstate(all="raise"), threads.numeric_settings():
+        assert tiny @ tiny == 0.0
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no such processes on this system")

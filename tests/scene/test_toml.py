@@ -214,3 +214,27 @@ def test_file(tmp_path, spheres):
 )
 def test_value(text, value):
     assert parse_value(text) == value
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-be"])
+def test_byte_order_mark_states_the_encoding(tmp_path, encoding):
+    text, path = Scene.builtin("spheres").replace(title="µ = 0,3").to_toml(), tmp_path / "s.toml"
+    mark = b"\xfe\xff" if encoding == "utf-16-be" else b""
+    path.write_bytes(mark + text.encode(encoding))
+    assert Scene.from_toml(path) == Scene.from_toml_text(text)
+
+
+@pytest.mark.parametrize("path", [r"C:\Users\a.npy", r"C:\data\a.npy", r"C:\temp\new.npy"])
+def test_backslashes_in_double_quotes_are_explained(path):
+    with pytest.raises(SceneError, match="single quotes"):
+        Scene.from_toml_text(f'{Scene.builtin("spheres").to_toml()}\n[gap]\nfile = "{path}"')
+
+
+def test_settings_may_correct_a_file_that_does_not_exist():
+    tables = Scene.builtin("wheel-rail").entries()
+    tables["wheel"]["profile"] = "missing.prw"
+    with pytest.raises(SceneError, match=r"wheel\.profile"):
+        Scene.from_tables(tables)
+    corrected = Scene.from_tables(tables, ["wheel.profile=S1002"])
+    assert corrected == Scene.builtin("wheel-rail")
+    assert Scene.from_tables(tables, ["title=a", "wheel.profile=S1002"]).title == "a"

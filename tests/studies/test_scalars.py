@@ -13,7 +13,16 @@ import pytest
 from tests.studies.conftest import CREEPAGE, MU, small
 from tractive_sam.run.pipeline import roll
 from tractive_sam.store import ResultsError
-from tractive_sam.studies import StudyError, cases, chain, explain_study, open_study, run, study
+from tractive_sam.studies import (
+    Study,
+    StudyError,
+    cases,
+    chain,
+    explain_study,
+    open_study,
+    run,
+    study,
+)
 from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.task import Task, summary
 from tractive_sam.studies.worker import run_chain
@@ -51,6 +60,14 @@ def test_numbers_are_those_of_each_scene_only(tmp_path):
         wanted = summary(roll(row.case.scene, progress=False))
         assert row.last.keys() == wanted.keys()
         agree(row.last, wanted)
+
+
+def test_scenes_of_any_process_may_keep_scalars(tmp_path):
+    """Wheel and rail: a contact of several patches, which no neighbour starts."""
+    axis = {"key": "wheelset.y", "values": [0.5, 1.0]}
+    small = {"set": ["grid.elements=[11, 11]"], "axis": [axis], "keep": "scalars"}
+    for row in study(Study(scene="wheel-rail", **small), tmp_path, workers=0).rows:
+        agree(row.last, summary(roll(row.case.scene, progress=False)))
 
 
 def test_all_is_in_one_file(tmp_path):

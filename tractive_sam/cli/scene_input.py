@@ -1,7 +1,7 @@
 """Read the scene of a command, and complete names of scenes and keys."""
 
 from pathlib import Path
-from typing import Annotated, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -95,27 +95,25 @@ def read_scene(name: str, settings: list[str] | None) -> "ts.Scene":
     from tractive_sam.scene import Scene
     from tractive_sam.schema import SceneError
 
-    with report_warnings() as notes:
+    with report_warnings():
         try:
-            scene = _from_standard_input() if name == STANDARD_INPUT else Scene.from_name(name)
+            piped = name == STANDARD_INPUT
+            tables = _read_standard_input() if piped else Scene.tables_from_name(name)
+            return Scene.from_tables(tables, settings or ())
         except SceneError:
             _refuse_results_and_studies(name)
             raise
-        if settings:
-            notes.clear()  # the settings may have removed the cause of a warning
-            scene = scene.with_set(settings)
-    return scene
 
 
-def _from_standard_input(max_bytes: int = 2**26) -> "ts.Scene":
-    """Return the scene read from the standard input; end with an error beyond `max_bytes`."""
+def _read_standard_input(max_bytes: int = 2**26) -> dict[str, Any]:
+    """Return the tables read from the standard input; end with an error beyond `max_bytes`."""
     from tractive_sam.input_file import read_piped
-    from tractive_sam.scene import Scene
+    from tractive_sam.schema import toml
 
     try:
-        return Scene.from_toml_text(read_piped(max_bytes))
+        return toml.parse(read_piped(max_bytes))
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text in UTF-8"
+        reason = getattr(error, "strerror", None) or "not a text in UTF-8 or UTF-16"
         raise invalid_exit(f"standard input cannot be read: {reason}") from None
 
 

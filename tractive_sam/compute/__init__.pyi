@@ -14,4 +14,4 @@ from .stress_fft import LayerTransform as LayerTransform
 from .stress_fft import edge_transform as edge_transform
 from .stress_fft import layer_transform as layer_transform
 from .threads import cores as cores
-from .threads import single_blas_thread as single_blas_thread
+from .threads import numeric_settings as numeric_settings

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 
+import numpy as np
 from threadpoolctl import ThreadpoolController
 
 
@@ -38,12 +39,13 @@ def cores() -> int:
 
 
 @contextmanager
-def single_blas_thread() -> Iterator[None]:
-    """Limit BLAS to one thread within the block or function.
+def numeric_settings() -> Iterator[None]:
+    """Limit BLAS to one thread and ignore underflow within the block or function.
 
-    Its vectors are too short here for more, and threads that wait for work take cores from others.
+    Vectors are too short here for more threads, and threads that wait take cores from others.
+    Numbers near zero, such as residuals, may underflow to zero, whatever `np.seterr` prescribes.
     """
-    with _controller().limit(limits=1, user_api="blas"):
+    with _controller().limit(limits=1, user_api="blas"), np.errstate(under="ignore"):
         yield
 
 

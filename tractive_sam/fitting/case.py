@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.compute import ConvolutionMeter, single_blas_thread
+from tractive_sam.compute import ConvolutionMeter, numeric_settings
 from tractive_sam.contact import LinearSolver, Model, jacobian_of
 from tractive_sam.fitting.derivatives import derivatives_of
 from tractive_sam.results import BODIES, COLUMNS, History, State, index_by_name
@@ -128,7 +128,7 @@ def is_steady(scene: Scene) -> bool:
     return not scene.schedule.end and not scene.duty
 
 
-@single_blas_thread()
+@numeric_settings()
 def compute(case: FitCase, start: State | None = None) -> tuple[Answer, State | None]:
     """Solve or roll the scene of a case; return (answer, contact), None for a roll or failure.
 

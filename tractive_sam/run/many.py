@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.compute import single_blas_thread
+from tractive_sam.compute import numeric_settings
 from tractive_sam.contact import (
     Model,
     check_jacobian,
@@ -34,7 +34,7 @@ Values = Mapping[str | tuple[str, ...], Sequence[Any]] | Mapping[str, Sequence[A
 """Lists of values of keys of a scene, or rows of values of several keys together."""
 
 
-@single_blas_thread()
+@numeric_settings()
 def solve_many(scene: Scene, over: Values, *, jacobian: bool = False) -> "xarray.Dataset":
     """Solve all combinations of values; return an xarray Dataset, nan where a contact is unsolved.
 
@@ -337,7 +337,7 @@ class SequentialRuns:
         self._model: Model | None = None
         self._contact: State | None = None
 
-    @single_blas_thread()
+    @numeric_settings()
     def roll(self, scene: Scene) -> History:
         """Return the history of a scene, computed in memory."""
         if not _is_steady(scene):
@@ -361,5 +361,5 @@ class SequentialRuns:
 
 def _is_steady(scene: Scene) -> bool:
     """Return whether a scene is a single contact, with neither rolling nor refinement."""
-    tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum
-    return all(table is None for table in tables)
+    tables = scene.wear, scene.accuracy, scene.transient, scene.spectrum, scene.wheelset
+    return all(table is None for table in (*tables, scene.process))

@@ -12,7 +12,7 @@ from time import perf_counter
 
 from numpy.typing import ArrayLike
 
-from tractive_sam.compute import single_blas_thread
+from tractive_sam.compute import numeric_settings
 from tractive_sam.contact import (
     Laws,
     check_jacobian,
@@ -40,7 +40,7 @@ from tractive_sam.solvers import ProblemSolver
 from tractive_sam.store import open_history, results_writer
 
 
-@single_blas_thread()
+@numeric_settings()
 def solve(
     scene: Scene,
     *,
@@ -146,7 +146,7 @@ def _warn_or_raise(contact: State, throw: bool) -> State:
     return contact
 
 
-@single_blas_thread()
+@numeric_settings()
 def roll(
     scene: Scene,
     path: str | PathLike | None = None,

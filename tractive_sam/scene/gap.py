@@ -74,9 +74,12 @@ def check_exists(path: Path, other_values: str = "") -> None:
     """Raise a ValueError if a file does not exist, unless missing files are accepted."""
     # os.path.isfile, unlike Path.is_file, accepts any text.
     if not may_be_missing() and not os.path.isfile(path):
+        # In double quotes, "C:\new" contains an end of line.
+        escaped = any(character in str(path) for character in "\a\b\t\n\v\f\r\x1b")
+        hint = "; a backslash, perhaps? Write / or single quotes" if escaped else ""
         raise ValueError(
             f"{other_values}an existing file, relative to the folder of the scene's file (without "
-            "one, to the working folder)"
+            f"one, to the working folder){hint}"
         )
 
 

@@ -15,9 +15,11 @@ from tractive_sam.schema import (
     InnerTable,
     PlausibilityWarning,
     SceneError,
+    SceneWarning,
     Table,
     entry,
     optional,
+    toml,
     warn,
 )
 
@@ -100,7 +102,15 @@ class Scene(Document):
     checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
     internal: ClassVar[frozenset[str]] = frozenset(
         (
-            *("contact_type", "finds_creepage", "from_name", "has", "has_fixed_domain"),
+            *(
+                "contact_type",
+                "finds_creepage",
+                "from_name",
+                "has",
+                "from_tables",
+                "tables_from_name",
+                "has_fixed_domain",
+            ),
             *("has_prescribed_force", "schedule", "spectrum", "under_largest_load"),
             *("has_gap", "wheel_rail", "without_blocks"),
         )
@@ -197,6 +207,50 @@ class Scene(Document):
             If the scene does not exist or is not valid.
         """
         return cls.from_toml(name) if is_path(name) else cls.builtin(name)
+
+    @classmethod
+    def tables_from_name(cls, name: str) -> dict[str, Any]:
+        """Return the unchecked tables of a scene that `from_name` would return.
+
+        Raises
+        ------
+        SceneError
+            If the scene does not exist or is not TOML.
+        """
+        if not is_path(name):
+            return toml.parse(builtin_text(name))
+        return cls.resolve_files(Path(name).absolute().parent, cls.read_tables(name))
+
+    @classmethod
+    def from_tables(
+        cls, tables: Mapping[str, Any], settings: Iterable[str] = (), without: Iterable[str] = ()
+    ) -> Scene:
+        """Return the scene of tables, changed by settings that may correct faults of the tables.
+
+        Parameters
+        ----------
+        tables : mapping
+            Nested tables of a scene.
+        settings : iterable of str
+            See `with_set`.
+        without : iterable of str
+            Keys to leave out.
+
+        Raises
+        ------
+        SceneError
+            If a setting cannot be read, or if the changed scene is not valid.
+        """
+        tables = override(tables, dict.fromkeys(without))
+        if not settings:
+            return cls(**tables)
+        try:
+            with warnings.catch_warnings():  # the settings may remove the cause of a warning
+                warnings.simplefilter("ignore", SceneWarning)
+                scene = cls(**tables)
+        except SceneError:
+            return cls(**override(tables, parse_settings(settings)))
+        return scene.with_set(settings)
 
     @classmethod
     def builtin(cls, name: str) -> Scene:

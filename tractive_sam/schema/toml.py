@@ -47,7 +47,9 @@ def parse_file(path: Path, max_bytes: int = 2**26) -> dict[str, Any]:
     try:
         text = input_file.read_text(path, max_bytes)
     except UnicodeDecodeError:
-        raise SceneError([Fault(Fault.FILE, shorten(str(path)), "a text file in UTF-8")]) from None
+        raise SceneError(
+            [Fault(Fault.FILE, shorten(str(path)), "a text file in UTF-8 or UTF-16")]
+        ) from None
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         reason = getattr(error, "strerror", None) or str(error)
         allowed = f"a readable file ({reason.lower()})"
@@ -101,4 +103,6 @@ def _syntax_fault(text: str, message: str) -> Fault:
         hint = "; a decimal point, perhaps?"
     elif re.search(r"=\s*[-+]?infinity\b", content, re.IGNORECASE):
         hint = "; inf, perhaps?"
+    elif re.search(r'"[^"]*\\', content):
+        hint = "; in double quotes a backslash begins an escape: write / or single quotes"
     return Fault(Fault.FILE, f"line {number}, {shorten(content)}", f"TOML ({reason}){hint}")

@@ -250,9 +250,11 @@ def _apply_settings(scene: Any, settings: Any, without: Any) -> Scene:
         raise SceneError([Fault("scene", value, allowed)])
     _check_keys(without)
     try:
-        base = _find_scene(scene)
-        changed = base.replace(**dict.fromkeys(without)) if without else base
-        return changed.with_set(settings) if settings else changed
+        if isinstance(scene, Scene):
+            scene = scene.replace(**dict.fromkeys(without)) if without else scene
+            return scene.with_set(settings) if settings else scene
+        tables = Scene.tables_from_name(scene) if isinstance(scene, str) else scene
+        return Scene.from_tables(tables, settings, without)
     except SceneError as error:
         raise SceneError(fault.under("scene") for fault in error.faults) from None
 
@@ -264,12 +266,3 @@ def _check_keys(without: Iterable[str]) -> None:
             Scene.find_field(key)
         except SceneError as error:
             raise SceneError(replace(fault, key="without") for fault in error.faults) from None
-
-
-def _find_scene(scene: Scene | Mapping[str, Any] | str) -> Scene:
-    """Return a scene from a scene, a table, or the name of a file or built-in scene."""
-    if isinstance(scene, Scene):
-        return scene
-    if not isinstance(scene, str):
-        return Scene(**scene)
-    return Scene.from_name(scene)

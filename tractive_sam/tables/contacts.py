@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy  # its parts are loaded when first used
 
-from tractive_sam.compute import single_blas_thread
+from tractive_sam.compute import numeric_settings
 from tractive_sam.contact import Model, jacobian_of, solve_on_fitted_mesh
 from tractive_sam.mechanics import HertzContact, HertzLine
 from tractive_sam.results import State
@@ -83,7 +83,7 @@ class Contacts:
         self._last: dict[int, State] = {}
         self.solved = 0
 
-    @single_blas_thread()
+    @numeric_settings()
     def solve(
         self, w: np.ndarray, elements: int, finest: int, wanted: float, gradient: bool = True
     ) -> Solved:
