@@ -167,14 +167,18 @@ def _solve(case: FitCase, start: State | None) -> tuple[Answer, State | None]:
 
 
 def _roll(case: FitCase) -> Answer:
-    """Roll the scene of a case and return columns of its nearest records, or why the run failed."""
+    """Roll the scene of a case and return columns at its places, or why the run failed."""
     history = roll(case.scene, progress=False)
     cost = int(history.totals["contact_solves"]), 1, float(np.nansum(history["convolutions"]))
     if not history.finished:
         return Answer({}, *cost, history.message)
     places = history[history.coordinate.name]
-    rows = [len(places) - 1 if math.isnan(at) else int(np.abs(places - at).argmin())
-            for at in case.places]  # fmt: skip
+    rows = []
+    for at in case.places:
+        row = len(places) - 1 if math.isnan(at) else int(np.abs(places - at).argmin())
+        if abs(places[row] - at) > 1e-9 * max(1.0, abs(at)):
+            return Answer({}, *cost, f"no record at {history.coordinate.name} {at:g}")
+        rows.append(row)
     numbers = {name: _column(history, name)[rows] for name in case.columns}
     if any(column.ndim == 2 for column in numbers.values()):
         numbers[Y] = history.y

@@ -82,6 +82,39 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     return scene
 
 
+def check_places(scene: Scene, source: str, places: Iterable[float]) -> None:
+    """Raise a SceneError if a scene has no record of observed revolutions or distances.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the rows.
+    source : str
+        What states the places: "at", "revolution" or "distance".
+    places : iterable of float
+        The places; nan stands for the last record.
+    """
+    observed = [at for at in places if not math.isnan(at)]
+    key = "at" if source == "at" else "vary"
+    along = {"wear.save": "revolution", "transient.save": "distance"}.get(scene.schedule.save_key)
+    if is_steady(scene):
+        along, observed = "", [at for at in observed if at or source != "at"]
+    if not observed:
+        return
+    if not along or source not in ("at", along):
+        records = f"records are by {along}" if along else "the scene is one contact"
+        cure = f"{along or 'a scene with [wear] or [transient]'}: {records}"
+        raise SceneError([Fault(key, f"{source} {observed[0]:g}", cure)])
+    first = scene.transient.knots[0] if scene.transient else 0.0
+    last = scene.schedule.end
+    for at in observed:
+        if along == "revolution" and at != round(at):
+            raise SceneError([Fault(key, f"revolution {at:g}", "whole numbers of revolutions")])
+        if along == "distance" and not first <= at <= last:
+            reach = f"distances of [transient], {first:g} to {last:g} mm"
+            raise SceneError([Fault(key, f"{at:g} mm", reach)])
+
+
 def fix_mesh(
     scene: Scene, neighbours: Iterable[Scene], places: Sequence[float], remember: Remember
 ) -> dict[str, Any]:
@@ -94,7 +127,8 @@ def fix_mesh(
     neighbours : iterable of Scene
         At other values of each: a mesh that these share is left to the scene.
     places : sequence of float
-        Revolutions that are observed; nan stands for the last one.
+        Revolutions or distances that are observed, which the scene then records; nan stands for
+        the last one.
     remember : callable
         Stores the steps, see `Remember`.
 
@@ -106,13 +140,17 @@ def fix_mesh(
     # Half lengths of a fixed mesh over the half axes of the contact at the first values.
     margin = 1.25
     changes: dict[str, Any] = {}
-    stated = sorted({round(at) for at in places if not math.isnan(at)})
+    observed = {at for at in places if not math.isnan(at)}
+    if scene.transient is not None:
+        changes = {"transient.save": tuple(sorted({*scene.transient.save, *observed}))}
+    stated = sorted(map(round, observed))
     if scene.wear is not None and scene.wear.revolutions:
         last = any(map(math.isnan, places)) or not stated
         end = max([*stated, *([scene.wear.revolutions] if last else [])])
         saved = [n for n in scene.wear.save if n < end and scene.schedule.fixed]
         save = tuple(sorted({0, *saved, *stated, end}))
         changes = {"wear.revolutions": end, "wear.save": save}
+    if changes:
         scene = scene.replace(**changes)
     grid = None
     if scene.wear is not None and scene.wear.stepping == "adaptive" and not is_steady(scene):

@@ -32,7 +32,7 @@ from tractive_sam.fitting.variables import (
     text_variables,
 )
 from tractive_sam.fitting.words import describe_undetermined, list_notes
-from tractive_sam.schema import Fault
+from tractive_sam.schema import Fault, PlausibilityWarning, warn
 from tractive_sam.store import versions
 
 Progress = Callable[[Evaluations], None]
@@ -144,6 +144,8 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
     prepared()
     shared.complete = True
     series = prepared()
+    for note in dict.fromkeys(note for one in series for note in one.notes):
+        warn(note, PlausibilityWarning)
     return FitProblem(parameters, series, done, table.step)
 
 

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,8 +18,9 @@ from tractive_sam.fitting.entries import changes_of
 from tractive_sam.fitting.evaluations import Evaluations
 from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.profile import ProfilePosition
-from tractive_sam.fitting.tables import column_of
-from tractive_sam.scene import Scene
+from tractive_sam.fitting.tables import COORDINATES, Data, column_of
+from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.scene import Scene, scene_notes
 from tractive_sam.schema import SceneError
 
 
@@ -43,6 +44,8 @@ class Series:
         Free keys with exact derivatives, and their column of the Jacobian.
     unworn : bool
         Whether [wear] is left out once the parameters are set.
+    notes : tuple of str
+        Doubts about the rows, and what the data set leaves open.
     """
 
     key: str
@@ -52,6 +55,7 @@ class Series:
     groups: tuple[tuple[tuple[int, ...], Mapping[str, Any]], ...]
     exact: Mapping[str, str]
     unworn: bool
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -90,9 +94,18 @@ class Series:
         shared = shared or prepare.SharedRecords()
         try:
             base = scene.replace(**data.set) if data.set else scene
-            bare = cls(key, measured, base, columns, (), {}, data.at == 0.0)
-            for _, settings in _groups_of(measured):  # faults, before anything is rolled
-                bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
+            is_creep_curve = _is_creep_curve(data, base, columns)
+            bare = cls(key, measured, base, columns, (), {}, data.at == 0.0 or is_creep_curve)
+            scenes = {}  # faults, before anything is rolled
+            source = next((name for name in data.vary if name in COORDINATES), "at")
+            for rows, settings in _groups_of(measured):
+                scenes[rows] = bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
+                places = [float(measured.places[row]) for row in rows]
+                prepare.check_places(scenes[rows], source, places)
+            notes = [*_implausible_rows(key, scene, scenes)]
+            if is_creep_curve:
+                cure = "at = 0 says so, at = N chooses the bodies after N revolutions"
+                notes.append(f"{key}: compared with the unworn bodies, revolution 0; {cure}")
             groups, exact = [], {}
             for rows, settings in _groups_of(measured):
                 first, *neighbours = bare._scenes_near(start, settings)
@@ -105,7 +118,7 @@ class Series:
                 exact = exact_columns(first, columns, start.keys) if is_contact else {}
         except SceneError as error:
             raise FitError(fault.under(key) for fault in error.faults) from None
-        return replace(bare, groups=tuple(groups), exact=exact)
+        return replace(bare, groups=tuple(groups), exact=exact, notes=tuple(notes))
 
     def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
         """Return the scene at the start, and valid ones with each parameter raised some 5 %."""
@@ -189,6 +202,47 @@ class Series:
         """Lateral offset, tilt and level of the measured profile, to be fitted."""
         measured = self.measured
         return ProfilePosition(measured.data.nuisance, measured.y, measured.observed[:, 0])
+
+
+def _is_creep_curve(data: Data, scene: Scene, columns: Iterable[str]) -> bool:
+    """Return whether a data set of a scene with wear varies contacts without naming a revolution.
+
+    It is one if the scene rolls revolutions, which no entry names, and all columns are those of
+    unworn bodies, too.
+    """
+    wears = scene.schedule.end and scene.schedule.save_key == "wear.save" and not scene.duty
+    names_revolution = {*COORDINATES} & {*data.vary} or data.at is not None
+    names_wear = any(key.partition(".")[0] == "wear" for key in data.vary)
+    if not wears or names_revolution or names_wear or not data.vary:
+        return False
+    unworn, quantities = scene.replace(wear=None), index_by_name(COLUMNS)
+    wanted = [quantities[name.partition(" ")[0]] for name in columns]
+    return all(quantity.applies(unworn) and quantity.of is not None for quantity in wanted)
+
+
+def _implausible_rows(
+    key: str, scene: Scene, scenes: Mapping[tuple[int, ...], Scene]
+) -> Iterator[str]:
+    """Yield a note for each key with improbable values in rows, unless the scene has it, too.
+
+    Parameters
+    ----------
+    key : str
+        Key of the data set in messages.
+    scene : Scene
+        Scene of the fit.
+    scenes : mapping of tuple of int to Scene
+        Scenes at the first values, by their rows.
+    """
+    known = {*scene_notes(scene)}
+    total = sum(map(len, scenes))
+    found: dict[str, list[tuple[int, str]]] = {}
+    for rows, one in scenes.items():
+        for note in scene_notes(one):
+            if note not in known:
+                found.setdefault(note.partition(":")[0], []).extend((row, note) for row in rows)
+    for notes in found.values():
+        yield f"{key}: {len(notes)} of {total} rows, as row {notes[0][0] + 1}: {notes[0][1]}"
 
 
 def _groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:

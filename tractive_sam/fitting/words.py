@@ -1,6 +1,6 @@
 """Sentences on undetermined parameters and caveats of a fit."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -61,10 +61,26 @@ def _sparse_rows(rows: np.ndarray, small: float) -> list[np.ndarray]:
     return [row / np.linalg.norm(row) for row in rows]
 
 
+def _opposite_signs(best: Estimate) -> Iterator[str]:
+    """Yield a note for each data set whose model has the opposite sign in nearly all rows."""
+    first = 0
+    for series in best.problem.series:
+        rows = slice(first, first + series.measured.points)
+        first = rows.stop
+        signs = np.sign(best.problem.observed[rows] * best.predicted[rows])
+        opposite = int((signs < 0.0).sum())
+        if opposite and opposite >= 0.8 * np.count_nonzero(signs):
+            text = f"model and data have opposite signs in {opposite} of {signs.size} values"
+            columns = " or of ".join([*series.columns, *series.measured.data.vary])
+            cure = f"reverse the sign of {columns} in the data: creepage.longitudinal < 0 drives A"
+            yield f"{series.key}: {text}; {cure}"
+
+
 def list_notes(best: Estimate, table: Fit) -> list[str]:
     """Return the caveats of a fit, as sentences."""
     parameters = best.problem.parameters
-    notes = []
+    notes = [note for series in best.problem.series for note in series.notes]
+    notes += _opposite_signs(best)
     if best.iterations >= table.iterations:
         notes.append(f"the search ended at {table.iterations} iterations: raise fit.iterations")
     low, high = best.chi2_range(table.level)

@@ -38,6 +38,7 @@ from .plane import Plane as Plane
 from .plausibility import conformity_notes as conformity_notes
 from .plausibility import edge_notes as edge_notes
 from .plausibility import pressure_notes as pressure_notes
+from .plausibility import scene_notes as scene_notes
 from .process import ProcessTable as ProcessTable
 from .resolution import FewestElements as FewestElements
 from .scene import Scene as Scene
