@@ -162,7 +162,7 @@ def solve_sampled(scene: ts.Scene, profiles: Path, element: float) -> tuple[ts.S
         for patch, plane in zip(own.patches, PLANES, strict=True)
     )
     model = Model(scene, wheel_rail=replace(own, patches=patches))
-    return share_load(model, solve_as_contact, None)
+    return share_load(model, solve_as_contact)
 
 
 def solve_crossing(profiles: Path) -> list[dict[str, object]]:

@@ -211,7 +211,7 @@ def solve_contacts(position: Position, element: float = 0.2) -> tuple[Model, tup
     parts = model_of_position(replace(position, planes="common")).wheel_rail.patches
     limit = max(y for part in parts for y in part.limits if np.isfinite(y))
     influence = WeightedInfluence(limit)
-    return model, share_load(model, influence.solve, None)
+    return model, share_load(model, influence.solve)
 
 
 def solve_position(position: Position) -> dict[str, object]:
@@ -264,7 +264,7 @@ def solve_two_patches(element: float = 0.2) -> list[dict[str, object]]:
         return equilibrium(local, start=start, check_resolution=False)
 
     rows = []
-    contacts = share_load(Model(scene), solve, None)
+    contacts = share_load(Model(scene), solve)
     for contact, patch, (mu, printed) in zip(contacts, patches, PATCHES, strict=True):
         row: dict[str, object] = {"angle": math.degrees(patch.angle), "mu": mu}
         names = ("P", "p_max", "approach", "Qx", "Qy")

@@ -220,8 +220,31 @@ def test_given_creepages_replace_those_of_the_wheelset():
 
 
 def test_a_given_speed_keeps_the_motion():
-    contact = ts.solve(scene())
-    assert contact.xi_x == pytest.approx(scene().creepage.longitudinal)
+    one = scene(pitch="rolling-radius")
+    contact = ts.solve(one.replace(**{"creepage.speed": 2e4}))
+    assert contact.xi_x == pytest.approx(one.creepage.longitudinal)
+
+
+@pytest.mark.parametrize(("y", "yaw"), [(0.0, 0.0), (0.5, 0.0), (2.0, 1.0)])
+def test_no_moment_drives_a_free_axle(y, yaw):
+    """The moments of both wheels, computed separately, add up to zero at one common pitch."""
+    moments, pitches = [], []
+    for side in ("right", "left"):
+        one = scene(y, grid={"elements": [25, 31]}, yaw=yaw, side=side)
+        contact, patch = ts.solve(one), one.wheel_rail.patches[0]
+        pitches.append(patch.pitch_at(contact.xi_x))
+        moments.append(patch.moment_about_axle((contact.Qx, contact.Qy), contact.Mz))
+    # Each side finds the pitch to 1e-6 of the moment in full sliding of both wheels.
+    assert abs(sum(moments)) <= 5e-6 * 2.0 * 0.3 * 1e4 * 460.0
+    assert pitches[0] == pytest.approx(pitches[1], abs=1e-7)
+
+
+def test_a_wheelset_on_its_rolling_radius_has_no_longitudinal_creepage():
+    one = scene(0.0, grid={"elements": [25, 31]}, pitch="rolling-radius")
+    patch, contact = one.wheel_rail.patches[0], ts.solve(one)
+    assert abs(contact.xi_x) < 1e-5  # the undeformed wheel is some um above the rail there
+    # The radius is that of the loaded patch, not that of the first touch beside it.
+    assert one.wheel_rail.pitch == pytest.approx(460.0 / patch.rolling_radius - 1.0)
 
 
 def test_results_are_stored_and_resumed(tmp_path):

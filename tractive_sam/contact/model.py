@@ -1,7 +1,7 @@
 """The numerical model of a scene: mesh, undeformed gap, rigid slip, units and operators."""
 
 from copy import copy
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from functools import cached_property
 
 import numpy as np
@@ -117,6 +117,15 @@ class Model:
         model.patch, model.wheel_depth = patch, wheel_depth
         same = patch is self.patch
         for name in self.depth_only if same else (*self.depth_only, *self.patch_only):
+            model.__dict__.pop(name, None)
+        return model
+
+    def at_pitch(self, pitch: float) -> "Model":
+        """Return the model of a wheel on this mesh with another pitch of its wheelset."""
+        _ = self.operators, self.units, self.undeformed_gap  # do not depend on the pitch
+        model = copy(self)
+        model.wheel_rail = replace(required(self.wheel_rail, "wheel"), pitch=pitch)
+        for name in self.patch_only:
             model.__dict__.pop(name, None)
         return model
 
@@ -289,6 +298,13 @@ class Model:
             patch, wheel_rail = required(self.patch, "wheel"), required(self.wheel_rail, "wheel")
             return patch.rigid_slip(x, self.grid.y, wheel_rail.pitch)
         return self.rigid_slip_by(*self._motion)
+
+    @property
+    def finds_pitch(self) -> bool:
+        """Whether the pitch of a wheelset follows from the tractions on its wheels."""
+        wheelset = self.scene.wheelset
+        is_free = wheelset is not None and wheelset.pitch == "free"
+        return is_free and self._rolls_with_wheelset and self.transmits
 
     @property
     def _rolls_with_wheelset(self) -> bool:

@@ -11,13 +11,10 @@ from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.message import not_resolved
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of, traction_of
-from tractive_sam.contact.wheel_rail import share_load
+from tractive_sam.contact.wheel_rail import GROWTHS, enlarge_for, find_pitch, share_load
 from tractive_sam.results import State, Status
 from tractive_sam.scene import FewestElements
 from tractive_sam.solvers import Outcome, Problem, Start
-
-GROWTHS = 8
-"""Largest number of enlargements of a mesh that the scene does not fix."""
 
 DepthInPass = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """Function (p_n and p_t in MPa, s/V) -> depth of wear in mm below every element."""
@@ -77,13 +74,23 @@ def solve_patches(
     tolerance: float | None = None,
     load_tolerance: float = 1e-6,
 ) -> tuple[State, ...]:
-    """Solve all contact patches of a wheel, which share one load; see `share_load`."""
+    """Solve all contact patches of a wheel, which share one load; see `share_load`.
+
+    A free pitch of its wheelset is found with them, see `find_pitch`.
+    """
 
     def solve(patch: Model, start: State | None) -> State:
         # Other patches begin to touch with a few elements.
         return equilibrium(patch, depth, start, tolerance, patch.patch is model.patch)
 
-    return share_load(model, solve, start, load_tolerance)
+    if model.finds_pitch:
+        return find_pitch(
+            model,
+            lambda wheel, starts: share_load(wheel, solve, starts, load_tolerance),
+            (start,),
+            load_tolerance,
+        )
+    return share_load(model, solve, (start,), load_tolerance)
 
 
 def solve_patches_on_fitted_mesh(
@@ -108,11 +115,9 @@ def solve_patches_on_fitted_mesh(
     for _ in range(1 + GROWTHS):
         near = start if start is not None and start.grid == model.grid else None
         contacts = solve_patches(model, start=near, load_tolerance=load_tolerance)
-        edges = [contact.at_edge for contact in contacts if contact.status is Status.OFF_GRID]
-        if not edges or model.scene.has_fixed_domain:
+        if (enlarged := enlarge_for(model, contacts)) is model:
             break
-        along, across = map(any, zip(*edges, strict=True))
-        model = model.on(enlarge(model.grid, (along, across)))
+        model = enlarged
     return model, contacts
 
 

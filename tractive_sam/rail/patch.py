@@ -201,6 +201,30 @@ class Patch:
         velocity = self.wheel.velocity[:, None, None] + np.cross(spin, at, axisb=0, axisc=0)
         return np.stack((velocity[0], np.tensordot(self.lateral, velocity, 1)))
 
+    def pitch_at(self, longitudinal: float) -> float:
+        """Return the pitch at which the longitudinal creepage at the origin has a value."""
+        unmoved, moved = (self.creepages(pitch)[0] for pitch in (0.0, 1.0))
+        return (longitudinal - unmoved) / (moved - unmoved)
+
+    def moment_about_axle(self, force: tuple[float, float], spin_moment: float) -> float:
+        """Return the moment about the axle, N mm, of tractions on the wheel.
+
+        The pressure has none: the normals of a surface of revolution meet its axis.
+
+        Parameters
+        ----------
+        force : tuple of float
+            Sum of the tractions along x and y of the plane, N.
+        spin_moment : float
+            Their moment about the normal at the origin, M_z, N mm.
+        """
+        along = np.array([1.0, 0.0, 0.0])
+        moment = np.cross(
+            self.origin - self.wheel.centre, force[0] * along + force[1] * self.lateral
+        )
+        moment = moment + spin_moment * np.cross(along, self.lateral)
+        return float(self.wheel.turn[:, 1] @ moment)
+
     def creepages(self, pitch: float = 0.0) -> tuple[float, float, float]:
         """Return longitudinal and lateral creepage and spin (1/mm) at the patch's origin."""
         axle = -(1.0 + pitch) / self.wheel.radius * self.wheel.turn[:, 1]

@@ -22,6 +22,7 @@ WHEEL_COLUMNS = (
     ),
     Quantity("angle_range", "degrees", "range of the contact angle over the patch"),
     Quantity("rolling_radius", "mm", "rolling radius of the wheel at the patch"),
+    Quantity("pitch", "1", "ratio of the angular velocity of the wheelset to V / radius, minus 1"),
     Quantity("patches", "1", "number of patches of the wheel that carry load", format="d"),
 )
 """Columns of a patch of a wheel."""
@@ -35,6 +36,7 @@ def describe_patch(patch: Patch, contact: State, patches: int) -> dict[str, Any]
         "contact_angle": math.degrees(patch.angle),
         "angle_range": math.degrees(patch.angle_range_over(rows)) if rows.size else math.nan,
         "rolling_radius": patch.rolling_radius,
+        "pitch": patch.pitch_at(contact.xi_x),
         "patches": patches,
     }
 

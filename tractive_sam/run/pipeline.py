@@ -132,6 +132,9 @@ def solve(
     contact = _warn_or_raise(contact, throw)
     if jacobian and contact.converged:  # on the mesh of the solution
         model = model_of(scene, measured, contact.grid)
+        if model.finds_pitch:
+            patch = required(model.patch, "wheel")
+            model = model.at_pitch(patch.pitch_at(contact.xi_x))
         return replace(contact, jacobian=jacobian_of(model, contact))
     return contact
 

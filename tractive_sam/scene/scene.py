@@ -112,7 +112,7 @@ class Scene(Document):
                 "has_fixed_domain",
             ),
             *("has_prescribed_force", "schedule", "spectrum", "under_largest_load"),
-            *("has_gap", "wheel_rail", "without_blocks"),
+            *("has_gap", "wheel_rail", "opposite_wheel", "without_blocks"),
         )
     )
 
@@ -151,6 +151,16 @@ class Scene(Document):
             If these tables or a profile file are missing.
         """
         return WheelRail.from_scene(self)
+
+    @cached_property
+    def opposite_wheel(self) -> Scene:
+        """Scene of the other wheel of the wheelset, with an equal load, on a separate mesh."""
+        assert self.wheelset is not None
+        side = "left" if self.wheelset.side == "right" else "right"
+        changes = dict.fromkeys(("wear", "rail.passes", "fatigue", "subsurface"))
+        elements = None if self.grid is None else self.grid.elements
+        grid = {"elements": elements} if elements else None
+        return self.without_blocks.replace(**{"wheelset.side": side, **changes, "grid": grid})
 
     @property
     def has_gap(self) -> bool:

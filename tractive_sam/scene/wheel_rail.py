@@ -10,8 +10,6 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from tractive_sam.mechanics import Material, combine
 from tractive_sam.rail import (
     BUILTIN,
@@ -21,7 +19,6 @@ from tractive_sam.rail import (
     Profile,
     Rail,
     Wheel,
-    find_contact_points,
     find_locus,
     find_patches,
     free_roll,
@@ -48,7 +45,8 @@ class WheelRail:
     wheel, rail : Wheel and Rail
         The wheel that is computed, as a right one, and the right rail in the track frame.
     roll, pitch : float
-        Roll of the wheelset, rad; its angular velocity over V / radius, minus 1.
+        Roll of the wheelset, rad; its angular velocity over V / radius, minus 1. A free pitch
+        depends on the contacts: this one, from the rolling radii, is near it.
     patches : tuple of Patch
         All patches, the one with most load first.
     """
@@ -80,7 +78,7 @@ class WheelRail:
         return cls.from_tables(scene.wheel, scene.rail, scene.wheelset, scene.material.E_star)
 
     @classmethod
-    def of_profiles(cls, scene: Any, wheel: Profile, rail: Profile) -> WheelRail:
+    def of_profiles(cls, scene: Any, wheel: Profile, rail: Any) -> WheelRail:
         """Place other profiles at the wheelset position of a scene, and find their patches.
 
         Parameters
@@ -114,7 +112,7 @@ def _find(
     profile: Profile, radius: float, rail: Rail, wheelset: WheelsetTable, e_star: float
 ) -> WheelRail:
     """Place a wheel on a rail, and find its patches under the load; results are cached."""
-    if rail.steepest and "free" in (wheelset.roll, wheelset.pitch):
+    if rail.steepest and any(isinstance(value, str) for value in (wheelset.roll, wheelset.pitch)):
         raise ValueError("with sections of the rail, roll and pitch are numbers")
     rail = rail.seen_from(wheelset.x)
     placed = Wheel(
@@ -124,13 +122,15 @@ def _find(
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
     placed = replace(placed, roll=roll)
     load = wheelset.load or wheelset.normal_load or 0.0
-    sides = placed, placed.mirrored()
-    patches = find_patches(sides[wheelset.side == "left"], rail, load, e_star)
-    if wheelset.pitch != "free":
-        return WheelRail(patches[0].wheel, rail, roll, float(wheelset.pitch), tuple(patches))
-    s = np.array([find_contact_points(side, rail).s[0] for side in sides])
-    mean = radius + float(profile.at(s)[:, 1].mean())
-    return WheelRail(patches[0].wheel, rail, roll, radius / mean - 1.0, tuple(patches))
+    sides = (placed, placed.mirrored())[:: -1 if wheelset.side == "left" else 1]
+    patches = find_patches(sides[0], rail, load, e_star)
+    if isinstance(wheelset.pitch, str):
+        opposite = find_patches(sides[1], rail, load, e_star)
+        # Loaded patches may lie some millimetres beside the first touch.
+        pitch = 2.0 * radius / (patches[0].rolling_radius + opposite[0].rolling_radius) - 1.0
+    else:
+        pitch = wheelset.pitch
+    return WheelRail(patches[0].wheel, rail, roll, pitch, tuple(patches))
 
 
 def contact_locus(scene: Any, positions: Any) -> ContactLocus:
@@ -271,9 +271,9 @@ def _check_sections(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault("wheelset.x", "with a rail of one profile", cure)
         return
     for key in ("roll", "pitch"):
-        if getattr(wheelset, key) == "free":
+        if isinstance(value := getattr(wheelset, key), str):
             cure = "a number: the other rail, which determines it, is not known"
-            yield Fault(f"wheelset.{key}", "free, with sections of the rail", cure)
+            yield Fault(f"wheelset.{key}", f"{value}, with sections of the rail", cure)
     if entries["wear"] is not None:
         yield Fault("wear", "with sections of the rail", "no [wear], or a rail of one profile")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -49,6 +49,7 @@ _RailProfile = Annotated[
     _NameOrPath, AfterValidator(partial(_check_profile, built_in=("60E1", "UIC60-manchester")))
 ]
 _FreeOrReal = Literal["free"] | Real
+_Pitch = Literal["free", "rolling-radius"] | Real
 
 
 class _ProfileTable(Table):
@@ -177,6 +178,12 @@ def _placed(
     return rail.moved(-math.atan(1.0 / inclination), origin)
 
 
+_PITCHES: Mapping[Any, str] = {
+    "free": "found with the contacts: the axle of both wheels, equally loaded, has no moment",
+    "rolling-radius": "from the mean rolling radius of both wheels; a moment may drive the axle",
+}
+
+
 class WheelsetTable(Table):
     """Position of the wheelset on the track, and load of the wheel.
 
@@ -197,10 +204,11 @@ class WheelsetTable(Table):
         "free",
     )
     side: Literal["right", "left"] = entry("wheel that is computed", default="right")
-    pitch: _FreeOrReal = entry(
-        'ratio of the angular velocity of the wheelset to V / radius, minus 1; with "free", the '
-        "wheelset rolls on the mean rolling radius of both wheels",
-        '"free" or a number',
+    pitch: _Pitch = entry(
+        'ratio of the angular velocity of the wheelset to V / radius, minus 1; with "free", no '
+        "moment drives or brakes the axle: the moments of both wheels, with equal loads, add up to "
+        'zero; with "rolling-radius", the wheelset rolls on the mean rolling radius of both wheels',
+        '"free", "rolling-radius" or a number',
         "free",
     )
     slope: Real = entry(
@@ -226,6 +234,7 @@ class WheelsetTable(Table):
             f"{along}y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"
         )
         yield Row("wheelset", f"{place}, {self.side} wheel, {load}", brief=True)
+        yield Row("pitch", _PITCHES.get(self.pitch, f"{self.pitch}, given"))
         for patch in contact.patches:
             angle = f"angle {math.degrees(patch.angle):.2f} deg"
             text = f"{angle}, rolling radius {patch.rolling_radius:.2f} mm"
