@@ -10,7 +10,7 @@ import hashlib
 import os
 import re
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
@@ -164,6 +164,13 @@ def write_file(
     with replace_file(path, exclusive=exclusive) as file:
         file.write(data, 0)
     return path
+
+
+def write_table(path: str | os.PathLike[str], columns: Mapping[str, Iterable[float]]) -> Path:
+    """Write columns of numbers as CSV with their names, completely or not at all."""
+    rows = zip(*columns.values(), strict=True)
+    lines = [",".join(columns), *(",".join(f"{value:.18e}" for value in row) for row in rows)]
+    return write_file(path, "\n".join(lines) + "\n")
 
 
 def append_to_file(path: Path, data: bytes) -> None:

@@ -1,4 +1,7 @@
 import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -82,3 +85,27 @@ def test_results_of_a_wheel_have_its_columns(call):
     assert shown["contact_angle"][0] < 0.0
     assert call("plot", "a.h5", "-o", "figures").exit_code == 0
     assert call("explain", "wheel-flange").exit_code == 0
+
+
+def test_a_figure_that_fails_does_not_end_a_command(call, folder, monkeypatch):
+    def fail(*_):
+        raise ValueError("no curve")
+
+    monkeypatch.setattr("tractive_sam.plot.radius_difference", fail)
+    result = call("locus", "wheel-rail", "-o", "l.csv", "--reach", 1, "--positions", 3)
+    assert result.exit_code == 2  # the amplitude of 3 mm leaves the positions
+    arguments = ("--reach", 4, "--positions", 3)
+    result = call("locus", "wheel-rail", "-o", "l.csv", *arguments)
+    assert result.exit_code == 0
+    assert "l-radii.png is omitted: no curve" in " ".join(result.output.split())
+    names = {file.name for file in folder.iterdir()}
+    assert names == {"l.csv", "l-points.png", "l-conicity.png"}
+
+
+def test_figures_need_no_backend(folder):
+    code = "from tractive_sam.cli.program import run_program; run_program()"
+    arguments = ["locus", "wheel-rail", "-o", "l.csv", "--reach", "4", "--positions", "3"]
+    environment = {**os.environ, "MPLBACKEND": "Qt4Agg"}
+    command = [sys.executable, "-c", code, *arguments]
+    subprocess.run(command, check=True, env=environment, cwd=folder, capture_output=True)
+    assert (folder / "l-conicity.png").exists()

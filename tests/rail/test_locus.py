@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import scipy
 
+from tractive_sam import plot
 from tractive_sam.rail import ContactLocus, find_contact_points, find_locus
 
 
@@ -121,3 +122,27 @@ def test_fast_movements_are_no_jumps(wheel, rail):
     moved = np.abs(np.diff(locus.wheel[0, :, 0]))
     assert (moved > 0.4).sum() >= 3
     assert positions[locus.jumps] == pytest.approx([6.3])
+
+
+def test_hollow_wheels_have_a_curve_of_conicity_with_gaps():
+    """The middle of a difference -y + y^3/2 repels, and no motion passes it below y = 2."""
+    y = np.linspace(-3.0, 3.0, 601)
+    hollow = of_difference(y, 0.02 * (-y + 0.5 * y**3))
+    assert hollow.conicity(1.0) < 0.0 < hollow.conicity(2.5)
+    with pytest.raises(ValueError, match="amplitude"):
+        hollow.klingel_conicity(1.0)
+    axes = plot.conicity(hollow).axes[0]
+    (harmonic, klingel, *_) = axes.lines
+    amplitudes, values = harmonic.get_data()
+    assert axes.get_ylim()[0] < values.min() < 0.0
+    # The potential -y^2/2 + y^4/8 of the middle is exceeded from an amplitude of 2 on.
+    finite, inside = np.isfinite(klingel.get_ydata()), np.abs(amplitudes - 2.0) > 0.01
+    np.testing.assert_array_equal(finite[inside], amplitudes[inside] > 2.0)
+
+
+def test_a_motion_that_leaves_the_positions_is_cured_by_a_larger_reach():
+    y = np.linspace(-6.0, 6.0, 121)
+    aside = of_difference(y, 0.1 * (y - 2.0))
+    assert aside.klingel_conicity(3.0) == pytest.approx(0.05, rel=1e-6)
+    with pytest.raises(ValueError, match="larger reach"):
+        aside.klingel_conicity(5.0)

@@ -1,12 +1,13 @@
 """``tractive-sam locus`` and ``wear``: contact points and worn profiles of wheel and rail."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import tractive_sam as ts
-from tractive_sam.cli.output import print_line, print_message, refuse
+from tractive_sam.cli.output import print_line, print_message, refuse, report_warnings
 from tractive_sam.cli.run import Resume, run
 from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
 
@@ -39,37 +40,38 @@ def locus(
     read = read_scene(scene, settings)
     with refuse(ValueError):
         contacts = contact_locus(read, np.linspace(-reach, reach, positions))
-        values = contacts.conicity(amplitude), contacts.klingel_conicity(amplitude)
+        harmonic = contacts.conicity(amplitude)
+    try:
+        klingel = f"{contacts.klingel_conicity(amplitude):.4f} (Klingel's motion)"
+    except ValueError as error:
+        klingel = f"by Klingel's motion: {error}"
+    print_message(f"equivalent conicity at {amplitude:g} mm: {harmonic:.4f} (harmonic), {klingel}")
     _write(contacts, read, output)
-    print_message(
-        f"equivalent conicity at {amplitude:g} mm: {values[0]:.4f} (harmonic), "
-        f"{values[1]:.4f} (Klingel's motion)"
-    )
 
 
 def _write(locus: "ts.rail.ContactLocus", scene: "ts.Scene", output: Path) -> None:
     """Write the contact points of a wheelset as CSV, and their figures next to the file."""
-    import numpy as np
-
     from tractive_sam import plot
+    from tractive_sam.output_file import write_table
 
-    columns = locus.columns()
-    rows = np.column_stack(list(columns.values()))
-    np.savetxt(output, rows, delimiter=",", header=",".join(columns), comments="")
+    write_table(output, locus.columns())
     print_line(output)
-    figures = {
-        "points": plot.contact_points(scene, locus),
-        "radii": plot.radius_difference(locus),
-        "conicity": plot.conicity(locus),
+    figures: dict[str, Callable[[], ts.plot.Figure]] = {
+        "points": lambda: plot.contact_points(scene, locus),
+        "radii": lambda: plot.radius_difference(locus),
+        "conicity": lambda: plot.conicity(locus),
     }
-    for name, figure in figures.items():
-        _save_figure(figure, output.with_name(f"{output.stem}-{name}.png"))
+    for name, draw in figures.items():
+        _save_figure(draw, output.with_name(f"{output.stem}-{name}.png"))
 
 
-def _save_figure(figure: "ts.plot.Figure", path: Path) -> None:
-    """Save a figure and print its path."""
-    figure.savefig(path)
-    print_line(path)
+def _save_figure(draw: "Callable[[], ts.plot.Figure]", path: Path) -> None:
+    """Draw and save a figure and print its path; print a note if it cannot be drawn."""
+    from tractive_sam.plot.figure import omit_failing_figure
+
+    with report_warnings(), omit_failing_figure(path.name):
+        draw().savefig(path)
+        print_line(path)
 
 
 def wear(
@@ -104,6 +106,6 @@ def wear(
         worn = WornProfiles.from_history(history)
     for path in worn.write(output):
         print_line(path)
-    _save_figure(plot.worn_wheel_and_rail(worn), output / "profiles.png")
+    _save_figure(lambda: plot.worn_wheel_and_rail(worn), output / "profiles.png")
     depths = f"wheel {worn.wheel_depth[-1].max():.4g} mm, rail {worn.rail_depth[-1].max():.4g} mm"
     print_message(f"worn after {worn.revolutions[-1]:g} revolutions: {depths}")

@@ -7,7 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 import typer
 
 from tractive_sam.cli.fit import plot_fit
-from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse
+from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse, report_warnings
 from tractive_sam.cli.show import Results
 
 Format: TypeAlias = Literal["png", "pdf", "svg"]
@@ -76,7 +76,7 @@ def plot(
     with refuse(LookupError):
         every = range(len(history.block_names))
         blocks = every if block == ["all"] else [*map(history.place_of, block or ())]
-    with refuse(ValueError):
+    with refuse(ValueError), report_warnings():
         points = None if measured is None else Measurements.from_file(measured)
         folder = output or Path(f"{file.stem}-figures")
         paths = save_all(

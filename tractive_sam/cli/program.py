@@ -1,6 +1,7 @@
 """The program `tractive-sam` and its commands."""
 
 import inspect
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -111,6 +112,7 @@ for command in (
 def run_program() -> None:
     """Run the command that the arguments of the process name."""
     replace_missing_signs()
+    os.environ["MPLBACKEND"] = "agg"  # figures need no window; matplotlib refuses unknown names
     try:
         app()
     except OSError as error:  # of the output itself: commands report all others

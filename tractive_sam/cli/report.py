@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from tractive_sam.cli.fit import write_fit_report
-from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse
+from tractive_sam.cli.output import invalid_exit, print_line, print_note, refuse, report_warnings
 from tractive_sam.cli.plot import Measured
 from tractive_sam.cli.show import Results
 
@@ -33,7 +33,7 @@ def report(
     if not len(history):
         raise invalid_exit(f"{file} has no record to show; resume its run")
     path = output or Path(f"{file.stem}.html")
-    with refuse(ValueError):
+    with refuse(ValueError), report_warnings():
         points = None if measured is None else Measurements.from_file(measured)
         pages.report(history, path, points)
     if not history.finished:

@@ -16,6 +16,7 @@ from tractive_sam.output_file import write_file
 from tractive_sam.pages.data import page_data
 from tractive_sam.pages.page import fill_page
 from tractive_sam.plot import Measurements, list_figures
+from tractive_sam.plot.figure import omit_failing_figure
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
 
@@ -121,8 +122,9 @@ def _pictures(history: History, width: float = 460.0) -> Html:
     for drawing in list_figures(history):
         if drawing.entry.name not in names:
             interrupt.raise_if_interrupted()
-            image = drawing.draw().to_html(width)
-            cards.append(fill(card_template, caption=drawing.caption, image=image))
+            with omit_failing_figure(drawing.name):
+                image = drawing.draw().to_html(width)
+                cards.append(fill(card_template, caption=drawing.caption, image=image))
     return fill(_SECTION, cards=cards) if cards else Html()
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from tractive_sam import interrupt
 from tractive_sam.output_file import make_folder
 from tractive_sam.plot.contact_view import ContactView
-from tractive_sam.plot.figure import Figure
+from tractive_sam.plot.figure import Figure, omit_failing_figure
 from tractive_sam.plot.measured import Measurements
 from tractive_sam.plot.needs import touching_records
 from tractive_sam.plot.options import change_options
@@ -42,7 +42,8 @@ def save_all(
     """Draw and save every figure that applies to a history; return the paths.
 
     Figures of one contact are drawn for the first and the last stored record in which the bodies
-    touch; their names end in its revolution.
+    touch; their names end in its revolution. A figure that cannot be drawn is omitted with a
+    warning.
 
     Parameters
     ----------
@@ -97,9 +98,11 @@ def save_all(
             drawings |= {f"block-{k}/{drawing.name}": drawing for drawing in extra}
         for name, drawing in drawings.items():
             interrupt.raise_if_interrupted()
-            paths.append(directory / f"{name}.{format}")
-            make_folder(paths[-1].parent)
-            _draw_in_width(drawing, width).savefig(paths[-1], dpi=dpi or DPI)
+            path = directory / f"{name}.{format}"
+            make_folder(path.parent)
+            with omit_failing_figure(name):
+                _draw_in_width(drawing, width).savefig(path, dpi=dpi or DPI)
+                paths.append(path)
     return paths
 
 

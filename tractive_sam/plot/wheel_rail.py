@@ -1,5 +1,6 @@
 """Figures of wheel and rail: contact points, rolling radii, conicity, patches and worn profiles."""
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -116,6 +117,8 @@ def radius_difference(locus: ContactLocus) -> Figure:
 def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     """Draw the equivalent conicity, harmonic and by Klingel, over the lateral amplitude.
 
+    The curve of Klingel's motion has gaps at amplitudes without such a motion (hollow wheels).
+
     Parameters
     ----------
     locus : ContactLocus
@@ -132,11 +135,18 @@ def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     figure, axes = new_axes(1.0, 0.6)
     largest = min(-locus.y[0], locus.y[-1])
     amplitudes = np.linspace(largest / points, largest, points)
-    axes.plot(amplitudes, [locus.conicity(a) for a in amplitudes], label="harmonic")
-    klingel = [locus.klingel_conicity(a) for a in amplitudes]
+    harmonic, klingel = np.full((2, points), np.nan)
+    for k, amplitude in enumerate(amplitudes):
+        harmonic[k] = locus.conicity(amplitude)
+        with suppress(ValueError):
+            klingel[k] = locus.klingel_conicity(amplitude)
+    axes.plot(amplitudes, harmonic, label="harmonic")
     axes.plot(amplitudes, klingel, "--", label="Klingel's motion")
     axes.set(xlabel="amplitude (mm)", ylabel=r"equivalent conicity $\tan\gamma_e$")
-    axes.set_ylim(bottom=0.0)
+    if harmonic.min() < 0.0:
+        axes.axhline(0.0, color=LOOK.grey)
+    else:
+        axes.set_ylim(bottom=0.0)
     axes.legend()
     return figure
 

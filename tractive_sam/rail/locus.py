@@ -97,16 +97,26 @@ class ContactLocus:
         Raises
         ------
         ValueError
-            If the amplitude is not positive or leaves `y`, or the wheelset does not return.
+            If the amplitude is not positive or leaves `y`, or there is no such motion, as around
+            the middle of hollow wheels.
         """
         self._check_amplitude(amplitude)
         potential = self._potential
-        extremes = self.extremes(amplitude)
+        extremes = self._find_extremes(amplitude)
+        if extremes is None:
+            raise ValueError(
+                f"amplitude {amplitude:g} mm: the middle of the motion lies so far from y = 0 that "
+                f"it leaves the positions up to {self.y[-1]:g} mm; use a larger reach"
+            )
         middle, half = 0.5 * sum(extremes), 0.5 * (extremes[1] - extremes[0])
         angles = np.pi * (np.arange(2000) + 0.5) / 2000 - 0.5 * np.pi  # no end point: 0/0 there
         energy = potential(extremes[0]) - potential(middle + half * np.sin(angles))
         if not (energy > 0.0).all():
-            raise ValueError(f"amplitude {amplitude:g} mm: no return to y = 0; use a smaller one")
+            raise ValueError(
+                f"amplitude {amplitude:g} mm: Klingel's motion is not defined, as the rolling "
+                "radius difference drives the wheelset away from the middle (hollow wheels); use "
+                "another amplitude, or the harmonic conicity"
+            )
         wavelength = 2.0 * np.pi * float((half * np.cos(angles) / np.sqrt(2.0 * energy)).mean())
         return self.tape_distance * self.nominal_radius / 2.0 * (2.0 * np.pi / wavelength) ** 2
 
@@ -118,16 +128,26 @@ class ContactLocus:
 
     def extremes(self, amplitude: float) -> tuple[float, float]:
         """Return (lowest, highest) y of a free motion, mm; ±amplitude if none is found."""
+        return self._find_extremes(amplitude) or (-amplitude, amplitude)
+
+    def _find_extremes(self, amplitude: float) -> tuple[float, float] | None:
+        """Return (lowest, highest) y of a free motion, mm; None if it leaves the positions."""
         potential = self._potential
 
         def excess(middle: float) -> float:
             return float(potential(middle + amplitude) - potential(middle - amplitude))
 
-        room = min(self.y[-1], -self.y[0]) - amplitude
-        if room > 0.0 and excess(-room) * excess(room) < 0.0:
-            middle = float(scipy.optimize.brentq(excess, -room, room, xtol=1e-12))
-        else:
-            middle = 0.0
+        if abs(excess(0.0)) <= 1e-6 * np.ptp(potential(self.y)):  # symmetric, up to rounding
+            return -amplitude, amplitude
+        room = max(min(self.y[-1], -self.y[0]) - amplitude, 0.0)
+        middles = np.linspace(-room, room, 400)
+        above = potential(middles + amplitude) > potential(middles - amplitude)
+        changes = np.flatnonzero(above[1:] != above[:-1])
+        if not changes.size:
+            return None
+        # Hollow wheels have several such motions; the one nearest to y = 0 is meant.
+        k = changes[np.argmin(np.abs(middles[changes] + middles[changes + 1]))]
+        middle = float(scipy.optimize.brentq(excess, middles[k], middles[k + 1], xtol=1e-12))
         return middle - amplitude, middle + amplitude
 
     def _check_amplitude(self, amplitude: float) -> None:

@@ -9,6 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from tractive_sam.output_file import make_folder, write_table
 from tractive_sam.rail import Profile, write_profile
 from tractive_sam.results.history import History
 from tractive_sam.results.quantity import Quantity
@@ -103,20 +104,16 @@ class WornProfiles:
         list of Path
             The files.
         """
-        folder = Path(folder)
-        folder.mkdir(parents=True, exist_ok=True)
+        folder = make_folder(folder)
         last = f"{self.revolutions[-1]:g}"
         files = [folder / f"wheel-{last}.prw", folder / f"rail-{last}.prr", folder / "wear.csv"]
         title = f"{self.scene.title}, worn for {last} revolutions"
         write_profile(self.wheel(), files[0], "wheel", title)
         write_profile(self.rail(), files[1], "rail", title)
         areas = self.worn_areas
-        table = np.column_stack(
-            (
-                *(self.revolutions, areas["wheel"], areas["rail"]),
-                *(self.wheel_depth.max(axis=1), self.rail_depth.max(axis=1)),
-            )
-        )
-        names = "revolution,wheel_area,rail_area,wheel_depth,rail_depth"
-        np.savetxt(files[2], table, delimiter=",", header=names, comments="")
+        depths = {"wheel": self.wheel_depth, "rail": self.rail_depth}
+        columns = {"revolution": self.revolutions}
+        columns |= {f"{name}_area": area for name, area in areas.items()}
+        columns |= {f"{name}_depth": depth.max(axis=1) for name, depth in depths.items()}
+        write_table(files[2], columns)
         return files
