@@ -45,7 +45,7 @@ stress_volume, fatigue
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, InterfacialLayer, Slope, Bound, Elasticity,
 ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions, Energy, PerBody,
 SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie,
-OrthogonalShear, VolumeLife, Woehler
+OrthogonalShear, VolumeLife, Woehler; allow_laws
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 

@@ -102,6 +102,7 @@ from .scene import builtin_names as builtin_names
 from .scene import contact_locus as contact_locus
 from .schema import SceneError as SceneError
 from .schema import SceneWarning as SceneWarning
+from .schema import allow_laws as allow_laws
 from .store import GapError as GapError
 from .store import ResultsError as ResultsError
 from .store import open_history as open_history

@@ -98,11 +98,11 @@ def test_the_report_shows_it(history, tmp_path):
 
 @pytest.mark.slow
 def test_the_command_line_finds_it_installed(path, tmp_path):
-    about = tmp_path / "means-1.0.dist-info"
-    about.mkdir()
+    about = tmp_path / "installed" / "means-1.0.dist-info"
+    about.mkdir(parents=True)
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: means\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text(f"[tractive_sam.figures]\nmeans = {__name__}\n")
-    folders = os.pathsep.join(map(str, (tmp_path, Path(__file__).parents[2])))
+    folders = os.pathsep.join(map(str, (about.parent, Path(__file__).parents[2])))
     command = [sys.executable, "-m", "tractive_sam", "plot", str(path), "--dpi", "20"]
     environment = os.environ | {"PYTHONPATH": folders}
     subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, check=True)

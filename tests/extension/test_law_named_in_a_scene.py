@@ -1,5 +1,6 @@
 """A scene names laws of other packages, with their parameters; a file of results imports none."""
 
+import json
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -10,6 +11,8 @@ from typer.testing import CliRunner
 
 import tractive_sam as ts
 from tractive_sam.cli import app
+from tractive_sam.schema import NamedLaw, load_law_class, named_law
+from tractive_sam.studies.cluster import _call_with_laws
 from tractive_sam.tables.solving import Job, solve_jobs
 
 FILM_LAWS = '''
@@ -61,6 +64,34 @@ def no_law(**parameters):
     raise AssertionError("called")
 '''
 
+HOSTILE = (
+    *("coverage.__main__:x", "IPython.__main__:x", "typer.__main__:x", "numba.__main__:x"),
+    *("pip.__main__:x", "tractive_sam.__main__:x", "__main__:x", "os:system", "subprocess:Popen"),
+    *(
+        "builtins:eval",
+        "builtins:type",
+        "antigravity:x",
+        "this:x",
+        "idlelib.idle:x",
+        "pickle:loads",
+    ),
+    *("numpy.conftest:x", "scipy.conftest:x", "numpy:testing", "scipy:datasets", "six:moves"),
+    *("ctypes:CDLL", "importlib:import_module", "runpy:run_path", "code:interact", "pdb:run"),
+    *("pip._vendor.distlib.t64:x", "lib2to3.tests:x", "turtledemo.__main__:x", "webbrowser:open"),
+    *("tractive_sam.mechanics.friction:Coulomb", "tractive_sam:FallingCoulomb", "received:Film"),
+    *("received:Drive", "received.__main__:Film", "xml.sax.expatreader:x", "film_laws.other:Film"),
+)
+"""Names of modules that run a program, of functions, and of a module `received` on the path."""
+
+NAMED = {
+    "friction.law": ts.FrictionLaw,
+    "wear.law": ts.WearLaw,
+    "elasticity.law": ts.Elasticity,
+    "fatigue.criterion": ts.CycleCriterion,
+    "process.name": ts.Process,
+    "observer[0].name": ts.Observer,
+}
+
 SPHERES = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"]).replace(subsurface=None)
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
 DISCS = DISCS.with_set(["wear.revolutions=2", "wear.save=[0, 2]", "grid.elements=[15, 31]"])
@@ -77,7 +108,9 @@ def package(tmp_path, monkeypatch):
     about.mkdir(parents=True)
     (folder / "film_laws.py").write_text(FILM_LAWS)
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: film-laws\nVersion: 1.0\n")
-    (about / "entry_points.txt").write_text("[tractive_sam.laws]\nfilm = film_laws:Film\n")
+    names = {"film": "Film", "work": "ByWork", "winkler": "Winkler", "sines": "Sines"}
+    entries = "".join(f"{name} = film_laws:{law}\n" for name, law in names.items())
+    (about / "entry_points.txt").write_text(f"[tractive_sam.laws]\n{entries}")
     monkeypatch.syspath_prepend(folder)
     yield folder
     sys.modules.pop("film_laws", None)
@@ -213,8 +246,85 @@ class TestNamedLaw:
         assert design.symmetries == (False, False)
 
 
+@pytest.fixture
+def received(tmp_path, monkeypatch):
+    """Put modules on the path that no package registers; return the file that they would write."""
+    mark = tmp_path / "imported"
+    source = f"open({str(mark)!r}, 'w').close()\n{FILM_LAWS}\nDrive = Film\n"
+    folder = tmp_path / "on-the-path"
+    (folder / "received").mkdir(parents=True)
+    for name in ("__init__", "__main__"):
+        (folder / "received" / f"{name}.py").write_text(source)
+    monkeypatch.syspath_prepend(folder)
+    monkeypatch.setattr(named_law, "_ALLOWED", set())
+    yield mark
+    sys.modules.pop("received", None)
+
+
 class TestImports:
     """What a name in a scene may import."""
+
+    @pytest.mark.usefixtures("package")
+    def test_no_name_imports_what_is_neither_registered_nor_allowed(self, received):
+        before = set(sys.modules)
+        for name in HOSTILE:
+            for key, base in NAMED.items():
+                with pytest.raises(ts.SceneError) as caught:
+                    load_law_class(key, NamedLaw(name, {}), base)
+                assert [fault.key for fault in caught.value.faults] == [key], name
+        assert set(sys.modules) == before
+        assert not received.exists()
+
+    @pytest.mark.parametrize("allowed", ["received:Film", "received"])
+    def test_an_allowed_name_is_imported(self, received, allowed):
+        scene = SPHERES.with_set(["friction.law=received:Film"])
+        assert "--allow received:Film" in faults(scene)["friction.law"]
+        ts.allow_laws(allowed)
+        assert type(ts.Laws.of(scene).friction).__name__ == "Film"
+        assert received.exists()
+        no_law = faults(SPHERES.with_set(["friction.law=received:no_law"]))
+        assert ("--allow" in no_law["friction.law"]) is (":" in allowed)
+
+    def test_commands_and_workers_import_what_the_command_allows(self, received, tmp_path):
+        scene = tmp_path / "scene.toml"
+        scene.write_text(SPHERES.with_set(["friction.law=received:Film"]).to_toml())
+        command = ["explain", str(scene), "--allow", "received:Film"]
+        assert CliRunner().invoke(app, command[:2]).exit_code == 2
+        assert CliRunner().invoke(app, [*command[:2], "--allow", "no name"]).exit_code == 2
+        assert not received.exists()
+        assert CliRunner().invoke(app, command).exit_code == 0
+        allowed_there = _call_with_laws(("other:Law",), named_law.allowed_laws)
+        assert allowed_there == ("other:Law", "received:Film")
+
+    @pytest.mark.usefixtures("received")
+    @pytest.mark.parametrize("name", ["a b", "a:b:c", "x.__main__:y", "__main__", ""])
+    def test_a_program_cannot_be_allowed(self, name):
+        with pytest.raises(ValueError, match="allowed"):
+            ts.allow_laws(name)
+
+    @pytest.mark.usefixtures("received")
+    def test_a_class_of_the_program_needs_no_permission(self, monkeypatch):
+        class Mine(ts.Coulomb):
+            pass
+
+        monkeypatch.setitem(sys.modules, "my_program", SimpleNamespace(Mine=Mine))
+        scene = SPHERES.with_set(["friction.law=my_program:Mine"])
+        assert type(ts.Laws.of(scene).friction) is Mine
+
+    def test_metadata_of_an_editable_source_folder_register_nothing(self, tmp_path, monkeypatch):
+        """The interpreter searches this folder, and received files may be in it."""
+        clone, site = tmp_path / "clone", tmp_path / "clone/.venv/site-packages"
+        for folder, name in ((clone, "received"), (site, "mine")):
+            about = folder / f"{name}-1.0.dist-info"
+            about.mkdir(parents=True)
+            (about / "METADATA").write_text(f"Name: {name}\nVersion: 1.0\n")
+            (about / "entry_points.txt").write_text(f"[tractive_sam.laws]\n{name} = {name}:Law\n")
+            origin = {"url": clone.as_uri(), "dir_info": {"editable": True}}
+            (about / "direct_url.json").write_text(json.dumps(origin))
+            monkeypatch.syspath_prepend(folder)
+        names = {point.name for point in named_law.installed_entry_points("tractive_sam.laws")}
+        assert "mine" in names
+        assert "received" not in names
 
     def test_reading_and_opening_import_nothing(self, package, tmp_path):
         scene = DISCS.with_set(FILM).replace(wear=WORN)
@@ -260,6 +370,7 @@ class TestImports:
             about = tmp_path / "film_laws-1.0.dist-info"
             about.mkdir()
             (about / "METADATA").write_text("Name: film-laws\nVersion: 1.0\n")
+            (about / "entry_points.txt").write_text("[tractive_sam.laws]\nfilm = film_laws:Film\n")
         ran = CliRunner().invoke(app, ["explain", "scene.toml"])
         assert ran.exit_code == 2
         assert "friction.law" in ran.stderr

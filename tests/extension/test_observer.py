@@ -53,7 +53,8 @@ def package(tmp_path, monkeypatch):
     about.mkdir(parents=True)
     (folder / SOURCE.name).write_text(SOURCE.read_text())
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: friction-energy\nVersion: 1.0\n")
-    entry = "[tractive_sam.figures]\nenergy = friction_energy\n"
+    entry = "[tractive_sam.figures]\nenergy = friction_energy\n[tractive_sam.laws]\n"
+    entry += f"energy = {NAME}\n"
     (about / "entry_points.txt").write_text(entry)
     monkeypatch.syspath_prepend(folder)
     yield folder

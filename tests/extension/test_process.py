@@ -31,6 +31,8 @@ def package(tmp_path, monkeypatch):
     about.mkdir(parents=True)
     (folder / SOURCE.name).write_text(SOURCE.read_text())
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: indexing-drive\nVersion: 1.0\n")
+    entry = "[tractive_sam.laws]\ndrive = indexing_drive:IndexingDrive\n"
+    (about / "entry_points.txt").write_text(entry)
     monkeypatch.syspath_prepend(folder)
     yield folder
     sys.modules.pop("indexing_drive", None)

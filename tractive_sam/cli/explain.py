@@ -15,12 +15,13 @@ from tractive_sam.cli.output import (
     report_compiling,
     report_warnings,
 )
-from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
+from tractive_sam.cli.scene_input import Allow, SceneName, Settings, read_scene
 
 
 def explain(
     scene: SceneName,
     settings: Settings = None,
+    allow: Allow = None,
     workers: Annotated[int | None, typer.Option(min=1, metavar="N")] = None,
 ) -> None:
     """Describe what the model includes and neglects, and estimate memory and time.

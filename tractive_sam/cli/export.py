@@ -14,12 +14,13 @@ from tractive_sam.cli.output import (
     report_interrupt,
     report_warnings,
 )
-from tractive_sam.cli.scene_input import RESULTS, Settings, read_scene
+from tractive_sam.cli.scene_input import RESULTS, Allow, Settings, read_scene
 
 
 def export(
     source: Annotated[str, typer.Argument(metavar="FILE.h5|SCENE")],
     settings: Settings = None,
+    allow: Allow = None,
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.vtkhdf")] = None,
     revolution: Annotated[float | None, typer.Option("--revolution", "--distance")] = None,
     body: Literal["A", "B"] = "A",

@@ -23,6 +23,7 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
+from tractive_sam.cli.scene_input import Allow
 
 
 def fit(
@@ -32,6 +33,7 @@ def fit(
     scene: Annotated[Path | None, typer.Option(metavar="OUT.toml")] = None,
     workers: Annotated[int, typer.Option(min=0, metavar="N")] = 0,
     overwrite: Annotated[bool, typer.Option("--overwrite")] = False,
+    allow: Allow = None,
     quiet: Quiet = False,
 ) -> None:
     """Fit coefficients to measurements: creep curves, worn masses, worn profiles.

@@ -9,7 +9,7 @@ import typer
 import tractive_sam as ts
 from tractive_sam.cli.output import print_line, print_message, refuse, report_warnings
 from tractive_sam.cli.run import Resume, run
-from tractive_sam.cli.scene_input import SceneName, Settings, read_scene
+from tractive_sam.cli.scene_input import Allow, SceneName, Settings, read_scene
 
 
 def locus(
@@ -78,6 +78,7 @@ def wear(
     scene: Annotated[str, typer.Argument(metavar="SCENE")],
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FOLDER")],
     settings: Settings = None,
+    allow: Allow = None,
     resume: Resume = False,
 ) -> None:
     """Wear the profiles of a wheel and a rail at the positions of a duty cycle.

@@ -16,7 +16,7 @@ from tractive_sam.cli.output import (
     report_compiling,
     report_warnings,
 )
-from tractive_sam.cli.scene_input import STANDARD_INPUT, SceneName, Settings, read_scene
+from tractive_sam.cli.scene_input import STANDARD_INPUT, Allow, SceneName, Settings, read_scene
 
 Resume = Annotated[
     bool,
@@ -35,6 +35,7 @@ def run(
     start: Annotated[Path | None, typer.Option("--start", metavar="FILE.h5")] = None,
     resume: Resume = False,
     overwrite: Annotated[bool, typer.Option("--overwrite")] = False,
+    allow: Allow = None,
     quiet: Quiet = False,
     verbose: Annotated[bool, typer.Option("--verbose", "-v")] = False,
 ) -> None:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, TypeAlias
 import typer
 
 import tractive_sam as ts
-from tractive_sam.cli.output import invalid_exit, report_warnings
+from tractive_sam.cli.output import invalid_exit, refuse, report_warnings
 
 RESULTS = (".h5", ".hdf5")
 """Suffixes that distinguish a results file from a scene."""
@@ -73,6 +73,29 @@ Settings: TypeAlias = Annotated[
         metavar="TABLE.KEY=VALUE",
         help="Change a key of the scene; a key removes its alternatives. May be repeated.",
         autocompletion=complete_keys,
+    ),
+]
+
+
+def _allow(names: list[str] | None) -> list[str] | None:
+    """Allow classes that scenes may name, and return their names (callback of --allow)."""
+    if names:
+        from tractive_sam.schema import allow_laws
+
+        with refuse(ValueError):
+            allow_laws(*names)
+    return names
+
+
+Allow: TypeAlias = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--allow",
+        metavar="MODULE[:NAME]",
+        help="Let a scene use this class of your own, or all classes of a module, which is then "
+        "imported and can run any code. May be repeated.",
+        callback=_allow,
+        is_eager=True,
     ),
 ]
 

@@ -19,6 +19,7 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
+from tractive_sam.cli.scene_input import Allow
 
 
 def study(
@@ -27,6 +28,7 @@ def study(
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS")] = None,
     workers: Annotated[int | None, typer.Option(min=0, metavar="N")] = None,
     encrypted: Annotated[bool | None, typer.Option("--encrypted/--unencrypted")] = None,
+    allow: Allow = None,
     quiet: Quiet = False,
 ) -> None:
     """Compute all incomplete cases of a study, long cases first.

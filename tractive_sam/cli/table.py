@@ -20,6 +20,7 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
+from tractive_sam.cli.scene_input import Allow
 from tractive_sam.cli.study import check_workers
 
 
@@ -33,6 +34,7 @@ def table(
     figure: Annotated[Path | None, typer.Option(metavar="FILE.png")] = None,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS")] = None,
     workers: Annotated[int, typer.Option(min=0, metavar="N")] = 0,
+    allow: Allow = None,
     quiet: Quiet = False,
 ) -> None:
     """Build a creep-force table with gradients and error bars.

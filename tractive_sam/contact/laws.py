@@ -96,7 +96,7 @@ class Laws:
         Raises
         ------
         SceneError
-            If the scene names a law of another package that is not installed or does not take the
+            If the scene names a law of another package that may not be used or does not take the
             parameters.
         """
         laws = cls.of_package(scene)

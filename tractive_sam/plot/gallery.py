@@ -3,7 +3,6 @@
 import warnings
 from collections.abc import Iterable
 from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 
 from tractive_sam import interrupt
@@ -20,6 +19,7 @@ from tractive_sam.plot.registry import (
     register_package_figures,
 )
 from tractive_sam.results import History
+from tractive_sam.schema import installed_entry_points
 
 FORMATS = ("png", "pdf", "svg")
 
@@ -147,7 +147,7 @@ def list_figures(history: History) -> list[Drawing]:
 @cache
 def _register_installed() -> None:
     """Import the modules that installed packages name for figures; warn if one fails."""
-    for point in entry_points(group="tractive_sam.figures"):
+    for point in installed_entry_points("tractive_sam.figures"):
         try:
             point.load()
         except Exception as error:

@@ -22,7 +22,7 @@ def process_type(scene: Scene) -> type[Process[Any]]:
     Raises
     ------
     SceneError
-        If the scene names a process that is not installed.
+        If the scene names a process that may not be used, see `load_law_class`.
     """
     if scene.process is not None:
         return load_law_class("process.name", scene.process.name, Process)
@@ -39,7 +39,7 @@ def process_of(model: Model, further: Iterable[Observer] = ()) -> Process[Any]:
     Raises
     ------
     SceneError
-        If the scene names a process or an observer that is not installed or does not take its
+        If the scene names a process or an observer that may not be used or does not take its
         parameters, or has a table with an observer that does not follow the process.
     """
     scene = model.scene

@@ -19,7 +19,7 @@ from tractive_sam.schema import (
     Row,
     Table,
     ValidEntries,
-    allow_laws,
+    describe_law_names,
     entry,
     not_both,
     optional,
@@ -136,7 +136,7 @@ class Fatigue(LawTable):
     shear_yield: Positive | None = optional("yield stress in shear k, MPa")
     yield_strength: Positive | None = optional("yield stress in tension, sqrt 3 k, MPa")
     criterion: CriterionName | NamedLaw = entry(
-        "fatigue criterion", allow_laws(get_args(CriterionName)), "dang-van"
+        "fatigue criterion", describe_law_names(get_args(CriterionName)), "dang-van"
     )
     sensitivity: NotNegative | None = optional(
         "sensitivity of the criterion to normal stress: a for Dang Van and Crossland, k for "

@@ -22,7 +22,7 @@ from tractive_sam.schema import (
     Real,
     Row,
     ValidEntries,
-    allow_laws,
+    describe_law_names,
     entry,
     exactly_one,
     optional,
@@ -178,7 +178,7 @@ class Friction(LawTable):
     law: FrictionName | NamedLaw = entry(
         "friction law; all laws except the constant one fall with the local sliding speed and "
         "require creepage.speed",
-        allow_laws(get_args(FrictionName)),
+        describe_law_names(get_args(FrictionName)),
         "constant",
     )
     kinetic: OptionalOrthotropicPositive = optional(

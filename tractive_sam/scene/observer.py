@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar
 
 from tractive_sam.description import Row
-from tractive_sam.schema import Fault, LawTable, NamedLaw, ValidEntries, allow_laws, entry
+from tractive_sam.schema import Fault, LawTable, NamedLaw, ValidEntries, describe_law_names, entry
 
 
 class ObserverTable(LawTable):
@@ -21,7 +21,7 @@ class ObserverTable(LawTable):
     {'threshold': 0.5}
     """
 
-    name: NamedLaw = entry("observer", allow_laws(()))
+    name: NamedLaw = entry("observer", describe_law_names(()))
     law_key: ClassVar[str] = "name"
 
     @classmethod

@@ -15,7 +15,7 @@ from tractive_sam.schema import (
     Real,
     Row,
     ValidEntries,
-    allow_laws,
+    describe_law_names,
     entry,
 )
 
@@ -43,7 +43,7 @@ class ProcessTable(LawTable):
     (0.0, 10.0)
     """
 
-    name: NamedLaw = entry("process", allow_laws(()))
+    name: NamedLaw = entry("process", describe_law_names(()))
     end: Real = entry("last value of the coordinate of the process", ge=0)
     save: Annotated[tuple[Real, ...], AfterValidator(check_ascending)] = entry(
         "values of the coordinate at which fields are stored",

@@ -22,7 +22,7 @@ from tractive_sam.schema import (
     Row,
     Table,
     ValidEntries,
-    allow_laws,
+    describe_law_names,
     entry,
     exactly_one,
     number_to_tuple,
@@ -314,7 +314,7 @@ class ElasticBodies(LawTable):
 
     law: Literal["half-spaces"] | NamedLaw = entry(
         "elastic law: how tractions displace the surfaces of the bodies",
-        allow_laws(("half-spaces",)),
+        describe_law_names(("half-spaces",)),
         "half-spaces",
     )
     law_names: ClassVar[tuple[str, ...]] = ("half-spaces",)

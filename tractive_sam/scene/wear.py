@@ -19,7 +19,7 @@ from tractive_sam.schema import (
     Real,
     Row,
     ValidEntries,
-    allow_laws,
+    describe_law_names,
     entry,
     optional,
 )
@@ -80,7 +80,8 @@ class Wear(LawTable):
     law: LawName | WearLaws | NamedLaw = entry(
         "wear law: archard (pressure and slip), energy (frictional work), or usfd, brr and jendel "
         "(measured regimes)",
-        f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, {allow_laws(())}",
+        f"{ALL_LAWS}, {{ table = [[W, rate], ...] }}, {{ A = ..., B = ... }}, "
+        + describe_law_names(()),
         "archard",
     )
     set: str | Sets | None = optional(

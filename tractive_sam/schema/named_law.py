@@ -3,8 +3,8 @@
 A table names a law as ``module:name``, or by an entry point of the group "tractive_sam.laws";
 further keys of the table are its parameters. Reading a scene imports nothing: only the form of the
 name is checked, and `build_law` imports the module when the law is needed. It imports only modules
-of installed packages, or uses modules that are already imported, and calls only subclasses of the
-class that the table needs. A scene file can neither contain code nor run code of another library.
+of registered laws and modules that the user allows (`allow_laws`), because importing a module runs
+its code. It calls only subclasses of the class that the table needs.
 """
 
 import inspect
@@ -12,10 +12,9 @@ import json
 import re
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib import import_module, metadata
-from importlib.machinery import ModuleSpec
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar, get_type_hints
 from urllib.parse import urlparse
@@ -29,6 +28,10 @@ from .allowed_text import describe_allowed, list_names
 from .faults import Fault, SceneError, shorten, suggest_name
 from .table import Table
 from .table_base import to_python
+
+_IDENTIFIER = r"[^\W\d]\w*"
+_MODULE = rf"{_IDENTIFIER}(?:\.{_IDENTIFIER})*"
+_ALLOWED: set[str] = set()
 
 
 @dataclass(frozen=True)
@@ -111,19 +114,79 @@ class LawTable(Table):
         return {**entries, self.law_key: law.name, **law.parameters}
 
 
-def allow_laws(names: tuple[str, ...]) -> str:
+def describe_law_names(names: tuple[str, ...]) -> str:
     """Return text for the allowed values of a key: built-in names or ``module:class``."""
-    another = '"module:name" of an installed package'
+    another = '"module:name" of a registered or allowed class'
     return f"{list_names(names)}, or {another}" if names else another
+
+
+def allow_laws(*names: str) -> None:
+    """Allow scenes to name classes of these modules, which are imported when they are needed.
+
+    Applies to laws, criteria, processes and observers, in this Python process and in the workers of
+    its studies, tables and fits. Registered laws (entry-point group "tractive_sam.laws") need no
+    permission. Importing a module runs its code: allow only modules that you trust.
+
+    Parameters
+    ----------
+    *names : str
+        ``module:name`` of a class, or ``module`` for all its classes.
+
+    Raises
+    ------
+    ValueError
+        If a name has another form, or is a module ``__main__``, which would run a program.
+
+    Examples
+    --------
+    >>> ts.allow_laws("film_laws:Film")
+    """
+    for name in names:
+        if not re.fullmatch(rf"{_MODULE}(:{_IDENTIFIER})?", name) or "__main__" in name:
+            raise ValueError(f"{name!r} cannot be allowed; use MODULE or MODULE:NAME, no __main__")
+    _ALLOWED.update(names)
+
+
+def allowed_laws() -> tuple[str, ...]:
+    """Return the names that were given to `allow_laws`."""
+    return tuple(sorted(_ALLOWED))
+
+
+def installed_entry_points(group: str) -> Iterator[metadata.EntryPoint]:
+    """Yield the entry points of a group that installed packages register.
+
+    Metadata in the current folder or in the source folder of an editable installation (PEP 610) do
+    not count: the interpreter may search these folders, and received files may be in them.
+    """
+    here, sources = Path.cwd().resolve(), []
+    distributions = [
+        (place, distribution)
+        for distribution in metadata.distributions()
+        if (place := Path(str(distribution.locate_file(""))).resolve()) != here
+    ]
+    for _, distribution in distributions:
+        with suppress(AttributeError, KeyError, ValueError):  # metadata that are not valid
+            origin = json.loads(distribution.read_text("direct_url.json") or "{}")
+            if origin.get("dir_info", {}).get("editable"):
+                sources.append(Path(url2pathname(urlparse(origin["url"]).path)).resolve())
+    for place, distribution in distributions:
+        # A virtual environment may be within a source folder.
+        installed = place.name in ("site-packages", "dist-packages")
+        if installed or not any(map(place.is_relative_to, sources)):
+            yield from distribution.entry_points.select(group=group)
 
 
 def _full_name(text: str) -> str | None:
     """Return "module:class" for this text or for an entry point's name; else None."""
     if ":" in text:
-        identifier = r"[^\W\d]\w*"
-        return text if re.fullmatch(rf"{identifier}(\.{identifier})*:{identifier}", text) else None
-    points = metadata.entry_points(group="tractive_sam.laws", name=text)
-    return next((f"{point.module}:{point.attr}" for point in points), None)
+        return text if re.fullmatch(f"{_MODULE}:{_IDENTIFIER}", text) else None
+    return next((name for short, name in _registered_laws() if short == text), None)
+
+
+def _registered_laws() -> Iterator[tuple[str, str]]:
+    """Yield (short name, "module:class") of the laws that installed packages register."""
+    for point in installed_entry_points("tractive_sam.laws"):
+        yield point.name, f"{point.module}:{point.attr}"
 
 
 def build_law(
@@ -145,7 +208,7 @@ def build_law(
     Raises
     ------
     SceneError
-        If the law is not installed, is no law for this key, or has unknown, missing or wrong
+        If the law may not be imported, is no law for this key, or has unknown, missing or wrong
         parameters; with all these faults.
     """
     kind = load_law_class(key, law, base)
@@ -161,7 +224,7 @@ def build_law(
 
 
 def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
-    """Import and return the user-defined subclass of `base` that a scene names, or raise.
+    """Return the user-defined subclass of `base` that a scene names; import it if it is allowed.
 
     Parameters
     ----------
@@ -171,62 +234,29 @@ def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
     Raises
     ------
     SceneError
-        If it is not installed, or is no subclass of `base`.
+        If it may not be imported, cannot be imported, or is no subclass of `base`.
     """
-    try:
-        kind = _load(law.name)
-    except (ImportError, AttributeError, ValueError) as error:
-        allowed = f"a law of an installed package, module:name ({error})"
-        raise SceneError([Fault(key, law.name, allowed)]) from None
-    if not (isinstance(kind, type) and issubclass(kind, base)):
+    kind: Any
+    module, _, name = law.name.partition(":")
+    registered = (full for _, full in _registered_laws())
+    if _ALLOWED.isdisjoint((module, law.name)) and law.name not in registered:
+        # A lookup in the module itself: its `__getattr__` could import other modules.
+        loaded = sys.modules.get(module)
+        kind = object.__getattribute__(loaded, "__dict__").get(name) if loaded else None
+        if not issubclass(type(kind), type) or str(kind.__module__).startswith("tractive_sam."):
+            cure = f"--allow {law.name} or ts.allow_laws({law.name!r}) if you trust this code"
+            cure = "a module __main__ is never imported" if "__main__" in module else cure
+            allowed = f"a law that an installed package registers; {cure}"
+            raise SceneError([Fault(key, law.name, allowed)])
+    else:
+        try:
+            kind = getattr(import_module(module), name)
+        except Exception as error:  # whatever the module raises
+            allowed = f"a class that can be imported ({type(error).__name__}: {error})"
+            raise SceneError([Fault(key, law.name, allowed)]) from error
+    if not (issubclass(type(kind), type) and issubclass(kind, base)):
         raise SceneError([Fault(key, law.name, f"a subclass of ts.{base.__name__}")])
     return kind
-
-
-def _load(name: str) -> Any:
-    """Import and return the class "module:class" of an installed module."""
-    module, _, attribute = name.partition(":")
-    if module not in sys.modules:
-        _check_installed(module.partition(".")[0])
-    return getattr(import_module(module), attribute)
-
-
-def _check_installed(root: str) -> None:
-    """Raise an ImportError unless a module is part of an installed package."""
-    spec = find_spec(root)
-    if spec is None:
-        raise ImportError(f"the module {root} does not exist")
-    if not _is_installed(spec):
-        place = spec.origin or "the interpreter"
-        raise ImportError(f"{root} is not an installed package: it comes from {place}")
-
-
-def _is_installed(spec: ModuleSpec) -> bool:
-    """Return whether a module lies in a folder of installed packages."""
-    if spec.submodule_search_locations is not None:
-        folders = [Path(location).parent for location in spec.submodule_search_locations]
-    else:
-        folders = [Path(spec.origin).parent] if spec.has_location and spec.origin else []
-    installed: set[Path] = set()
-    editable: list[Path] = []
-    for distribution in metadata.distributions():
-        installed.add(Path(str(distribution.locate_file(""))).resolve())
-        editable += _source_folder(distribution)
-    # `python -m` and interactive sessions search the current folder, which may contain a scene.
-    installed -= {Path.cwd().resolve()}
-    places = [folder.resolve() for folder in folders]
-    return bool(places) and all(
-        place in installed or any(place.is_relative_to(folder) for folder in editable)
-        for place in places
-    )
-
-
-def _source_folder(distribution: metadata.Distribution) -> Iterator[Path]:
-    """Yield the source folder of a package that is installed as editable (PEP 610)."""
-    text = distribution.read_text("direct_url.json")
-    origin = json.loads(text) if text else {}
-    if origin.get("dir_info", {}).get("editable"):
-        yield Path(url2pathname(urlparse(origin["url"]).path)).resolve()
 
 
 def _arguments(

@@ -20,6 +20,7 @@ from uuid import uuid4
 
 from tractive_sam import interrupt
 from tractive_sam.extras import describe_missing
+from tractive_sam.schema import allow_laws, allowed_laws
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.chain import Chain, make_chains
 from tractive_sam.studies.task import FAILED, LOCKED, CaseOutcome, Task
@@ -342,9 +343,12 @@ def _submit_calls(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "F
 
     unique = uuid4().hex  # the scheduler must not take a call for an earlier one
     futures = {
-        client.submit(*call, key=f"{name}-{unique}", priority=priority, pure=False): k
+        client.submit(
+            _call_with_laws, allowed_laws(), *call,
+            key=f"{name}-{unique}", priority=priority, pure=False,
+        ): k
         for k, (name, priority, call) in enumerate(calls)
-    }
+    }  # fmt: skip
     try:
         ended = as_completed(futures, loop=client.loop)
         while not ended.is_empty():
@@ -360,6 +364,14 @@ def _submit_calls(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "F
         for future in futures:
             with suppress(OSError, TimeoutError):
                 future.release()
+
+
+def _call_with_laws(
+    laws: Sequence[str], function: Callable[..., Answer], *arguments: Any
+) -> Answer:
+    """Allow the laws that the client allows, call a function, and return its result."""
+    allow_laws(*laws)
+    return function(*arguments)
 
 
 def computed(
