@@ -293,7 +293,7 @@ class TestImports:
         assert CliRunner().invoke(app, [*command[:2], "--allow", "no name"]).exit_code == 2
         assert not received.exists()
         assert CliRunner().invoke(app, command).exit_code == 0
-        allowed_there = _call_with_laws(("other:Law",), named_law.allowed_laws)
+        allowed_there = _call_with_laws(("other:Law",), ts.allow_laws)
         assert allowed_there == ("other:Law", "received:Film")
 
     @pytest.mark.usefixtures("received")

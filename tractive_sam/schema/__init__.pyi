@@ -42,7 +42,6 @@ from .keys import split_key as split_key
 from .named_law import LawTable as LawTable
 from .named_law import NamedLaw as NamedLaw
 from .named_law import allow_laws as allow_laws
-from .named_law import allowed_laws as allowed_laws
 from .named_law import build_law as build_law
 from .named_law import describe_law_names as describe_law_names
 from .named_law import installed_entry_points as installed_entry_points

@@ -120,12 +120,13 @@ def describe_law_names(names: tuple[str, ...]) -> str:
     return f"{list_names(names)}, or {another}" if names else another
 
 
-def allow_laws(*names: str) -> None:
-    """Allow scenes to name classes of these modules, which are imported when they are needed.
+def allow_laws(*names: str) -> tuple[str, ...]:
+    """Allow scenes to name classes of these modules; return all names that are allowed.
 
     Applies to laws, criteria, processes and observers, in this Python process and in the workers of
-    its studies, tables and fits. Registered laws (entry-point group "tractive_sam.laws") need no
-    permission. Importing a module runs its code: allow only modules that you trust.
+    its studies, tables and fits. The modules are imported when the classes are needed. Registered
+    laws (entry-point group "tractive_sam.laws") need no permission. Importing a module runs its
+    code: allow only modules that you trust.
 
     Parameters
     ----------
@@ -140,15 +141,12 @@ def allow_laws(*names: str) -> None:
     Examples
     --------
     >>> ts.allow_laws("film_laws:Film")
+    ('film_laws:Film',)
     """
     for name in names:
         if not re.fullmatch(rf"{_MODULE}(:{_IDENTIFIER})?", name) or "__main__" in name:
             raise ValueError(f"{name!r} cannot be allowed; use MODULE or MODULE:NAME, no __main__")
     _ALLOWED.update(names)
-
-
-def allowed_laws() -> tuple[str, ...]:
-    """Return the names that were given to `allow_laws`."""
     return tuple(sorted(_ALLOWED))
 
 
@@ -302,7 +300,10 @@ def _read_argument(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any
         kind, value = Any, np.asarray(value)
         if value.dtype.kind not in "fiub":
             faults.append(Fault(name, shorten(value), "a list of numbers"))
-    adapter = _adapter(kind)
+    try:
+        adapter = TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
+    except PydanticUserError:  # records have a configuration already
+        adapter = TypeAdapter(kind)
     # A table may stand for a record, as { shear = 8e4, poisson = 0.3 } for a material.
     strict = not isinstance(value, Mapping)
     forms = (value, list(value)) if isinstance(value, tuple) else (value,)
@@ -313,14 +314,6 @@ def _read_argument(name: str, value: Any, kind: Any, faults: list[Fault]) -> Any
             continue
     faults.append(Fault(name, shorten(value), _describe_type(kind)))
     return None
-
-
-def _adapter(kind: Any) -> TypeAdapter[Any]:
-    """Return pydantic's validator of a type, which may be a class that pydantic does not know."""
-    try:
-        return TypeAdapter(kind, config=ConfigDict(arbitrary_types_allowed=True))
-    except PydanticUserError:  # records have a configuration already
-        return TypeAdapter(kind)
 
 
 def _describe_type(kind: Any) -> str:

@@ -20,14 +20,14 @@ from uuid import uuid4
 
 from tractive_sam import interrupt
 from tractive_sam.extras import describe_missing
-from tractive_sam.schema import allow_laws, allowed_laws
+from tractive_sam.schema import allow_laws
 from tractive_sam.store import ResultsError
 from tractive_sam.studies.chain import Chain, make_chains
 from tractive_sam.studies.task import FAILED, LOCKED, CaseOutcome, Task
 from tractive_sam.studies.worker import SINGLE_THREAD, run_case, run_chain
 
 if TYPE_CHECKING:
-    from distributed import Client, Future, Scheduler, Worker
+    from distributed import Client, Future, Worker
     from distributed.security import Security
 
 Answer = TypeVar("Answer")
@@ -142,7 +142,8 @@ def local_cluster(workers: int, encrypted: bool = True) -> Iterator[tuple[str, "
     with cluster:
         with Client(cluster.scheduler_address, security=security, set_as_default=False) as client:
             client.run(_silence_worker)
-            client.run_on_scheduler(_close_pages)
+            # the port on which a scheduler serves its status pages
+            client.run_on_scheduler(lambda dask_scheduler: dask_scheduler.http_server.stop())
         yield cluster.scheduler_address, security
 
 
@@ -169,11 +170,6 @@ def _silence_worker(dask_worker: "Worker") -> None:
 def _is_no_lost_connection(record: logging.LogRecord) -> bool:
     """Return whether to log a message: its error is no OSError from a lost connection."""
     return not (record.exc_info and isinstance(record.exc_info[1], OSError))
-
-
-def _close_pages(dask_scheduler: "Scheduler") -> None:
-    """Close the port on which a scheduler serves its status pages."""
-    dask_scheduler.http_server.stop()
 
 
 @contextmanager
@@ -344,7 +340,7 @@ def _submit_calls(client: "Client", calls: list[Call]) -> Iterator[tuple[int, "F
     unique = uuid4().hex  # the scheduler must not take a call for an earlier one
     futures = {
         client.submit(
-            _call_with_laws, allowed_laws(), *call,
+            _call_with_laws, allow_laws(), *call,
             key=f"{name}-{unique}", priority=priority, pure=False,
         ): k
         for k, (name, priority, call) in enumerate(calls)
