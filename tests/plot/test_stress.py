@@ -5,7 +5,7 @@ from tests.plot.rendering import render
 from tests.scenes import steady
 from tractive_sam import plot
 from tractive_sam.plot import stress
-from tractive_sam.plot.plane_maxima import stress_maxima
+from tractive_sam.plot.stress import stress_maxima
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_on_planes

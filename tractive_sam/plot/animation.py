@@ -11,11 +11,9 @@ from PIL import Image
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import write_file
-from tractive_sam.plot.contact_map import ContactMap, MapLayout, add_axes, new_map_figure
-from tractive_sam.plot.contact_view import ContactView, select_evenly
+from tractive_sam.plot.contact_map import ContactMap, MapFrame, MapLayout, add_axes, new_map_figure
+from tractive_sam.plot.contact_view import WIDE, ContactView, select_evenly
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.map_frame import MapFrame
-from tractive_sam.plot.needs import WIDE
 from tractive_sam.plot.style import LOOK, MICRON, apply_style
 from tractive_sam.results import History
 

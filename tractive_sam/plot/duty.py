@@ -5,14 +5,14 @@ from matplotlib.axes import Axes
 
 import tractive_sam as ts
 from tractive_sam import mechanics  # its laws load the compiler when first used
+from tractive_sam.plot.contact_view import Need
+from tractive_sam.plot.fields import lateral_axes
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.needs import Need
-from tractive_sam.plot.profiles import lateral_axes
 from tractive_sam.plot.registry import history_figure
-from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
     LOOK,
     MICRON,
+    Scale,
     format_title,
     history_title,
     label_course,

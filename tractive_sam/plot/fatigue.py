@@ -9,15 +9,14 @@ from matplotlib.collections import QuadMesh
 
 from tractive_sam.description import math_value
 from tractive_sam.plot.contact_map import share_y_axis
-from tractive_sam.plot.contact_view import select_evenly
+from tractive_sam.plot.contact_view import WIDE, Need, has_course, select_evenly
 from tractive_sam.plot.figure import Figure
 from tractive_sam.plot.history_curves import draw_column
-from tractive_sam.plot.needs import WIDE, Need, has_course
 from tractive_sam.plot.registry import history_figure
-from tractive_sam.plot.scale import Scale
 from tractive_sam.plot.style import (
     LOOK,
     MICRON,
+    Scale,
     history_title,
     label_course,
     new_axes,

@@ -1,4 +1,4 @@
-"""Registered figures: the needs of each one, and the figures that a history has.
+"""Registered figures: the needs of each one, the figures that a history has, and all as files.
 
 A figure is registered by its decorator, `history_figure` or `contact_figure`. Whether it applies
 depends on the columns, fields, stresses and elements of a history. `save_all`, ``tractive-sam
@@ -7,6 +7,7 @@ plot`` and the report draw what `list_figures` lists.
 
 import inspect
 import re
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial, wraps
@@ -17,10 +18,20 @@ from typing import Any, ParamSpec
 
 import numpy as np
 
-from tractive_sam.plot.contact_view import ContactView, Source
-from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.needs import SINGLE_ROW, Need, refuse
+from tractive_sam import interrupt
+from tractive_sam.output_file import make_folder
+from tractive_sam.plot.contact_view import (
+    SINGLE_ROW,
+    ContactView,
+    Need,
+    Source,
+    refuse,
+    touching_records,
+)
+from tractive_sam.plot.figure import Figure, omit_failing_figure
+from tractive_sam.plot.options import Measurements, change_options
 from tractive_sam.plot.style import apply_style
+from tractive_sam.schema import installed_entry_points
 from tractive_sam.results import COORDINATE, PREFIX, History, Quantity
 
 Arguments = ParamSpec("Arguments")
@@ -296,3 +307,136 @@ def _add(
         raise ValueError(f"figure {name} of {entry.origin}: {registered.origin} has this name")
     entries[name] = entry
     return entry
+
+
+FORMATS = ("png", "pdf", "svg")
+
+DPI = 200
+"""Dots per inch of figures that are written."""
+
+
+def save_all(
+    history: History,
+    directory: str | Path,
+    format: str = "png",
+    *,
+    units: str = "hertz",
+    dpi: float | None = None,
+    blocks: Iterable[int | str] = (),
+    titles: bool = True,
+    width: float | None = None,
+    measured: Measurements | None = None,
+) -> list[Path]:
+    """Draw and save every figure that applies to a history; return the paths.
+
+    Figures of one contact are drawn for the first and the last stored record in which the bodies
+    touch; their names end in its revolution. A figure that cannot be drawn is omitted with a
+    warning.
+
+    Parameters
+    ----------
+    history : History
+        History to draw.
+    directory : path-like
+        Folder of the figures; it is created if it does not exist.
+    format : str
+        One of `FORMATS`.
+    units : str
+        "hertz", over the half widths and the pressure of Hertz; or "si-mm", in mm and MPa.
+    dpi : float, optional
+        Dots per inch of PNG; by default 200.
+    blocks : iterable of int or str
+        Blocks of a duty cycle to draw as well, by index or name: into folders block-0, ... of their
+        indices, except for figures that do not depend on the block.
+    titles : bool
+        Whether figures have titles.
+    width : float, optional
+        Width of every figure, mm, for example a column of a journal.
+    measured : Measurements, optional
+        Measured points, which are drawn with the columns that have their names.
+
+    Raises
+    ------
+    LookupError
+        If a block does not exist.
+    ValueError
+        If measured columns are unknown, or the units.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Examples
+    --------
+    >>> flat = ts.roll(ts.Scene.builtin("cylinders"))
+    >>> plot.save_all(flat, "figures", "svg")[0].name
+    'pressure.svg'
+    """
+    directory = Path(directory)
+    chosen = {history.place_of(block): history.block(block) for block in blocks}
+    if measured is not None:
+        measured.check(history)
+    paths = []
+    with change_options(units=units, titles=titles, measured=measured):
+        make_folder(directory)
+        drawings = {drawing.name: drawing for drawing in list_figures(history)}
+        for k, block in chosen.items():
+            extra = [drawing for drawing in list_figures(block) if drawing.name not in drawings]
+            drawings |= {f"block-{k}/{drawing.name}": drawing for drawing in extra}
+        for name, drawing in drawings.items():
+            interrupt.raise_if_interrupted()
+            path = directory / f"{name}.{format}"
+            make_folder(path.parent)
+            with omit_failing_figure(name):
+                _draw_in_width(drawing, width).savefig(path, dpi=dpi or DPI)
+                paths.append(path)
+    return paths
+
+
+def _draw_in_width(drawing: Drawing, width: float | None) -> Figure:
+    """Return a drawn figure, in a width in mm if one is given.
+
+    Fonts have a smallest size, so the width of a figure is not in proportion to its scale.
+    """
+    figure, scale = drawing.draw(), 1.0
+    if width is not None:
+        while abs((change := width / 25.4 / figure.get_figwidth()) - 1.0) > 2e-3 and scale > 0.05:
+            scale *= change
+            with change_options(scale=scale):
+                figure = drawing.draw()
+    return figure
+
+
+def list_figures(history: History) -> list[Drawing]:
+    """Return the figures that apply to a history, with captions, not yet drawn.
+
+    The figures of one contact come first: of the first and the last stored record in which the
+    bodies touch.
+
+    Examples
+    --------
+    >>> [drawing.name for drawing in plot.list_figures(history) if "wear" in drawing.name]
+    ['wear-2', 'wear-depth', 'wear-over-revolutions', 'wear-profiles']
+    """
+    register_package_figures()
+    _register_installed()
+    drawings: list[Drawing] = []
+    for at in touching_records(history):
+        view = ContactView.from_source(history, at)
+        ending = f"-{at:{history.coordinate.format}}" if len(history) > 1 else ""
+        for _, entry in sorted(CONTACT_FIGURES.items()):
+            drawings += entry.drawings(view, ending)
+    for _, entry in sorted(HISTORY_FIGURES.items()):
+        drawings += entry.drawings(history)
+    return drawings
+
+
+@cache
+def _register_installed() -> None:
+    """Import the modules that installed packages name for figures; warn if one fails."""
+    for point in installed_entry_points("tractive_sam.figures"):
+        try:
+            point.load()
+        except Exception as error:
+            warnings.warn(f"the figures of {point.value} are omitted: {error}", stacklevel=2)

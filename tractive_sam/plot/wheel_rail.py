@@ -5,9 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.plot.contact_view import ContactView
+from tractive_sam.plot.contact_view import ContactView, Need
 from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.needs import Need
 from tractive_sam.plot.registry import contact_figure, history_figure
 from tractive_sam.plot.style import LOOK, apply_style, format_title, new_axes
 from tractive_sam.rail import ContactLocus, Profile
