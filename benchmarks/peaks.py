@@ -42,8 +42,8 @@ from tractive_sam.results import State
 from tractive_sam.results.edges import distance_to_edge, distances_to_edges
 from tractive_sam.run import read_measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume
-from tractive_sam.subsurface.loaded import LoadedBodies
-from tractive_sam.subsurface.mirror import SIGNS
+from tractive_sam.subsurface.loaded_bodies import LoadedBodies
+from tractive_sam.subsurface.sources import SIGNS
 
 ACROSS = (16, 24, 32, 48, 64, 96)
 SHIFTS = (0.0, 0.3, 0.6)

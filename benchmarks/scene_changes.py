@@ -298,7 +298,7 @@ DIMENSIONS: dict[str, tuple[int, int]] = {
     **dict.fromkeys(("wear.revolutions", "wear.save", "duty.revolutions"), PURE),
     **dict.fromkeys(("fatigue.sensitivity", "fatigue.cycles", "fatigue.exponent"), PURE),
     **dict.fromkeys(("fatigue.depth", "fatigue.elements", "fatigue.tolerance"), PURE),
-    **dict.fromkeys(("subsurface.depth", "subsurface.elements"), PURE),
+    **dict.fromkeys(("subsurface.loaded_bodies", "subsurface.elements"), PURE),
     **dict.fromkeys(("solver.tolerance", "transient.tolerance"), PURE),
 }
 

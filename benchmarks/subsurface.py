@@ -24,15 +24,14 @@ import numpy as np
 import pyfftw
 from timing import seconds, show, write
 
-from tractive_sam.compute.fft import padded_length
-from tractive_sam.compute.stress_fft import edge_transform, layer_transform
+from tractive_sam.compute.fft import edge_transform, layer_transform, padded_length
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_volume
-from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.loaded_bodies import LoadedBodies
 
 DEPTHS = 64
 LARGE = 512

@@ -30,8 +30,8 @@ from tractive_sam.store import GapError, ResultsError, layout, open_history, rea
 from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.studies import open_study, study
 from tractive_sam.studies.folder import Folder
-from tractive_sam.tables.file import write_table
-from tractive_sam.tables.fmu_description import Description2
+from tractive_sam.tables.fmu import Description2
+from tractive_sam.tables.table_file import write_table
 
 RUN = "window.PWNED=1;document.title='PWNED'"
 HOSTILE = (

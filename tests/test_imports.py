@@ -28,7 +28,7 @@ ts.open_table("steel")(1e-3, 0.0, 0.0, a=1.0, b=1.0, load=1.0, mu=0.3, shear=1.0
 """
 
 INTERFACES = """
-import tractive_sam.compute.fftw
+import tractive_sam.compute.fft
 import pyfftw
 before = "pyfftw.interfaces.numpy_fft" in __import__("sys").modules
 pyfftw.interfaces.numpy_fft.fft

@@ -23,7 +23,7 @@ def test_an_application_of_the_tangential_operator_is_one(operators):
 
 
 def test_a_clock_too_coarse_for_a_convolution_gives_no_time_over_it(operators, monkeypatch):
-    monkeypatch.setattr("tractive_sam.compute.meter.process_time", lambda: 1.0)
+    monkeypatch.setattr("tractive_sam.compute.fft.process_time", lambda: 1.0)
     monkeypatch.setattr("tractive_sam.compute.host.process_time", lambda: 1.0)
     meter = ConvolutionMeter(operators.lattice.padded)
     operators.slip(np.ones((2, 21, 25)))

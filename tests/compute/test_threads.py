@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from tractive_sam.compute import fft, threads, tiles
+from tractive_sam.compute import fft, tiles
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators, StressLayers
@@ -39,23 +39,23 @@ def test_nor_below_the_surface():
 
 def test_large_transforms_take_the_cores_there_are(monkeypatch):
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
-    monkeypatch.setattr(threads, "cores", lambda: 16)
-    assert threads.threads_for_transform((256, 256)) == 1
-    assert threads.threads_for_transform((2048, 2048)) == 4
+    monkeypatch.setattr(fft, "cores", lambda: 16)
+    assert fft.threads_for_transform((256, 256)) == 1
+    assert fft.threads_for_transform((2048, 2048)) == 4
 
 
 @pytest.mark.parametrize(("bound", "taken"), [("1", 1), ("3", 3), ("2,1", 2), ("0", 1), ("x", 2)])
 def test_threads_are_bounded_as_those_of_other_libraries(bound, taken, monkeypatch):
     monkeypatch.setenv("OMP_NUM_THREADS", bound)
-    monkeypatch.setattr(threads, "cores", lambda: 2)
-    assert threads.threads_for_transform((2048, 2048)) == taken
+    monkeypatch.setattr(fft, "cores", lambda: 2)
+    assert fft.threads_for_transform((2048, 2048)) == taken
 
 
 @pytest.mark.parametrize("known", [6, None])
 def test_cores_where_the_system_does_not_report_those_of_a_process(known, monkeypatch):
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: known)
-    assert threads.cores() == (known or 1)
+    assert fft.cores() == (known or 1)
 
 
 def test_threads_of_a_transform_change_nothing_but_rounding(monkeypatch):
@@ -75,14 +75,14 @@ def test_blas_threads_are_limited_and_restored():
         return [one["num_threads"] for one in threadpool_info() if one["user_api"] == "blas"]
 
     before = counts()
-    with threads.numeric_settings():
+    with fft.numeric_settings():
         assert set(counts()) <= {1}
     assert counts() == before
 
 
 def test_underflow_is_no_error_whatever_the_caller_prescribes():
     tiny = np.full(9, 1e-200)
-    with np.errstate(all="raise"), threads.numeric_settings():
+    with np.errstate(all="raise"), fft.numeric_settings():
         assert tiny @ tiny == 0.0
 
 

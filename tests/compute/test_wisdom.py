@@ -2,27 +2,27 @@
 
 import pytest
 
-from tractive_sam.compute import fft, wisdom
+from tractive_sam.compute import fft, fftw
 from tractive_sam.compute.fft import PaddedTransform
 from tractive_sam.compute.tiles import TiledConvolution, UntiledConvolution
 
 
 def test_wisdom_is_stored_and_recalled(tmp_path, monkeypatch):
     monkeypatch.setenv("TRACTIVE_SAM_CACHE", str(tmp_path / "cache"))
-    wisdom.load()  # nothing there yet
+    fftw.load_wisdom()  # nothing there yet
     PaddedTransform(1, (5, 6), (10, 12))
-    wisdom.save()
+    fftw.save_wisdom()
     double, single = sorted((tmp_path / "cache").iterdir())
     assert b"fftw" in double.read_bytes()
     assert b"fftwf" in single.read_bytes()
-    wisdom.load()
+    fftw.load_wisdom()
 
 
 def test_an_unwritable_cache_is_done_without(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("TRACTIVE_SAM_CACHE", str(tmp_path / "file"))
-    wisdom.save()
-    wisdom.load()
+    fftw.save_wisdom()
+    fftw.load_wisdom()
 
 
 @pytest.mark.parametrize("kind", [UntiledConvolution, TiledConvolution])

@@ -59,7 +59,7 @@ def test_stress_and_fatigue_do_not_depend_on_the_centre():
         rtol=1e-3,
     )
     found, whole = (ts.fatigue(one)["A"].utilisation for one in (away, centred))
-    # The points of the paths outside the meshes: 3e-3 of the largest value (`subsurface.cycle`).
+    # Points of paths outside the meshes: 3e-3 of the largest (`subsurface.fatigue_cycles`).
     np.testing.assert_allclose(found[4:-4], whole[4:-8], atol=3e-3 * whole.max())
 
 

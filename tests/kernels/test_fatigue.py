@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 
-from tractive_sam.kernels import critical_plane, enclosing, fatigue
+from tractive_sam.kernels import critical_plane, fatigue
 from tractive_sam.mechanics import (
     Crossland,
     DangVan,
@@ -57,10 +57,10 @@ def ball(points):
     squares = np.empty(n)
     if m == 2:
         support, weights = np.zeros(3, int), np.empty(3)
-        count, radius2 = enclosing.enclosing_circle(support, weights, points, squares)
+        count, radius2 = fatigue.enclosing_circle(support, weights, points, squares)
         return support[:count], weights[:count], radius2
     support, weights = np.empty(m + 2, int), np.empty(m + 2)
-    count, radius2 = enclosing.enclosing_ball(np.empty(m), support, weights, points, squares)
+    count, radius2 = fatigue.enclosing_ball(np.empty(m), support, weights, points, squares)
     return support[:count], weights[:count], radius2
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tractive_sam.kernels import friction, friction_inverse, wear
+from tractive_sam.kernels import friction, wear
 
 # Tractions are dimensionless, of order one: their squares do not underflow.
 sizes = st.just(0.0) | st.floats(1e-100, 10)
@@ -187,7 +187,7 @@ def test_sweep_sums_from_each_leading_edge_where_it_sticks():
     state[[0, 3]] = friction.OPEN
     row, increments, out = 7.0 * np.ones((2, 6, 1)), np.ones((2, 6, 1)), np.empty((2, 6, 1))
     zero, own = np.zeros((6, 1)), (1.0, 0.0, 1.0)
-    friction_inverse.sweep_upwind(state, np.zeros((2, 6, 1)), zero, zero, own, row, increments, out)
+    friction.sweep_upwind(state, np.zeros((2, 6, 1)), zero, zero, own, row, increments, out)
     # The value of an open element is that of its row; behind it there is another leading edge.
     np.testing.assert_array_equal(out[0, :, 0], [7, 2, 1, 7, 2, 1])
 

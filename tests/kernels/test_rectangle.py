@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
-from tractive_sam.kernels import rectangle
-from tractive_sam.kernels.rectangle import quadrant
+from tractive_sam.kernels import half_space
+from tractive_sam.kernels.half_space import quadrant
 
 GAUSS = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (GAUSS[0] + 1.0), 0.5 * GAUSS[1]
@@ -42,7 +42,7 @@ def far_truth(x, y, dx, dy):
 
 def error(x, y, dx, dy, truth):
     """Largest error over the size of the integrals there (r1 bounds the first four)."""
-    value = np.array(rectangle.integrals(x, y, dx, dy))
+    value = np.array(half_space.integrals(x, y, dx, dy))
     return np.abs(value - truth).max() / np.abs(truth).max()
 
 
@@ -77,21 +77,21 @@ def test_far_from_the_rectangle(dx, dy, distance):
 
 def test_a_split_rectangle_adds_up():
     x, y, dx, dy = 0.37, -0.81, 0.9, 1.3
-    halves = [np.array(rectangle.integrals(x + s * dx / 4, y, dx / 2, dy)) for s in (-1, 1)]
-    np.testing.assert_allclose(sum(halves), rectangle.integrals(x, y, dx, dy), rtol=1e-13)
+    halves = [np.array(half_space.integrals(x + s * dx / 4, y, dx / 2, dy)) for s in (-1, 1)]
+    np.testing.assert_allclose(sum(halves), half_space.integrals(x, y, dx, dy), rtol=1e-13)
 
 
 def test_parities():
-    value = np.array(rectangle.integrals(0.8, 0.3, 1.0, 0.7))
-    in_x = np.array(rectangle.integrals(-0.8, 0.3, 1.0, 0.7))
-    in_y = np.array(rectangle.integrals(0.8, -0.3, 1.0, 0.7))
+    value = np.array(half_space.integrals(0.8, 0.3, 1.0, 0.7))
+    in_x = np.array(half_space.integrals(-0.8, 0.3, 1.0, 0.7))
+    in_y = np.array(half_space.integrals(0.8, -0.3, 1.0, 0.7))
     np.testing.assert_allclose(in_x, value * [1, 1, 1, -1, -1, 1], rtol=1e-13)
     np.testing.assert_allclose(in_y, value * [1, 1, 1, -1, 1, -1], rtol=1e-13)
 
 
 def test_trace_of_the_tangential_kernel():
     """x²/r³ + y²/r³ = 1/r."""
-    r1, xx, yy, *_ = rectangle.integrals(0.2, 0.4, 1.0, 0.5)
+    r1, xx, yy, *_ = half_space.integrals(0.2, 0.4, 1.0, 0.5)
     assert xx + yy == pytest.approx(r1, rel=1e-14)
 
 
@@ -100,8 +100,8 @@ def test_far_limit_is_the_point_kernel():
     errors = []
     for r in (40.0, 80.0):
         x, y = r * 0.6, r * 0.8
-        point = np.array(rectangle.point(x, y))
-        errors.append(np.abs(np.array(rectangle.integrals(x, y, 1.0, 1.0)) / point - 1.0).max())
+        point = np.array(half_space.point(x, y))
+        errors.append(np.abs(np.array(half_space.integrals(x, y, 1.0, 1.0)) / point - 1.0).max())
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.01)  # next term: fourth order
 
 
@@ -109,5 +109,5 @@ def test_the_quadrant_holds_the_integrals():
     table = quadrant(3, 4, 0.5, 0.2)
     assert table.shape == (6, 3, 4)
     np.testing.assert_array_equal(
-        table[:, 2, 3], rectangle.integrals(1.0, 0.6000000000000001, 0.5, 0.2)
+        table[:, 2, 3], half_space.integrals(1.0, 0.6000000000000001, 0.5, 0.2)
     )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.compute.fft import padded_length
-from tractive_sam.kernels.rectangle import integrals
+from tractive_sam.kernels.half_space import integrals
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.material import Material

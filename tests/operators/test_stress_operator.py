@@ -7,7 +7,7 @@ from tractive_sam.kernels.stress_lattice import layer_table
 from tractive_sam.kernels.stress_sum import sum_patch_stress
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
-from tractive_sam.subsurface.mirror import tractions_on_bodies
+from tractive_sam.subsurface.sources import tractions_on_bodies
 
 GRID = Grid((3.0, 2.0), (13, 10))
 MESH = Lattice(GRID.elements, GRID.dx, GRID.dy)

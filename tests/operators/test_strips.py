@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tractive_sam.kernels.strip import integrate_logarithm, integrate_sign
+from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign
 from tractive_sam.kernels.strip_stress import sum_strip_stress
 from tractive_sam.mechanics.elasticity import Strips
 from tractive_sam.mechanics.frame import Frame

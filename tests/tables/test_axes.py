@@ -11,9 +11,8 @@ from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, creepages_at
 from tractive_sam.mechanics.full_slip import full_slip_force
 from tractive_sam.tables import TableAxis
-from tractive_sam.tables.coefficients import coefficients
-from tractive_sam.tables.grid import CreepageGrid
-from tractive_sam.tables.refinement import Refinement
+from tractive_sam.tables.builder import coefficients
+from tractive_sam.tables.solving import CreepageGrid, Refinement
 
 STEEL = {"young": 208e3, "poisson": 0.3}
 FLAT = {"radius_x": math.inf, "radius_y": math.inf}

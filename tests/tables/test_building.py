@@ -9,9 +9,7 @@ import tractive_sam as ts
 from tractive_sam.lookup import creepages_at
 from tractive_sam.tables.builder import TableBuilder
 from tractive_sam.tables.contacts import Solved
-from tractive_sam.tables.refinement import Refinement
-from tractive_sam.tables.solving import Batch
-from tractive_sam.tables.table_contacts import TableContacts
+from tractive_sam.tables.solving import Batch, Refinement, TableContacts
 
 REFINEMENT = Refinement()
 

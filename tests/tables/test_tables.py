@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 import tractive_sam as ts
 from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, c_sources, columns_of
-from tractive_sam.lookup.text import COLUMNS
+from tractive_sam.lookup.creep_table import COLUMNS
 from tractive_sam.reference import creep_coefficients, full_slip_with_spin
 from tractive_sam.tables import builtin_tables, is_design
 from tractive_sam.tables.contacts import Contacts, unit_scene

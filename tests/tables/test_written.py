@@ -89,7 +89,7 @@ def test_what_is_not_in_a_table_is_refused(kind, changes, named):
 
 @pytest.mark.parametrize("kind", CASES)
 def test_tables_are_read_as_they_are_written(kind, tmp_path):
-    writing = pytest.importorskip("tractive_sam.tables.file", reason="xarray is of an extra")
+    writing = pytest.importorskip("tractive_sam.tables.table_file", reason="xarray is of an extra")
     make, given = CASES[kind]
     table = make()
     writing.write_table(table, tmp_path / "table.nc")

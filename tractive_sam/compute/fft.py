@@ -1,20 +1,138 @@
-"""Zero-padded real transforms through FFTW (pyfftw is imported in this room only)."""
+"""Zero-padded real transforms through FFTW (pyfftw is imported in this room only).
+
+The arrays of transforms belong to their plan and are overwritten by its next use.
+"""
 
 import atexit
+import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache, lru_cache
 from math import ceil
-from threading import Lock, get_ident
+from threading import Lock, get_ident, local
+from time import process_time
 from typing import Generic, TypeVar
 
 import numpy as np
+from threadpoolctl import ThreadpoolController
 
 from tractive_sam import interrupt
-from tractive_sam.compute import wisdom
-from tractive_sam.compute.fftw import pyfftw
-from tractive_sam.compute.meter import count_transform
-from tractive_sam.compute.threads import threads_for_transform
+from tractive_sam.compute.fftw import load_wisdom, pyfftw, save_wisdom
+
+
+class _Transformed(local):
+    """FFT points (fields times padded elements) that this thread has transformed.
+
+    Attributes
+    ----------
+    points : float
+        Number of points.
+    timed, seconds : float
+        Points of convolutions in double precision, and the CPU time of these convolutions.
+    """
+
+    points = timed = seconds = 0.0
+
+
+_TRANSFORMED = _Transformed()
+
+
+def count_transform(fields: int, padded: tuple[int, int]) -> None:
+    """Add one padded FFT of several fields, forward or backward, to the count of this thread."""
+    _TRANSFORMED.points += fields * padded[0] * padded[1]
+
+
+def count_time(fields: int, padded: tuple[int, int], began: float) -> None:
+    """Add the CPU time since `began` to the time of convolutions in double precision."""
+    _TRANSFORMED.timed += 2 * fields * padded[0] * padded[1]
+    _TRANSFORMED.seconds += process_time() - began
+
+
+class ConvolutionMeter:
+    """Counter of convolution work of this thread, in applications of the tangential operator.
+
+    The unit is one application of the tangential operator on a mesh: two fields forward and two
+    backward. A transform of fewer fields, or on a part of the mesh, counts by its share of points,
+    whatever its precision. Operators, preconditioners, coarser meshes and heat are included.
+
+    Parameters
+    ----------
+    padded : tuple of int
+        Padded shape (p_x, p_y) of the mesh.
+    """
+
+    def __init__(self, padded: tuple[int, int]) -> None:
+        self._unit = 4.0 * padded[0] * padded[1]
+        self._before, self._began = _TRANSFORMED.points, process_time()
+        self._timed, self._seconds = _TRANSFORMED.timed, _TRANSFORMED.seconds
+
+    @property
+    def convolutions(self) -> float:
+        """Work since the creation, in applications of the tangential operator (four transforms)."""
+        return (_TRANSFORMED.points - self._before) / self._unit
+
+    @property
+    def over_application(self) -> float:
+        """CPU time since the creation over the CPU time of one tangential application, or nan.
+
+        The time of an application follows from the points of convolutions in double precision since
+        then; nan means that there were none, or that the clock is too coarse to time them.
+        """
+        timed, seconds = _TRANSFORMED.timed - self._timed, _TRANSFORMED.seconds - self._seconds
+        application = seconds * self._unit / timed if seconds > 0.0 else float("nan")
+        return (process_time() - self._began) / application
+
+    @property
+    def work(self) -> dict[str, float]:
+        """Both measures by the names of their attributes in `results.Cost`."""
+        return {"convolutions": self.convolutions, "over_application": self.over_application}
+
+
+def threads_for_transform(padded: tuple[int, int], large: int = 2**19, max_threads: int = 4) -> int:
+    """Return the threads for an FFT: 1 if small, else OMP_NUM_THREADS or cores, at most 4.
+
+    The environment variable OMP_NUM_THREADS limits it, as in most libraries.
+
+    Parameters
+    ----------
+    padded : pair of int
+        Size of the padded array.
+    large : int
+        Numbers of a padded array from which threads pay; below, they cost more than they bring.
+    max_threads : int
+        Threads of a large transform; memory feeds no more of them.
+    """
+    if math.prod(padded) < large:
+        return 1
+    bound = os.environ.get("OMP_NUM_THREADS", "").split(",")[0].strip()
+    allowed = int(bound) if bound.isdigit() else cores()
+    return max(1, min(max_threads, allowed))
+
+
+def cores() -> int:
+    """Return the number of cores that the process may use; if unknown, all of the machine."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def numeric_settings() -> Iterator[None]:
+    """Limit BLAS to one thread and ignore underflow within the block or function.
+
+    Vectors are too short here for more threads, and threads that wait take cores from others.
+    Numbers near zero, such as residuals, may underflow to zero, whatever `np.seterr` prescribes.
+    """
+    with _controller().limit(limits=1, user_api="blas"), np.errstate(under="ignore"):
+        yield
+
+
+@cache
+def _controller() -> ThreadpoolController:
+    """Return the controller of BLAS thread pools (threadpoolctl), created once."""
+    return ThreadpoolController()
+
 
 Plan = TypeVar("Plan")
 
@@ -147,8 +265,8 @@ class PaddedTransform:
 @cache
 def _recall_wisdom() -> None:
     """Load FFTW's plans of earlier processes, once, and store them when this process ends."""
-    wisdom.load()
-    atexit.register(wisdom.save)
+    load_wisdom()
+    atexit.register(save_wisdom)
 
 
 _PLANNING, _QUEUE = Lock(), Lock()
@@ -213,3 +331,85 @@ class PlanCache(Generic[Plan]):
 
 transform = PlanCache(PaddedTransform, 32)
 """The `PaddedTransform` of its arguments, made on its first use."""
+
+
+class LayerTransform:
+    """FFTs for `StressLayers`: four packed tables forward, six stress components backward.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Mesh (n_x, n_y) on which the stresses are wanted.
+    padded : tuple of int
+        Periods (p_x, p_y) of the tables, even.
+    threads : int
+        Threads that FFTW may use.
+
+    Attributes
+    ----------
+    tables : ndarray, shape (4, p_x, p_y)
+        Packed tables, the input of `forward`.
+    packs : ndarray of complex, shape (4, p_x, p_y/2 + 1)
+        Spectra of the tables.
+    spectra : ndarray of complex, shape (6, p_x, p_y/2 + 1)
+        Spectra of the stresses, for `backward`; destroyed by it.
+    """
+
+    def __init__(self, shape: tuple[int, int], padded: tuple[int, int], threads: int = 1):
+        (nx, ny), (px, py) = shape, padded
+        self.tables = pyfftw.zeros_aligned((4, px, py))
+        self.packs = pyfftw.zeros_aligned((4, px, py // 2 + 1), dtype=complex)
+        self.spectra = pyfftw.zeros_aligned((6, px, py // 2 + 1), dtype=complex)
+        stresses = pyfftw.zeros_aligned((6, nx, py))
+        self._stresses = stresses[..., :ny]
+        self._tables_y = plan(self.tables, self.packs, 2, "FFTW_FORWARD", threads)
+        self._tables_x = plan(self.packs, self.packs, 1, "FFTW_FORWARD", threads)
+        self._stress_x = plan(self.spectra, self.spectra, 1, "FFTW_BACKWARD", threads)
+        # Rows beyond the mesh are not transformed back.
+        self._stress_y = plan(self.spectra[:, :nx], stresses, 2, "FFTW_BACKWARD", threads)
+
+    def forward(self) -> None:
+        """Transform the array `tables` into the array `packs`."""
+        self._tables_y.execute()
+        self._tables_x.execute()
+
+    def backward(self) -> np.ndarray:
+        """Transform `spectra` back and return six stresses (6, n_x, n_y), times p_x p_y."""
+        self._stress_x.execute()
+        self._stress_y.execute()
+        return self._stresses
+
+
+class EdgeTransform:
+    """FFTs along a plane for `StressPlane`: eight packed tables of edges, forward.
+
+    Parameters
+    ----------
+    edges : int
+        Number of rows.
+    padded : int
+        Period p of the tables, even.
+
+    Attributes
+    ----------
+    tables : ndarray, shape (8, edges, p)
+        Packed tables, the input of `forward`.
+    packs : ndarray of complex, shape (8, edges, p/2 + 1)
+        Spectra of the tables.
+    """
+
+    def __init__(self, edges: int, padded: int):
+        self.tables = pyfftw.zeros_aligned((8, edges, padded))
+        self.packs = pyfftw.zeros_aligned((8, edges, padded // 2 + 1), dtype=complex)
+        self._plan = plan(self.tables, self.packs, 2, "FFTW_FORWARD")
+
+    def forward(self) -> None:
+        """Transform the array `tables` into the array `packs`."""
+        self._plan.execute()
+
+
+layer_transform = PlanCache(LayerTransform, 8)
+"""The `LayerTransform` of its arguments, made on its first use."""
+
+edge_transform = PlanCache(EdgeTransform, 8)
+"""The `EdgeTransform` of its arguments, made on its first use."""

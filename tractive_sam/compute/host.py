@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.compute.backend import Places
-from tractive_sam.compute.meter import count_time
+from tractive_sam.compute.fft import count_time
 from tractive_sam.compute.tiles import Product, convolver
 from tractive_sam.kernels import friction, spectral
 

@@ -13,10 +13,8 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
-from tractive_sam.compute.fft import PlanCache, plan
+from tractive_sam.compute.fft import PlanCache, count_transform, plan, threads_for_transform
 from tractive_sam.compute.fftw import pyfftw
-from tractive_sam.compute.meter import count_transform
-from tractive_sam.compute.threads import threads_for_transform
 
 Product = Callable[[np.ndarray, np.ndarray], None]
 """In-place product of kernels (entries, m) and spectra (fields, m), as in `kernels.spectral`."""

@@ -11,8 +11,13 @@ import math
 import numpy as np
 
 from tractive_sam.kernels.compiled import compiled
-from tractive_sam.kernels.enclosing import enclosing_ball, enclosing_circle, index_of_largest
-from tractive_sam.kernels.fatigue import ROOT3, deviators
+from tractive_sam.kernels.fatigue import (
+    ROOT3,
+    deviators,
+    enclosing_ball,
+    enclosing_circle,
+    index_of_largest,
+)
 
 
 @compiled

@@ -16,9 +16,9 @@ from .coordinates import creepages_at as creepages_at
 from .coordinates import creepages_by_coordinates as creepages_by_coordinates
 from .creep_table import CreepTable as CreepTable
 from .creep_table import Forces as Forces
+from .creep_table import columns_of as columns_of
+from .creep_table import describe_axis as describe_axis
+from .creep_table import describe_range as describe_range
 from .creep_table import share_of_bar as share_of_bar
-from .describe import describe_axis as describe_axis
-from .describe import describe_range as describe_range
 from .hermite import Hermite as Hermite
 from .hermite import cell_of as cell_of
-from .text import columns_of as columns_of

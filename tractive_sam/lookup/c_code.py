@@ -8,8 +8,7 @@ from keyword import kwlist
 import numpy as np
 
 from tractive_sam.lookup.coordinates import CONTACT, MIN_RADIUS, NAMES, POLE, RATIO, SPIN
-from tractive_sam.lookup.creep_table import MARGIN, CreepTable
-from tractive_sam.lookup.table_checks import is_identifier
+from tractive_sam.lookup.creep_table import MARGIN, CreepTable, is_identifier
 
 CREEPAGES = ("xi_x", "xi_y", "spin")
 

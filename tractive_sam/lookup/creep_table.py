@@ -1,8 +1,10 @@
-"""A table of creep forces: scaling, symmetries, interpolation and error."""
+"""A table of creep forces: checks, scaling, symmetries, interpolation and error, as text, too."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -10,14 +12,193 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tractive_sam.description import Description
-from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates
-from tractive_sam.lookup.describe import describe_table
-from tractive_sam.lookup.hermite import Hermite, cell_of
-from tractive_sam.lookup.single_point import Point, SinglePointLaw
-from tractive_sam.lookup.table_checks import table_faults
+from tractive_sam.description import Description, Section
+from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates, creepages_at
+from tractive_sam.lookup.hermite import Hermite, Point, SinglePointLaw, cell_of
 from tractive_sam.markup import fill
 from tractive_sam.safe_text import printable_text
+
+
+def describe_table(
+    axes: Mapping[str, np.ndarray],
+    about: Mapping[str, Any],
+    apart: Sequence[str],
+    full_range: bool,
+    contact: Mapping[str, float] | None,
+) -> Description:
+    """Describe the range of a table, its errors, and its use.
+
+    Parameters
+    ----------
+    axes : mapping of str to ndarray
+        Nodes along every axis, creepages last.
+    about, apart, whole, contact
+        See the attributes of `CreepTable`.
+    """
+    nodes = [describe_axis(name, nodes, name in apart) for name, nodes in axes.items()]
+    total = math.prod(len(nodes) for nodes in axes.values())
+    made = [("version", str(about.get("version", "unknown")))]
+    if {"contacts", "cpu_seconds"} <= about.keys():
+        spent = f"{about['contacts']} contacts, {about['cpu_seconds']:.3g} s of one core"
+        made.append(("solved", spent))
+    varying = [name for name in axes if name not in (RATIO, *NAMES) and len(axes[name]) > 1]
+    arguments = [f"{name}=..." for name in (*(() if contact else CONTACT), *varying)]
+    call = f"table({', '.join(('xi_x', 'xi_y', 'spin', *arguments))})"
+    use = [
+        ("in Python", f"table = ts.open_table(FILE); {call}"),
+        ("elsewhere", "tractive-sam table FILE, with --header, --fmu, --text or --figure"),
+    ]
+    return Description((
+        Section("Table of creep forces", describe_range(contact, full_range)),
+        Section("Nodes", [*nodes, ("total", str(total))]),
+        Section("Errors", _describe_errors(about)),
+        Section("Made by", made),
+        Section("Use", use),
+    ))  # fmt: skip
+
+
+def describe_range(contact: Mapping[str, float] | None, full_range: bool) -> list[tuple[str, str]]:
+    """Describe the contacts and the creepages of a table."""
+    contacts = "any Hertz contact of equal materials, with isotropic friction"
+    quarter = "a quarter of all; the others follow by two symmetries"
+    if contact is not None:
+        a, b, load, mu, shear = (contact[key] for key in CONTACT)
+        scales = f"a = {a:.4g} mm, b = {b:.4g} mm, P = {load:.4g} N, mu = {mu:g}"
+        contacts = f"one scene; scaled by {scales}, G = {shear:.4g} MPa"
+    return [
+        ("contacts", contacts),
+        ("creepages", "all headings and tilts" if full_range else quarter),
+    ]
+
+
+def describe_axis(name: str, nodes: np.ndarray, apart: bool) -> tuple[str, str]:
+    """Describe the nodes along an axis; `apart`: without interpolation between them."""
+    if name == RATIO:
+        name, nodes = "a/b", np.exp(nodes)
+    if len(nodes) == 1:
+        return name, f"{nodes[0]:.4g}"
+    if apart:
+        return name, ", ".join(f"{node:.6g}" for node in nodes) + ", without interpolation"
+    return name, f"{len(nodes)} from {nodes[0]:.4g} to {nodes[-1]:.4g}"
+
+
+def _describe_errors(about: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Describe the tolerance and the measured errors of forces and gradients."""
+    errors = [("tolerance", f"{float(about.get('tolerance', math.nan)):g} of mu P")]
+    if "held_out" in about:
+        errors.append((
+            f"{about['held_out']} points held out",
+            f"{about['held_out_median']:.1e} of mu P in the median, {about['held_out_worst']:.1e} "
+            f"at most; {about['held_out_inside']:.1%} within the error that the table reports",
+        ))  # fmt: skip
+    gradients = "errors unknown; tractive-sam table FILE.nc -o NEW.nc computes them"
+    if "gradient_checks" in about:
+        gradients = (
+            f"at rest within {about['gradient_at_rest']:.1e} of sqrt(K_ii K_jj), K_ii the slopes "
+            f"at rest; at {about['gradient_checks']} points {about['gradient_median']:.1e} in the "
+            f"median, {about['gradient_worst']:.1e} at most, {about['gradient_inside']:.1%} within "
+            "error bars"
+        )
+    return [*errors, ("gradients", gradients)]
+
+
+def table_faults(
+    names: Sequence[str],
+    axes: Sequence[Any],
+    coefficients: Any,
+    bars: Any,
+    between: Sequence[Any],
+    apart: Sequence[str] = (),
+    full_range: bool = False,
+    contact: Mapping[str, float] | None = None,
+    gradient_bars: Any = None,
+) -> Iterator[str]:
+    """Yield the faults of the parts of a `CreepTable`, each with its variable.
+
+    Arrays are only checked if names and axes have no faults.
+    """
+    every = (*names, *NAMES)
+    faults = [*_name_faults(names, apart, contact), *_axis_faults(every, axes, full_range)]
+    yield from faults
+    if faults:
+        return
+    shape = tuple(map(len, axes))
+    yield from _array_faults("coefficients", coefficients, (*shape, 2 ** len(shape), 3))
+    yield from _array_faults("error_bar", bars, (*shape, 3), lower=0.0)
+    if gradient_bars is not None:
+        yield from _array_faults("gradient_bar", gradient_bars, (shape[-1], 3, 3), lower=0.0)
+    if len(between) != len(every):
+        yield f"between: for {len(between)} axes; allowed: for all {len(every)}"
+        return
+    for name, errors, count in zip(every, between, shape, strict=True):
+        if count > 1 or len(errors):
+            yield from _array_faults(f"between_{name}", errors, (count - 1, 3), lower=0.0)
+
+
+def is_identifier(name: str) -> bool:
+    """Return whether C, Python and XML allow a text as a name."""
+    return re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) is not None
+
+
+def _name_faults(
+    names: Sequence[str], apart: Sequence[str], contact: Mapping[str, float] | None
+) -> Iterator[str]:
+    """Yield the faults of the names of axes and of the contact."""
+    for name in names:
+        if not is_identifier(name) or (*names, *NAMES).count(name) > 1:
+            yield f"axes: the name {name!r}; allowed: letters, digits and _, each name once"
+    if (names[:1] == (RATIO,)) != (contact is None) or RATIO in names[1:]:
+        yield f"axes: {', '.join(names)}; allowed: {RATIO} first, or a, b, load, mu and shear"
+    if not set(apart) <= set(names):
+        yield f"apart: {' '.join(apart)}; allowed: some of {' '.join(names)}"
+    for name in CONTACT:
+        value = 1.0 if contact is None else contact.get(name, math.nan)
+        if not (value > 0.0 and math.isfinite(value)):
+            yield f"{name}: {value}; allowed: a positive and finite number"
+
+
+def _axis_faults(every: Sequence[str], axes: Sequence[Any], full_range: bool) -> Iterator[str]:
+    """Yield the faults of the nodes of the axes."""
+    if len(axes) != len(every):
+        yield f"axes: {len(axes)} arrays; allowed: {len(every)}, one of each name"
+        return
+    quarter = 0.5 * math.pi
+    ends = {"heading": (-quarter, quarter), "tilt": (0.0, quarter), "u": (0.0, 1.0)}
+    if full_range:
+        ends |= {"heading": (-math.pi, math.pi), "tilt": (-quarter, quarter)}
+    for name, nodes in zip(every, axes, strict=True):
+        if not (_is_numeric(nodes) and nodes.ndim == 1 and nodes.size):
+            yield f"{name}: {_describe_array(nodes)}; allowed: a row of numbers"
+        elif not (np.isfinite(nodes).all() and (np.diff(nodes) > 0.0).all()):
+            yield f"{name}: nodes that are not finite, or do not ascend; allowed: ascending numbers"
+        elif name in ends and np.abs(nodes[[0, -1]] - ends[name]).max() > 1e-9:  # rounding
+            low, high = ends[name]
+            yield f"{name}: from {nodes[0]:g} to {nodes[-1]:g}; allowed: from {low:g} to {high:g}"
+        elif name == RATIO and np.abs(nodes).max() > math.log(1e6):
+            yield f"{name}: up to {np.abs(nodes).max():g}; allowed: ln(a/b) of a/b from 1e-6 to 1e6"
+
+
+def _array_faults(
+    name: str, values: Any, shape: tuple[int, ...], lower: float = -math.inf
+) -> Iterator[str]:
+    """Yield the fault of an array that has no numbers, or another shape, or invalid numbers."""
+    if not _is_numeric(values) or values.shape != shape:
+        yield f"{name}: {_describe_array(values)}; allowed: numbers of the shape {shape}"
+    elif not (np.isfinite(values).all() and values.min(initial=0.0) >= lower):
+        allowed = "finite numbers" + (f" of at least {lower:g}" if lower > -math.inf else "")
+        yield f"{name}: invalid numbers; allowed: {allowed}"
+
+
+def _is_numeric(values: Any) -> bool:
+    """Return whether values are an array of numbers."""
+    return isinstance(values, np.ndarray) and values.dtype.kind in "fiu"
+
+
+def _describe_array(values: Any) -> str:
+    """Describe the type and the shape of values."""
+    array = np.asarray(values)
+    return f"{array.dtype} of the shape {array.shape}"
+
 
 MARGIN = 1e-9
 """Relative distance outside a table that may be due to rounding."""
@@ -469,3 +650,42 @@ def share_of_bar(nodes: np.ndarray, u: np.ndarray) -> np.ndarray:
     t = (u - nodes[cell]) / (nodes[cell + 1] - nodes[cell])
     share = np.where(cell == 0, np.minimum(3.0 * t, 1.0), 1.0)
     return np.where(cell == len(nodes) - 2, 1.0 - t, share)
+
+
+COLUMNS = ("w1", "w2", "w3", "qx", "qy", "mz", "bar_qx", "bar_qy", "bar_mz", "full")
+"""Columns after the columns of the axes other than creepages."""
+
+
+def columns_of(table: CreepTable) -> str:
+    """Return the nodes of a table as text, one per line, the last creepage coordinate fastest.
+
+    Lines that begin with # describe the scaling. The columns are a/b, Poisson's ratio and further
+    axes, and `COLUMNS`: scaled creepages G c² / (mu P) (xi_x, xi_y, c spin), forces
+    (Q_x, Q_y, M_z / c) / (mu P) and their error bars. In full slip the creepages are infinite, the
+    columns give their direction, and ``full`` is 1, else 0.
+    """
+    names = ["a/b" if name == RATIO else name for name in table.names]
+    lines = [
+        "# creep forces, by tractive_sam",
+        "# w = G c^2 / (mu P) (xi_x, xi_y, c spin), c = sqrt(a b); q = (Qx, Qy, Mz/c) / (mu P)",
+        "# all headings and tilts"
+        if table.whole
+        else "# (w1, -w2, -w3) gives (qx, -qy, -mz); (-w1, w2, w3) gives (-qx, qy, mz)",
+        "# full = 1: full slip, (w1, w2, w3) is the direction of infinite creepages",
+    ]
+    if table.contact is not None:
+        lines.append(
+            "# " + ", ".join(f"{key} = {value:.9g}" for key, value in table.contact.items())
+        )
+    lines.append("# " + " ".join((*names, *COLUMNS)))
+    axes, values = table.law.axes, table.law.coefficients[..., 0, :]
+    for place in np.ndindex(values.shape[:-1]):
+        point = [float(x[k]) for x, k in zip(axes, place, strict=True)]
+        *along, heading, tilt, u = point
+        ratio = table.ellipticity[0] if table.contact is not None else math.exp(along[0])
+        if table.contact is None:
+            along[0] = ratio
+        w = creepages_at(ratio, heading, tilt, u) if u else np.zeros(3)
+        numbers = (*along, *w, *values[place], *table.bars[place])
+        lines.append(" ".join(f"{number:.9g}" for number in numbers) + f" {int(u == 1.0)}")
+    return "\n".join(lines) + "\n"

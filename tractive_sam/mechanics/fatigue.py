@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tractive_sam.kernels import critical_plane, fatigue, interpolation, shakedown
+from tractive_sam.kernels import critical_plane, fatigue
 from tractive_sam.mechanics.criteria import CycleCriterion
 from tractive_sam.mechanics.law import Law
 
@@ -244,7 +244,7 @@ def residual_shear(cycle: np.ndarray) -> np.ndarray:
 
     The residual stresses are rho_xx of each point and one rho_yy for all points. For a yield stress
     in shear above the largest result the cycles become elastic (Melan); see
-    `kernels.shakedown.shakedown_layer`.
+    `kernels.fatigue.shakedown_layer`.
 
     Parameters
     ----------
@@ -256,7 +256,7 @@ def residual_shear(cycle: np.ndarray) -> np.ndarray:
     ndarray, shape (m,)
         MPa.
     """
-    return _apply_kernel(shakedown.shakedown_layer, cycle)[0]
+    return _apply_kernel(fatigue.shakedown_layer, cycle)[0]
 
 
 def interpolate_over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
@@ -280,7 +280,7 @@ def interpolate_over_depth(depth: np.ndarray, values: np.ndarray, at: np.ndarray
     """
     places = np.sqrt(np.broadcast_to(at, (len(values), at.shape[-1])))
     out = np.empty(places.shape)
-    interpolation.monotone(out, np.sqrt(depth), np.ascontiguousarray(values), places)
+    fatigue.monotone(out, np.sqrt(depth), np.ascontiguousarray(values), places)
     return out
 
 

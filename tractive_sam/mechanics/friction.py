@@ -16,7 +16,7 @@ import numpy as np
 from tractive_sam.compute import backend_of
 from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.description import ShortArrays
-from tractive_sam.kernels import friction, friction_inverse
+from tractive_sam.kernels import friction
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.law import Law
 
@@ -459,12 +459,12 @@ class Linearisation:
         """
         here = self.state, self.direction
         share, summed, local = np.empty((3, *self.kappa.shape))
-        friction_inverse.prepare_sweep(*here, self.kappa, stiffness, D, share, summed, local)
+        friction.prepare_sweep(*here, self.kappa, stiffness, D, share, summed, local)
 
         def solve(rows: np.ndarray) -> np.ndarray:
             smooth, out = np.empty_like(rows), np.empty_like(rows)
-            friction_inverse.divide_rows(*here, share, D, rows, smooth)
-            friction_inverse.sweep_upwind(*here, summed, local, D, rows, inverse(smooth), out)
+            friction.divide_rows(*here, share, D, rows, smooth)
+            friction.sweep_upwind(*here, summed, local, D, rows, inverse(smooth), out)
             return out
 
         return solve
@@ -475,19 +475,19 @@ class Linearisation:
         """Return the approximate inverse of the equations of a time step (slip by displacement).
 
         Parameters as in `upwind_inverse`, but `D` is the displacement of an element by a unit
-        traction on it. For the factors see `kernels.friction_inverse.prepare_step`.
+        traction on it. For the factors see `kernels.friction.prepare_step`.
         """
         here = self.state, self.direction
         rough, share, behind, front, along = np.empty((5, *self.kappa.shape))
         up = np.empty((2, *self.kappa.shape))
         law = *here, self.kappa, self.across, self.contact, stiffness, D, float(self.staggered)
-        friction_inverse.prepare_step(*law, rough, share, behind, front, up)
+        friction.prepare_step(*law, rough, share, behind, front, up)
 
         def solve(rows: np.ndarray) -> np.ndarray:
             smooth, out = np.empty_like(rows), np.empty_like(rows)
             factors = self.kappa, stiffness, share, behind, front, up
-            friction_inverse.share_out(*here, *factors, rows, along, smooth)
-            friction_inverse.gather(*here, share, rough, rows, inverse(smooth), out)
+            friction.share_out(*here, *factors, rows, along, smooth)
+            friction.gather(*here, share, rough, rows, inverse(smooth), out)
             return out
 
         return solve

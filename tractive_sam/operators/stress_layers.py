@@ -9,8 +9,7 @@ from threading import Lock
 import numpy as np
 
 from tractive_sam.compute import LayerTransform, layer_transform, padded_length, transform
-from tractive_sam.kernels.stress_lattice import layer_table
-from tractive_sam.kernels.stress_spectral import layer_product
+from tractive_sam.kernels.stress_lattice import layer_product, layer_table
 from tractive_sam.operators.influence import Lattice
 from tractive_sam.operators.load_extent import largest_offset
 

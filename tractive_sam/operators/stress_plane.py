@@ -6,8 +6,7 @@ from typing import Literal
 import numpy as np
 
 from tractive_sam.compute import edge_transform, padded_length
-from tractive_sam.kernels.stress_lattice import edge_table
-from tractive_sam.kernels.stress_spectral import plane_product
+from tractive_sam.kernels.stress_lattice import edge_table, plane_product
 from tractive_sam.operators.load_extent import extent, largest_offset
 from tractive_sam.results import Grid
 

@@ -115,10 +115,6 @@ class MapFrame:
         axis, times = ("horizontally", y / x) if y > x else ("vertically", x / y)
         return f", stretched {times:.2g} times {axis}"
 
-    def arrow_spacing(self, number: int) -> float:
-        """Return the distance of arrows, inches: the mean side of the map over a number."""
-        return float(np.sqrt(self.width * self.height)) / number
-
     def apply_to(self, axes: Axes, xlabel: str, ylabel: str) -> None:
         """Set limits, aspect, ticks and labels of axes as the frame defines them."""
         for axis, length in ((axes.xaxis, self.width), (axes.yaxis, self.height)):
@@ -274,7 +270,8 @@ class ContactMap:
         across : int
             Number of arrows across a contact that is as wide as long.
         """
-        view, spacing = self.view, self.frame.arrow_spacing(across)
+        view, frame = self.view, self.frame
+        spacing = float(np.sqrt(frame.width * frame.height)) / across  # inches
         longest = np.hypot(*vectors)[where].max(initial=0.0)
         if longest == 0.0:
             return

@@ -1,4 +1,7 @@
-"""A contact as figures draw it: scale, place in a history, conditions of a figure, and zones."""
+"""A contact as figures draw it: scale, place in a history, conditions of a figure, and zones.
+
+The boundaries of contact and stick are zero lines of functions that are about linear across them.
+"""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

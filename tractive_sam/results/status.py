@@ -30,7 +30,7 @@ class Cost:
         shorter period; each has as many transforms, of a quarter to half the size.
     convolutions : float
         All padded transforms of the solve, of operators and preconditioners, over the number in one
-        application of the tangential operator on the mesh (`compute.meter`).
+        application of the tangential operator on the mesh (`compute.fft`).
     over_application : float
         CPU time of the solve over the time of such an application, measured in the solve. The first
         solve on a mesh also plans its transforms. It is not compared.

@@ -3,12 +3,12 @@
 import numpy as np
 
 from tractive_sam.contact import Laws
-from tractive_sam.kernels import displacement as formula
+from tractive_sam.kernels import half_space as formula
 from tractive_sam.mechanics import HalfSpaces, Strips
 from tractive_sam.operators import Lattice, transform_quadrant
 from tractive_sam.results import State
-from tractive_sam.subsurface.depth import check_depths
-from tractive_sam.subsurface.mirror import SIGNS, tractions_on_bodies
+from tractive_sam.subsurface.loaded_bodies import check_depths
+from tractive_sam.subsurface.sources import SIGNS, tractions_on_bodies
 
 
 def displacement(

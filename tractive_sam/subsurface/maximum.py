@@ -8,9 +8,9 @@ import numpy as np
 from tractive_sam.contact import Laws
 from tractive_sam.kernels.tops import ENDED, GOES_ON, climb, find_tops, last_steps, stencil
 from tractive_sam.results import Maximum, Point, State
-from tractive_sam.subsurface.loaded import LoadedBodies
+from tractive_sam.subsurface.loaded_bodies import LoadedBodies
 from tractive_sam.subsurface.multilevel import MultiLevel
-from tractive_sam.subsurface.strips import StripLevels
+from tractive_sam.subsurface.sources import StripLevels
 
 _NOWHERE: Point = (np.nan, np.nan, np.nan)
 
@@ -62,8 +62,8 @@ def stress_maximum(contact: State, body: str = "A", laws: Laws | None = None) ->
 
     At the surface the stress is computed between the elements, at the edge of the contact and at
     the border of stick and slip, from differences of displacements: on a mesh the stress is
-    infinite on every edge with a jump of the tangential traction (`subsurface.surface`). Depths of
-    less than two elements are not searched: if elements are longer than about a quarter of the
+    infinite on every edge with a jump of the tangential traction (`subsurface.multilevel`). Depths
+    of less than two elements are not searched: if elements are longer than about a quarter of the
     smaller half width of the contact, the result for the interior is too small.
 
     Parameters

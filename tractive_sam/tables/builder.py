@@ -8,16 +8,287 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+import scipy  # its parts are loaded when first used
 from scipy.stats import qmc
 
-from tractive_sam.lookup import CreepTable, Hermite, cell_of
+from tractive_sam.lookup import (
+    MIRROR,
+    REVERSED,
+    Coordinates,
+    CreepTable,
+    Hermite,
+    cell_of,
+    share_of_bar,
+)
 from tractive_sam.schema import Fault
-from tractive_sam.tables.coefficients import coefficients
 from tractive_sam.tables.contacts import Solved
 from tractive_sam.tables.design import TableError
-from tractive_sam.tables.gradient_errors import GradientBars, GradientChecks
-from tractive_sam.tables.solving import NODE_SHARE
-from tractive_sam.tables.table_contacts import Point, TableContacts
+from tractive_sam.tables.solving import NODE_SHARE, Point, TableContacts
+
+HEADING, TILT = 0, 1
+"""Indices of heading and tilt among the last three axes: heading, tilt, u."""
+
+
+def coefficients(
+    axes: Sequence[np.ndarray],
+    values: np.ndarray,
+    slopes: np.ndarray,
+    full_range: bool = False,
+    apart: Sequence[int] = (),
+) -> np.ndarray:
+    """Return the mixed derivatives at the nodes of a table, for Hermite interpolation.
+
+    Along axes other than creepages only values are known; slopes follow from the cubic spline
+    through them. A mixed derivative is the mean of the differences of lower derivatives along each
+    of its axes; beyond the ends of heading and tilt, values follow from the symmetries of the
+    table. At rest forces are linear in the creepages: the derivatives are known functions of
+    heading and tilt.
+
+    Parameters
+    ----------
+    axes : sequence of ndarray
+        Nodes along the axes of a table, the last ones heading, tilt and u.
+    values : ndarray, shape (n_1, ..., n_N, 3)
+        Forces.
+    slopes : ndarray, shape (n_1, ..., n_N, 3, 3)
+        Derivatives (force, coordinate) by heading, tilt and u.
+    full_range : bool
+        Whether the table contains all headings and tilts.
+    apart : sequence of int
+        Discrete axes, along which values are not interpolated.
+
+    Returns
+    -------
+    ndarray, shape (n_1, ..., n_N, 2**N, 3)
+    """
+    count = len(axes)
+    flat = {k for k in range(count) if len(axes[k]) == 1 or k in apart}
+    derivatives: dict[frozenset[int], np.ndarray] = {frozenset(): values}
+    for size in range(1, count + 1):
+        for some in _subsets(count, size):
+            if some & flat:
+                derivatives[some] = np.zeros_like(values)
+            elif size == 1 and min(some) >= count - 3:
+                derivatives[some] = slopes[..., min(some) - (count - 3)]
+            else:
+                parts = {
+                    k: _slope(axes, derivatives[some - {k}], k, some - {k}, full_range)
+                    for k in sorted(some)
+                }
+                derivatives[some] = np.mean(list(parts.values()), axis=0)
+                _use_slopes_at_nodes(derivatives[some], parts, count - 3, full_range)
+                _use_slopes_at_rest(derivatives[some], parts, count)
+    places = [
+        frozenset(k for k in range(count) if d >> (count - 1 - k) & 1) for d in range(2**count)
+    ]
+    return np.stack([derivatives[some] for some in places], axis=-2)
+
+
+def _use_slopes_at_nodes(values: np.ndarray, parts: dict, heading: int, full_range: bool) -> None:
+    """Replace mixed derivatives, in place, by exact ones at nodes at rest or at a pole."""
+    for axis in (heading + HEADING, heading + TILT):
+        if axis in parts:
+            for place in _smooth_nodes(values.ndim, axis, heading, full_range):
+                values[place] = parts[axis][place]
+            return
+
+
+def _use_slopes_at_rest(values: np.ndarray, parts: dict, count: int) -> None:
+    """Set mixed derivatives by u and table axes at u = 0, in place, from the exact slopes there.
+
+    Derivatives by other axes are zero at rest: their differences along u are less accurate.
+    """
+    further = [part for axis, part in parts.items() if axis < count - 3]
+    if count - 1 in parts and further and not {count - 3, count - 2} & parts.keys():
+        values[..., 0, :] = np.mean([part[..., 0, :] for part in further], axis=0)
+
+
+def _smooth_nodes(dims: int, axis: int, heading: int, full_range: bool) -> list[tuple]:
+    """Return indices of nodes, at rest or at a pole, that follow from 1, cos and sin of `axis`."""
+    every = [slice(None)] * dims
+    places = []
+    for end_axis, end in ((heading + 2, 0), (heading + TILT, -1), (heading + TILT, 0)):
+        if end_axis == axis or (axis != heading and end_axis != heading + 2):
+            continue
+        if end_axis == heading + TILT and end == 0 and not full_range:
+            continue  # zero spin
+        places.append((*every[:end_axis], end, *every[end_axis + 1 :]))
+    return places
+
+
+def _subsets(count: int, size: int) -> list[frozenset[int]]:
+    """Return all subsets of `size` of the first `count` axes."""
+    every = (frozenset(k for k in range(count) if d >> k & 1) for d in range(2**count))
+    return [some for some in every if len(some) == size]
+
+
+def _slope(
+    axes: Sequence[np.ndarray],
+    values: np.ndarray,
+    axis: int,
+    taken: frozenset[int],
+    full_range: bool,
+) -> np.ndarray:
+    """Return the derivative along an axis of nodal values (derivatives by the axes `taken`)."""
+    nodes, count = axes[axis], len(axes)
+    kind = axis - (count - 3)
+    if kind < 0:
+        if len(nodes) == 2:
+            step = np.diff(values, axis=axis) / np.diff(nodes)
+            return np.repeat(step, 2, axis=axis)
+        return scipy.interpolate.CubicSpline(nodes, values, axis=axis)(nodes, 1)
+    if kind not in (HEADING, TILT):
+        return np.gradient(values, nodes, axis=axis, edge_order=2 if len(nodes) > 2 else 1)
+    beyond = _beyond_full_range if full_range else _beyond_quarter
+    first, last = beyond(values, kind, count - 3, taken)
+    padded = np.concatenate([first, values, last], axis=axis)
+    around = np.concatenate([[2.0 * nodes[0] - nodes[1]], nodes, [2.0 * nodes[-1] - nodes[-2]]])
+    inner = np.take(np.gradient(padded, around, axis=axis), range(1, len(nodes) + 1), axis=axis)
+    basis = np.stack([np.ones_like(nodes), np.cos(nodes), np.sin(nodes)], axis=1)
+    slopes = np.stack([np.zeros_like(nodes), -np.sin(nodes), np.cos(nodes)], axis=1)
+    exact = np.moveaxis(
+        np.tensordot(slopes @ np.linalg.pinv(basis), values, axes=(1, axis)), 0, axis
+    )
+    for place in _smooth_nodes(values.ndim, axis, count - 3, full_range):
+        inner[place] = exact[place]
+    return inner
+
+
+Pair = tuple[np.ndarray, np.ndarray]
+
+
+def _beyond_quarter(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
+    """Return values one node before and one behind an axis, by both symmetries of forces."""
+    first, last = _ends(values, heading + kind)
+    turned = -1.0 if heading in taken else 1.0
+    if kind == HEADING:  # f(pi - heading) = REVERSED f(heading)
+        return REVERSED * turned * first, REVERSED * turned * last
+    # f(heading, -tilt) = MIRROR f(-heading, tilt), and so on at the pole
+    sign = turned * (-1.0 if heading + TILT in taken else 1.0)
+    return MIRROR * sign * np.flip(first, heading), REVERSED * sign * np.flip(last, heading)
+
+
+def _beyond_full_range(values: np.ndarray, kind: int, heading: int, taken: frozenset[int]) -> Pair:
+    """Return values one node before and one behind an axis that covers all directions."""
+    first, last = _ends(values, heading + kind)
+    if kind == HEADING:
+        return last, first
+    sign, count = -1.0 if heading + TILT in taken else 1.0, values.shape[heading]
+    across = (np.arange(count) + (count - 1) // 2) % (count - 1)
+    return sign * np.take(first, across, heading), sign * np.take(last, across, heading)
+
+
+def _ends(values: np.ndarray, axis: int) -> Pair:
+    """Return values at the second and at the last but one node of an axis."""
+    return np.take(values, [1], axis), np.take(values, [values.shape[axis] - 2], axis)
+
+
+@dataclass(frozen=True, eq=False)
+class GradientChecks:
+    """Solved gradients at check points, with which a table is compared.
+
+    Attributes
+    ----------
+    points : ndarray, shape (P, N)
+        Points along the axes of the table.
+    w : ndarray, shape (P, 3)
+        Scaled creepages of the points.
+    ratio : ndarray, shape (P,)
+        Values of a/b of the points.
+    gradients : ndarray, shape (P, 3, 3)
+        Derivatives of scaled forces by scaled creepages there.
+    bars : ndarray, shape (P, 3, 3)
+        Error bars of these derivatives.
+    """
+
+    points: np.ndarray
+    w: np.ndarray
+    ratio: np.ndarray
+    gradients: np.ndarray
+    bars: np.ndarray
+
+    def errors(self, table: CreepTable) -> np.ndarray:
+        """Return errors of a table's gradients (>= their bars) over slopes at rest, (P, 3, 3)."""
+        where = Coordinates.of(self.w.T, self.ratio, table.whole)
+        points = (*self.points.T[: len(table.names)], *where.points)
+        gradients = np.moveaxis(table.gradient_at(points, where), -1, 0)
+        size = np.sqrt(table.slopes_at_rest(points, where.r0)).T
+        errors = np.maximum(np.abs(gradients - self.gradients), self.bars)
+        return errors / (size[:, :, None] * size[:, None, :])
+
+
+@dataclass(frozen=True, eq=False)
+class GradientBars:
+    """Error bars of a table's gradients by interval of u, with statistics of their checks.
+
+    Attributes
+    ----------
+    values : ndarray, shape (n_u, 3, 3)
+        Error bars at rest, and within each interval of u.
+    about : dict
+        Number of checks, their median and largest error, the largest one at rest, and the share of
+        checks within the bars.
+    """
+
+    values: np.ndarray
+    about: dict[str, float]
+
+    @classmethod
+    def from_errors(
+        cls,
+        nodes: np.ndarray,
+        u: np.ndarray,
+        errors: np.ndarray,
+        at_rest: np.ndarray,
+        *,
+        inside: float = 0.98,
+        shared: float = 0.05,
+    ) -> "GradientBars":
+        """Return error bars that cover the share `inside` of the errors at check points.
+
+        Each check is compared with the bars of the others. At rest contacts are solved on many
+        meshes, and the bar is the largest error.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (n_u,)
+            Nodes along u.
+        u : ndarray, shape (P,)
+            Values of u of the checks; several in each interval.
+        errors : ndarray, shape (P, 3, 3)
+            Errors of the checks.
+        at_rest : ndarray, shape (R, 3, 3)
+            Errors at rest.
+        inside : float
+            Share of the checks within the bars: more than the required 95 of 100 new points, as
+            the share scatters.
+        shared : float
+            Smallest bar of a derivative, over the largest of the nine.
+        """
+        cells, rest = cell_of(nodes, u), at_rest.max(axis=0)
+        count = np.bincount(cells, minlength=len(nodes) - 1)
+        sums = np.zeros((len(nodes) - 1, 3, 3))
+        np.add.at(sums, cells, errors**2)
+        without = (sums[cells] - errors**2) / np.maximum(count[cells] - 1, 1)[:, None, None]
+        beyond = np.maximum(errors - rest, 0.0) / _spread(without, shared)
+        shares = beyond.max(axis=(1, 2)) / share_of_bar(nodes, u)
+        factor = max(1.0, float(np.quantile(shares, inside)))
+        bars = factor * _spread(sums / np.maximum(count, 1)[:, None, None], shared)
+        worst = errors.max(axis=(1, 2))
+        about = {
+            "gradient_checks": len(errors),
+            "gradient_median": float(np.median(worst)),
+            "gradient_worst": float(worst.max()),
+            "gradient_at_rest": float(rest.max()),
+            "gradient_inside": float(np.mean(shares <= factor)),
+        }
+        return cls(np.concatenate([rest[None], bars]), about)
+
+
+def _spread(squares: np.ndarray, shared: float) -> np.ndarray:
+    """Return square roots of mean squares (..., 3, 3), at least a share of the largest."""
+    roots = np.sqrt(squares)
+    return np.maximum(roots, shared * roots.max(axis=(-2, -1), keepdims=True) + 1e-12)
 
 
 @dataclass(eq=False)

@@ -1,21 +1,36 @@
-"""Build a table of creep forces, in this process or on workers."""
+"""Build and describe tables of creep forces, in this process or on workers."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from os import PathLike
+from time import process_time
+from typing import Any
 
+import numpy as np
+
+from tractive_sam.description import Description, Section
 from tractive_sam.extras import require_extra
-from tractive_sam.lookup import CreepTable
+from tractive_sam.lookup import NAMES, CreepTable, describe_axis, describe_range
+from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError
 from tractive_sam.store import ResultsError
-from tractive_sam.studies import check_installed, local_cluster
+from tractive_sam.studies import Axis, Study, check_installed, local_cluster
 from tractive_sam.tables.builder import TableBuilder
-from tractive_sam.tables.design import TableDesign
-from tractive_sam.tables.opening import is_table, open_table
-from tractive_sam.tables.refinement import Refinement, TableProgress
-from tractive_sam.tables.solving import Solve, solve_here, solve_on_workers
-from tractive_sam.tables.table_contacts import TableContacts
+from tractive_sam.tables.design import TableAxis, TableDesign
+from tractive_sam.tables.solving import (
+    NODE_SHARE,
+    CreepageGrid,
+    Refinement,
+    Solve,
+    TableContacts,
+    TableProgress,
+    solve_here,
+    solve_on_workers,
+)
+from tractive_sam.tables.table_file import is_table, open_table
 
 
 def build_table(
@@ -81,7 +96,7 @@ def build_table(
         table = builder.build() if previous is None else builder.update(previous)
     if path is not None:
         with require_extra("build_table"):
-            from tractive_sam.tables.file import write_table  # noqa: PLC0415 - of an extra
+            from tractive_sam.tables.table_file import write_table  # noqa: PLC0415 - of an extra
 
         write_table(table, path)
     return table
@@ -111,3 +126,90 @@ def _read_design(table: CreepTable) -> TableDesign:
             "design: the file of the table has none; build the table from a design (TOML)"
         )
     return TableDesign.from_toml_text(str(table.about["design"]))
+
+
+def is_design(path: str | PathLike[str]) -> bool:
+    """Return whether a TOML file has keys of a table design that studies and scenes lack.
+
+    A file with a scene and axes alone may be a study as well, and is not regarded as a design.
+    """
+    try:
+        tables = TableDesign.read_tables(path)
+    except SceneError:
+        return False
+    keys = TableDesign.model_fields.keys() - Study.model_fields.keys() - Scene.model_fields.keys()
+    axis_keys = TableAxis.model_fields.keys() - Axis.model_fields.keys()
+    axes = tables.get("axis")
+    axes = axes if isinstance(axes, list) else []
+    return bool(keys & tables.keys()) or any(
+        isinstance(axis, dict) and axis_keys & axis.keys() for axis in axes
+    )
+
+
+def explain_table(table: CreepTable) -> Description:
+    """Return sections that describe a creep-force table: axes, errors, example of a call.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> from tractive_sam.tables import explain_table
+    >>> [section.title for section in explain_table(ts.open_table("steel"))]
+    ['Table of creep forces', 'Nodes', 'Errors', 'Made by', 'Use']
+    """
+    return table.description
+
+
+def explain_design(design: TableDesign) -> Description:
+    """Return sections that describe the table that a design requests, and its work.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> from tractive_sam.tables import explain_design
+    >>> design = ts.TableDesign(ellipticity=[0.5, 1.0], tolerance=0.05)
+    >>> explain_design(design)[1].rows[0]
+    ('a/b', '2 from 0.5 to 1')
+    """
+    contacts = describe_range(design.contact, not all(design.symmetries))
+    axes = zip(design.names, design.first_nodes, strict=True)
+    nodes = [describe_axis(name, nodes, name in design.apart) for name, nodes in axes]
+    mesh = f"{design.elements} across, up to {design.finest} until the error bar is small enough"
+    return Description((
+        Section("Table of creep forces", contacts),
+        Section("Nodes to begin with", [*nodes, ("at most", str(design.most))]),
+        Section("Contacts", [("tolerance", f"{design.tolerance:g} of mu P"), ("elements", mesh)]),
+        Section("Work", _describe_work(design)),
+        Section("Make it", [("by", "tractive-sam table FILE.toml -o FILE.nc")]),
+    ))  # fmt: skip
+
+
+def _describe_work(design: TableDesign) -> list[tuple[str, str]]:
+    """Return rows that estimate the time to build a table, by solving two nodes now."""
+    contacts = design.contacts(tuple(float(nodes[0]) for nodes in design.first_nodes))
+    wanted = NODE_SHARE * design.tolerance
+    for w in ((0.5, 0.2, 0.1), (0.6, 0.2, 0.1)):  # the first one also loads kernels
+        began = process_time()
+        contacts.solve(np.array(w), design.elements, design.finest, wanted)
+        seconds = process_time() - began
+    quarter = CreepageGrid(*design.symmetries)
+    lengths = [len(nodes) for nodes in (*design.first_nodes, *quarter.first)]
+    first = math.prod(lengths) * len(Refinement().first_u)
+    return [
+        ("a node", f"about {seconds:.2g} s of one core"),
+        (f"{first} nodes to begin with", f"about {first * seconds / 3600.0:.2g} core-hours"),
+        (f"{design.most} nodes at most", f"about {design.most * seconds / 3600.0:.2g} core-hours"),
+    ]
+
+
+def table_as_dict(table: CreepTable) -> dict[str, Any]:
+    """Return the description of a table, its axes and errors as JSON types."""
+    names = (*table.names, *NAMES)
+    about = {k: v for k, v in table.about.items() if isinstance(v, str | int | float)}
+    return about | {
+        "nodes": table.nodes,
+        "axes": {name: nodes.tolist() for name, nodes in zip(names, table.law.axes, strict=True)},
+        "between": {
+            name: errors.max(axis=1).tolist()
+            for name, errors in zip(names, table.between, strict=True)
+        },
+    }

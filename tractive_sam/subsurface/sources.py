@@ -1,0 +1,412 @@
+"""Methods that compute the stress in bodies: patches or strips of traction, near and distant.
+
+Body A needs no transformation. Body B is mirrored in z: it has the opposite tangential traction,
+and in the axes of the contact its xz and yz have the opposite sign.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import singledispatch
+from typing import Literal, Protocol
+
+import numpy as np
+
+from tractive_sam.kernels import stress_sum, strip_stress
+from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
+from tractive_sam.operators import Lattice, StressLayers, StressPlane, StripLayers
+from tractive_sam.results import Grid, Point
+from tractive_sam.subsurface.multilevel import Layer, MultiLevel, largest_at_surface
+
+
+class DistantLoads:
+    """Point forces in place of a contact's tractions, for stress far from the mesh.
+
+    Blocks of elements are halved until their sides are at most `widest` times their distance; each
+    block becomes four forces with its load and moments (`kernels.stress_sum.stress_around`). The
+    blocks are mirror-symmetric about the middle of the mesh in y: a mirrored load gives exactly the
+    mirrored stress. Blocks depend on the mesh, not on the load: stress changes smoothly as a
+    contact wears.
+
+    Parameters
+    ----------
+    grid : Grid
+        Elements; lengths in mm.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) on body A, MPa.
+    signs : sequence of float
+        Sign of each body, see `SIGNS`.
+    poisson : sequence of float
+        Poisson's ratio of each body.
+    widest : float
+        Largest side of a block over its distance. The error is proportional to its square: with 0.3
+        it is at most 1e-4 of the largest pressure.
+    spread : float
+        Width of the rows with common blocks over their distance; no influence on the error up to 1.
+    """
+
+    def __init__(
+        self,
+        grid: Grid,
+        tractions: np.ndarray,
+        signs: Sequence[float],
+        poisson: Sequence[float],
+        widest: float = 0.3,
+        spread: float = 1.0,
+    ):
+        nx, ny = grid.elements
+        odd, rows = ny % 2, ny - ny // 2
+        self._bodies = np.array(signs), np.array(poisson)
+        self._widest, self._spread = widest, spread
+        # From the middle row outwards; for an odd number half of its load is on each side.
+        self._y = (np.arange(ny) - 0.5 * (ny - 1)) * grid.dy
+        self._corner = float(grid.x[0] - 0.5 * grid.dx), -0.5 * odd * grid.dy
+        self._lengths = grid.dx, grid.dy
+        self._block = tuple(1 << (count - 1).bit_length() for count in (nx, rows))
+        self._sides = []
+        for sign, half in ((1, tractions), (-1, tractions[..., ::-1])):
+            loads = np.zeros((3, *self._block))
+            loads[:, :nx, :rows] = half[..., ny // 2 :]
+            loads[1] *= sign
+            loads[..., 0] *= 1.0 - 0.5 * odd
+            self._sides.append((sign, stress_sum.cumulative_sums(loads)))
+
+    def stress(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n_x, n_y, k) at distant x (n_x,) in all rows at k depths.
+
+        Depths ascend from above 0; x are beyond the ends of the grid.
+        """
+        signs, poisson = self._bodies
+        out = np.zeros((signs.size, 6, x.size, self._y.size, depths.size))
+        part = np.empty(out.shape)
+        mirrored = np.array((1.0, 1.0, 1.0, -1.0, 1.0, -1.0))[:, None, None, None]
+        for sign, sums in self._sides:
+            blocks = self._corner, sums, self._lengths, self._block, self._widest, self._spread
+            stress_sum.stress_at_columns(part, x, self._y, depths, signs, poisson, *blocks)
+            out += part if sign > 0 else part[:, :, :, ::-1] * mirrored
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class PatchLoads:
+    """Loaded elements (patches) of a half-space, for stress at any points.
+
+    Attributes
+    ----------
+    centres : ndarray, shape (m, 2)
+        (x, y), mm.
+    tractions : ndarray, shape (m, 3)
+        (p_x, p_y, p_n), MPa.
+    sides : tuple of float
+        (dx, dy), mm.
+    poisson : float
+        Poisson's ratio.
+    """
+
+    centres: np.ndarray
+    tractions: np.ndarray
+    sides: tuple[float, float]
+    poisson: float
+
+    @classmethod
+    def on_mesh(
+        cls,
+        x: np.ndarray,
+        y: np.ndarray,
+        sides: tuple[float, float],
+        tractions: np.ndarray,
+        poisson: float,
+    ) -> "PatchLoads":
+        """Return the patches of a mesh that carry tractions (3, n_x, n_y)."""
+        i, j = np.nonzero(tractions.any(axis=0))
+        loads = np.ascontiguousarray(tractions[:, i, j].T)
+        return cls(np.stack((x[i], y[j]), axis=1), loads, sides, poisson)
+
+    def stress(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (n, 6) at points (n, 3) of the half-space, MPa."""
+        out = np.empty((len(points), 6))
+        stress_sum.sum_patch_stress(
+            out, points, self.centres, self.tractions, *self.sides, self.poisson
+        )
+        return out
+
+
+SIGNS = {"A": 1.0, "B": -1.0}
+"""Sign of z in each body, and of the tangential traction that acts on it."""
+
+
+def tractions_on_bodies(tractions: np.ndarray, signs: Sequence[float]) -> np.ndarray:
+    """Return the tractions (bodies, 3, ...) on each body's half-space, from those on body A."""
+    each = np.array([(sign, sign, 1.0) for sign in signs])
+    return tractions * each.reshape(*each.shape, *(1,) * (tractions.ndim - 1))
+
+
+@dataclass(frozen=True, eq=False)
+class StripLoads:
+    """Loaded strips of a half-space (line contact), for stress at any points.
+
+    Attributes
+    ----------
+    edges : ndarray, shape (m,)
+        x, mm.
+    jumps : ndarray, shape (m, 3)
+        Increase of (p_x, p_y, p_n) across each edge, MPa.
+    width : float
+        Width of a strip, mm.
+    poisson : float
+        Poisson's ratio.
+    """
+
+    edges: np.ndarray
+    jumps: np.ndarray
+    width: float
+    poisson: float
+
+    @classmethod
+    def on_grid(cls, grid: Grid, tractions: np.ndarray, poisson: float) -> "StripLoads":
+        """Return the loaded strips of a line contact's grid, from tractions (3, n_x, 1)."""
+        jumps = np.diff(tractions[:, :, 0].T, axis=0, prepend=0.0, append=0.0)
+        edges = np.append(grid.x - 0.5 * grid.dx, grid.x[-1] + 0.5 * grid.dx)
+        loaded = jumps.any(axis=1)
+        return cls(edges[loaded], np.ascontiguousarray(jumps[loaded]), grid.dx, poisson)
+
+    def stress(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (n, 6) at points (n, 3) of the half-space, constant in y, MPa."""
+        out = np.empty((len(points), 6))
+        at = np.ascontiguousarray(points[:, [0, 2]])
+        strip_stress.sum_strip_stress(out, at, self.edges, self.jumps, self.width, self.poisson)
+        return out
+
+
+class StripLevels:
+    """Stress below a line contact, to search its maximum (`MultiLevel` without blocks).
+
+    Parameters
+    ----------
+    grid : Grid
+        Grid of a line contact.
+    tractions : ndarray, shape (3, n_x, 1)
+        (p_x, p_y, p_n) on body A, MPa.
+    signs : sequence of float
+        Sign of each body, see `SIGNS`.
+    bodies : sequence of Strips
+        The half-spaces, see `Strips.single_body`.
+    criterion : StressCriterion
+        Criterion of the stress.
+    """
+
+    # Layers cost little; below a line the shear stress may have two maxima, which differ by 2 %.
+    growth = 1.25
+
+    def __init__(
+        self,
+        grid: Grid,
+        tractions: np.ndarray,
+        signs: Sequence[float],
+        bodies: Sequence[Strips],
+        criterion: StressCriterion,
+    ):
+        self._x, self.side = grid.x, grid.dx
+        self.half_width = 0.5 * grid.dx * np.count_nonzero(tractions[2])
+        self._tractions, self._signs = tractions, signs
+        self._bodies, self._criterion = bodies, criterion
+        self._lattice = Lattice(grid.elements, grid.dx, grid.dy)
+        poisson = [body.A.poisson for body in bodies]
+        self._layers = StripLayers(self._lattice, tractions, poisson, signs)
+        each = zip(tractions_on_bodies(tractions, signs), poisson, strict=True)
+        self._strips = [StripLoads.on_grid(grid, on_body, nu) for on_body, nu in each]
+
+    def layer(self, depth: float) -> Layer:
+        """Return the stress layer at a depth, at the element centres."""
+        values = self._criterion(self._layers.at(depth).swapaxes(0, 1))
+        return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), values)
+
+    def stress_around(
+        self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
+    ) -> np.ndarray:
+        """Return the equivalent stress (m, n) at points (m, n, 3) near the points `around` (m, 3).
+
+        The sum over the elements is exact.
+        """
+        values = np.empty(points.shape[:2])
+        for k, body in enumerate(bodies):
+            values[k] = self._criterion(self._strips[body].stress(points[k]).T)
+        return values
+
+    def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
+        """Return (value, position) of the largest stress at the surface of each body.
+
+        The stress is evaluated at the edges of strips.
+        """
+        loads = self._bodies, self._signs, self._tractions
+        largest = largest_at_surface(self._lattice, *loads, sliding, self._criterion)
+        return [(value, (float(self._x[0] + i * self.side), 0.0, 0.0)) for value, i, _ in largest]
+
+
+class StressSource(Protocol):
+    """Protocol of stress solvers for half-spaces under tractions on a grid.
+
+    Stresses have the order of `results.plane_stress.COMPONENTS`, MPa.
+    """
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z.
+
+        The shape is (bodies, 6, n, k) at k depths, or (bodies, 6, n_x, n_y) for the axis z.
+        """
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths.
+
+        They are in all rows of the grid; depths are above 0.
+        """
+
+    def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
+        """Return the stress at several depths (resolutions) in which the maximum is searched."""
+
+
+@singledispatch
+def stress_source(
+    body: Elasticity,
+    bodies: Sequence[Elasticity],
+    signs: Sequence[float],
+    grid: Grid,
+    tractions: np.ndarray,
+) -> StressSource:
+    """Return the stress solver for the class of the first body; ValueError if none is registered.
+
+    Parameters
+    ----------
+    body : Elasticity
+        The first body; its class selects the method.
+    bodies : sequence of Elasticity
+        The bodies, see `Elasticity.single_body`.
+    signs : sequence of float
+        Sign of each body, see `SIGNS`.
+    grid : Grid
+        Elements; lengths in mm.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on body A, MPa.
+
+    Raises
+    ------
+    ValueError
+        If no method is registered for the class.
+    """
+    raise ValueError(
+        f"the stress in bodies with the law {body!r} is unknown; use HalfSpaces or a subclass"
+    )
+
+
+class PatchStress:
+    """Stress solver for half-spaces under tractions on rectangular elements."""
+
+    def __init__(
+        self,
+        bodies: Sequence[HalfSpaces],
+        signs: Sequence[float],
+        grid: Grid,
+        tractions: np.ndarray,
+    ):
+        self._bodies, self._signs, self._grid, self._tractions = bodies, signs, grid, tractions
+        self._poisson = tuple(body.A.poisson for body in bodies)
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        grid = self._grid
+        lattice = Lattice(grid.elements, grid.dx, grid.dy)
+        loads = self._tractions, self._poisson, self._signs
+        return map(StressLayers(lattice, *loads, threads).at, depths)
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z."""
+        if axis == "z":
+            return next(self.layers([position]))
+        loads = self._tractions, self._poisson, self._signs
+        plane = StressPlane(self._grid, axis, position, *loads)
+        return np.stack([plane.at(depth) for depth in depths], axis=-1)
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
+        grid, sides = self._grid, (self._grid.dx, self._grid.dy)
+        each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
+        patches = [PatchLoads.on_mesh(grid.x, grid.y, sides, on_body, nu) for on_body, nu in each]
+        return np.stack([patch.stress(points).T for patch in patches])
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths.
+
+        See `DistantLoads` for the error.
+        """
+        loads = DistantLoads(self._grid, self._tractions, self._signs, self._poisson)
+        return loads.stress(x, depths)
+
+    def levels(self, criterion: StressCriterion) -> MultiLevel:
+        """Return the `MultiLevel` of the bodies, in which the largest stress is searched."""
+        return MultiLevel(self._grid, self._tractions, self._signs, self._bodies, criterion)
+
+
+class StripStress:
+    """Stress solver for half-spaces under tractions on strips (line contact)."""
+
+    def __init__(
+        self, bodies: Sequence[Strips], signs: Sequence[float], grid: Grid, tractions: np.ndarray
+    ):
+        self._bodies, self._signs, self._grid, self._tractions = bodies, signs, grid, tractions
+        self._poisson = tuple(body.A.poisson for body in bodies)
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        lattice = Lattice(self._grid.elements, self._grid.dx, self._grid.dy)
+        return map(StripLayers(lattice, self._tractions, self._poisson, self._signs).at, depths)
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, 1) if z."""
+        if axis == "z":
+            return next(self.layers([position]))
+        if axis == "y":
+            return np.concatenate(list(self.layers(depths)), axis=-1)
+        points = np.stack(np.broadcast_arrays(position, 0.0, depths), axis=-1)
+        return self.at(points)[:, :, None]
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
+        each = zip(tractions_on_bodies(self._tractions, self._signs), self._poisson, strict=True)
+        strips = [StripLoads.on_grid(self._grid, on_body, nu) for on_body, nu in each]
+        return np.stack([strip.stress(points).T for strip in strips])
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths.
+
+        The sum over the elements is exact.
+        """
+        places = np.broadcast_arrays(x[:, None], 0.0, depths)
+        stress = self.at(np.stack(places, axis=-1).reshape(-1, 3))
+        return stress.reshape(len(stress), 6, x.size, 1, depths.size)
+
+    def levels(self, criterion: StressCriterion) -> StripLevels:
+        """Return the `StripLevels` of the bodies, in which the largest stress is searched."""
+        return StripLevels(self._grid, self._tractions, self._signs, self._bodies, criterion)
+
+
+@stress_source.register
+def _patch_stress(body: HalfSpaces, *of_bodies) -> PatchStress:
+    """Return the stress solver for half-spaces under rectangular elements."""
+    return PatchStress(*of_bodies)
+
+
+@stress_source.register
+def _strip_stress(body: Strips, *of_bodies) -> StripStress:
+    """Return the stress solver for a line contact."""
+    return StripStress(*of_bodies)
