@@ -31,8 +31,8 @@ from tractive_sam.plot.contact_view import (
 from tractive_sam.plot.figure import Figure, omit_failing_figure
 from tractive_sam.plot.options import Measurements, change_options
 from tractive_sam.plot.style import apply_style
-from tractive_sam.schema import installed_entry_points
 from tractive_sam.results import COORDINATE, PREFIX, History, Quantity
+from tractive_sam.schema import installed_entry_points
 
 Arguments = ParamSpec("Arguments")
 
