@@ -220,6 +220,29 @@ def test_both_solutions_of_a_step_are_those_of_an_independent_program(start, pri
         assert now.contact.sliding.sum() == count
 
 
+@pytest.mark.filterwarnings("ignore::tractive_sam.SceneWarning")
+def test_the_end_of_a_branch_leads_to_the_next_solution():
+    """Without fixed friction, the third step is not solved by any method."""
+    creepages = [-4.4606e-4, -4.5485e-4]
+    course = {"distance": [0.0, 0.3], "start": "steady", DRIVE: creepages}
+    sliding = {"friction.start": "sliding", "friction.half_speed": 166.6, "grid.elements": 121}
+    history = ts.roll(cylinder(**sliding).replace(transient=course))
+    assert history.status == "done"
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::tractive_sam.SceneWarning")
+@pytest.mark.parametrize("slip", ["auto", "upwind"])
+@pytest.mark.parametrize("start", ["rest", "sliding"])
+def test_a_long_course_of_falling_friction_is_solved(start, slip):
+    """The published course: 5 mm at a constant creepage, after steady rolling at a smaller one."""
+    creepages = [-0.9999e-3, -1e-3, -1e-3]
+    course = {"distance": [0.0, 0.0, 5.0], "start": "steady", DRIVE: creepages}
+    here = cylinder(**{"friction.start": start, "solver.slip": slip}).replace(transient=course)
+    rows = ts.Laws.of(here).replace(elasticity=Row(*here.materials.values()))
+    assert ts.roll(here, laws=rows).status == "done"
+
+
 @pytest.mark.parametrize("slip", ["auto", "upwind"])
 @pytest.mark.parametrize("half_speed", [30.0, 2e4])
 def test_a_step_of_several_solutions_warns_from_both_sides(slip, half_speed):

@@ -32,6 +32,7 @@ from .friction import Coulomb as Coulomb
 from .friction import FrictionLaw as FrictionLaw
 from .friction import Linearisation as Linearisation
 from .friction import PreviousShare as PreviousShare
+from .friction import ScaledFriction as ScaledFriction
 from .friction import SlipDependence as SlipDependence
 from .friction import Slope as Slope
 from .friction_on_mesh import FrictionOnMesh as FrictionOnMesh

@@ -290,12 +290,12 @@ class ScaledFriction(FrictionLaw):
     ----------
     law : FrictionLaw
         The law without the factor.
-    factor : float
+    factor : float or ndarray, shape (n_x, n_y)
         Factor on its bound.
     """
 
     law: FrictionLaw
-    factor: float
+    factor: float | np.ndarray
 
     @property
     def frame(self) -> Frame:

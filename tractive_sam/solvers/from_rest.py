@@ -2,7 +2,9 @@
 
 A falling law may have several solutions. The path begins with friction at rest (or at great speed),
 which has one, and Newton's method leads from there. If it fails, the path passes through slower (or
-faster) rolling, and each problem starts from the one before. If prescribed forces are not found,
+faster) rolling, and each problem starts from the one before. If the solution that the path follows
+ceases to exist, friction is fixed at its values in the last solution, again and again, which leads
+to the next solution. If prescribed forces are not found,
 the traction curve is followed up to its maximum.
 """
 
@@ -11,8 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy  # its parts are loaded when first used
 
+from tractive_sam.mechanics import ScaledFriction
 from tractive_sam.solvers.continuation import follow_path
-from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start
+from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start
 from tractive_sam.solvers.problem import PrescribedForces, Problem
 
 
@@ -34,6 +37,8 @@ class FromRest:
         Parts of the path from 0 to 1: the first one, and the shortest that is tried.
     growth : float
         Growth of the creepage from step to step, up to the maximum of the traction curve.
+    turns : int
+        Most problems with fixed friction if the path ends early.
     """
 
     solver: ProblemSolver
@@ -43,6 +48,7 @@ class FromRest:
     first: float = 0.25
     shortest: float = 1.0 / 64.0
     growth: float = 2.0
+    turns: int = 128
 
     def solve(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
@@ -64,6 +70,8 @@ class FromRest:
             outcome = _add_cost(self._continued(problem, tolerance, easier), at_once, *spent)
             if not outcome.converged and len(problem.forces):
                 outcome = self._with_top(problem, outcome, easier)
+            elif not outcome.converged:
+                outcome = self._with_fixed_friction(problem, tolerance, outcome)
         if not outcome.converged and outcome.top is None:
             outcome = self.solver.solve(problem, tolerance, easier).after(outcome)
         return outcome
@@ -79,6 +87,39 @@ class FromRest:
             return self.nearby.solve(problem.at_speed_ratio(speed), last, before)
 
         return follow_path(start, solve, "speed", self.first, shortest)
+
+    def _with_fixed_friction(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
+        """Solve with the friction of the solution before, in turn, until Newton's method converges.
+
+        A path ends where its solution ceases to exist. Less friction causes more slip, and more
+        slip less friction: from great speed on, the friction of these problems only rises, and from
+        rest it only falls, to the next solution (Tarski 1955, Pacific J. Math. 5, 285-309).
+        """
+        # Rougher, a problem would be solved by the solution before, and nothing would change.
+        exact = max(tolerance, 1e-3 * self.rough)
+        outcome, rest = start, problem.friction.at_speed_ratio(0.0)
+        factor, change, length = np.ones(()), np.zeros(()), 1.0
+        for turn in range(self.turns):
+            fields = outcome.fields
+            largest = rest.bound(fields.pressure).radius
+            found = problem.sliding(*fields)[1].radius / np.where(largest > 0.0, largest, np.inf)
+            factor, before = (found if turn == 0 else factor), change
+            change = found - factor
+            # Where solutions nearly exist, friction changes little from one to the next.
+            length = self.growth * length if (change * before).sum() > 0.0 else 1.0
+            factor = np.maximum(factor + length * change, 0.0)
+            law = ScaledFriction(rest.law, factor)
+            fixed = replace(problem, friction=replace(rest, law=law))
+            outcome = self.nearby.solve(fixed, exact, outcome).costing(outcome)
+            if not outcome.converged:
+                return start.costing(outcome)
+            if turn & (turn + 1) == 0:  # seldom: a failure costs more than a turn
+                solved = self.nearby.solve(problem, tolerance, outcome)
+                outcome = outcome.costing(solved)
+                if solved.converged:
+                    note = Note("newton after fixed friction", solved.status, f", {turn + 1} times")
+                    return replace(solved, cost=outcome.cost, trace=(*start.trace, note))
+        return start.costing(outcome)
 
     def _with_top(self, problem: Problem, outcome: Outcome, start: Outcome) -> Outcome:
         """Return an outcome with the maximum of the traction curve, if it is below the force."""
