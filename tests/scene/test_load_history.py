@@ -160,10 +160,10 @@ def test_faults_of_the_table_are_listed_with_others(loads, given, key):
 @pytest.mark.parametrize(
     ("rows", "reported"),
     [
-        ("", "line 1"),
-        ("normal\n", "line 1"),
+        ("", "no rows"),
+        ("normal\n", "no rows"),
         ("normal\n300\nabc\n", "line 3"),
-        ("normal;revolutions\n300;1\n", "line 2"),
+        ("normal;revolutions\n300;1.000,5\n", "line 2"),
         ("normal,revolutions\n300,1\n310\n", "line 3"),
         ("normal, normal\n300,310\n", "each column once"),
     ],

@@ -1,17 +1,17 @@
 """Measured values of the data sets, read and checked."""
 
 import math
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from tractive_sam.fitting.design import FitError
 from tractive_sam.fitting.tables import COORDINATES, DEPTH, Data, Noise
-from tractive_sam.input_file import read_columns
+from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, shorten, suggest_name
+from tractive_sam.text_table import TextError, TextTable, find_scale, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,42 +72,68 @@ def read_measured(data: Data, key: str) -> Measured:
     FitError
         If columns are missing, have other than finite numbers, or give no noise.
     """
-    try:
-        columns = _columns_of(data)
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not a text in UTF-8"
-        raise FitError(
-            [Fault(f"{key}.file", shorten(data.file), f"a readable file ({reason})")]
-        ) from None
-    except ValueError as error:
-        raise FitError(
-            [Fault(f"{key}.{_source(data)}", str(error), "a header and columns of equal length")]
-        ) from None
     wanted = [*data.vary, *(["y", DEPTH] if data.profile else data.observe)]
     wanted += [data.uncertainty.column] if data.uncertainty.column else []
-    faults, numbers = [], {}
-    for name in wanted:
-        column = data.columns.get(name, name)
-        if column not in columns:
-            hint = suggest_name(column, columns) if columns else "a header row and columns"
-            faults.append(Fault(f"{key}.{_source(data)}", f"no column {shorten(column)}", hint))
-            continue
-        numbers[name], wrong = _numbers(columns[column])
-        if wrong:
-            first, text = wrong[0]
-            where = f"{shorten(text)} in row {first} of {column}"
-            more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
-            faults.append(Fault(f"{key}.{_source(data)}", where + more, "finite numbers"))
-    if not faults and not len(numbers[wanted[0]]):
-        faults.append(Fault(f"{key}.{_source(data)}", "no rows", "a row for each measurement"))
+    source = f"{key}.{'file' if data.values is None else 'values'}"
+    numbers, faults = {}, []
+    try:
+        columns = _table_of(data)
+        for name in wanted:
+            column = data.columns.get(name, name)
+            place = columns.find(column)
+            if place is None:
+                hint = suggest_name(name, columns.labels)
+                faults.append(Fault(source, f"no column {shorten(column)}", hint))
+                continue
+            unit, meaning = columns.units[place], _meaning(data, name)
+            factor = find_scale(unit, meaning)
+            if factor is None:
+                value = f"column {shorten(columns.labels[place])} in {unit}"
+                faults.append(Fault(source, value, f"the unit of {name} ({meaning})"))
+                continue
+            try:
+                numbers[name] = factor * columns.numbers([place])[:, 0]
+            except TextError as error:
+                faults.append(Fault(source, error.value, error.allowed))
+    except TextError as error:
+        faults.append(Fault(source, error.value, error.allowed))
+    except OSError as error:
+        reason = f"a readable file ({error.strerror})"
+        faults.append(Fault(source, shorten(data.file), reason))
     if faults:
         raise FitError(faults)
     return _measured(data, key, numbers)
 
 
-def _source(data: Data) -> str:
-    """Return the key that gives the data: "file" or "values"."""
-    return "file" if data.values is None else "values"
+def _table_of(data: Data) -> TextTable:
+    """Return the columns of a data set; TextError if they lack names or differ in length."""
+    if data.values is None:
+        table = read_table(str(data.file))
+        if not table.names:
+            raise TextError("no header row", "a row of column names above the numbers")
+        return table
+    columns = {
+        name: [str(value) for value in np.atleast_1d(np.asarray(values, dtype=object))]
+        for name, values in data.values.items()
+    }
+    lengths = {name: len(values) for name, values in columns.items()}
+    if len(set(lengths.values())) > 1:
+        texts = (f"{n} values of {name}" for name, n in lengths.items())
+        raise TextError(", ".join(texts), "columns of equal length")
+    rows = [list(row) for row in zip(*columns.values(), strict=True)]
+    if not rows:
+        raise TextError("no rows", "a row for each measurement")
+    names = tuple(columns)
+    return TextTable(rows, [*range(1, len(rows) + 1)], names, names, ("",) * len(names))
+
+
+def _meaning(data: Data, name: str) -> str:
+    """Return the meaning of a column with its unit: of a key of the scene, or a quantity."""
+    if name in data.vary and name not in COORDINATES:
+        return Scene.find_field(name).title or ""
+    quantities = index_by_name(COLUMNS)
+    name = data.observe[0] if name == data.uncertainty.column else name
+    return quantities[name].unit if name in quantities else "mm"
 
 
 def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measured:
@@ -141,28 +167,3 @@ def _noise_of(noise: Noise, observed: np.ndarray, numbers: Mapping[str, np.ndarr
 def noise_at(noise: Noise, observed: np.ndarray) -> np.ndarray:
     """Return standard deviations: root of the sum of squares of absolute and relative noise."""
     return np.hypot(noise.absolute or 0.0, (noise.relative or 0.0) * np.abs(observed))
-
-
-def _numbers(cells: Sequence[Any]) -> tuple[np.ndarray, list[tuple[int, Any]]]:
-    """Return a column as numbers, and (row from 1, cell) for each cell that is not finite."""
-    numbers, wrong = np.full(len(cells), math.nan), []
-    for k, cell in enumerate(cells):
-        with suppress(TypeError, ValueError):
-            numbers[k] = float(cell)
-        if not math.isfinite(numbers[k]):
-            wrong.append((k + 1, cell))
-    return numbers, wrong
-
-
-def _columns_of(data: Data) -> Mapping[str, Sequence[Any]]:
-    """Return the columns of a data set by name, of equal length, with unchecked cells."""
-    if data.values is not None:
-        columns = {
-            name: np.atleast_1d(np.asarray(values, dtype=object)).tolist()
-            for name, values in data.values.items()
-        }
-        lengths = {name: len(values) for name, values in columns.items()}
-        if len(set(lengths.values())) > 1:
-            raise ValueError(", ".join(f"{n} values of {name}" for name, n in lengths.items()))
-        return columns
-    return read_columns(str(data.file))

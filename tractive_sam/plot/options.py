@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from tractive_sam.description import ShortArrays, format_unit
-from tractive_sam.input_file import read_columns
-from tractive_sam.results import BODIES, History
+from tractive_sam.results import BODIES, COLUMNS, History, index_by_name
+from tractive_sam.text_table import find_scale, read_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -45,21 +45,25 @@ class Measurements(ShortArrays):
             If the file cannot be read, is not a table, or an entry is not a number.
         """
         try:
-            cells = read_columns(path)
-        except (OSError, ValueError) as error:  # a UnicodeDecodeError is a ValueError
+            table = read_table(path)
+            values = table.numbers(missing=True).T
+            if not table.names:
+                raise ValueError("no header row")
+        except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ValueError(
                 f"{path} is not a table ({reason}); allowed: a text file with a row of column "
                 "names and a row for each point"
             ) from None
+        quantities = index_by_name(COLUMNS)
         columns = {}
-        for name, column in cells.items():
-            try:
-                columns[name] = np.array([float(cell or "nan") for cell in column])
-            except ValueError as error:
-                raise ValueError(f"{path}, column {name}: {error}; use numbers") from None
-        if not all(column.size for column in columns.values()):
-            raise ValueError(f"{path} has no row of numbers; add a row for each point")
+        for name, unit, column in zip(table.names, table.units, values, strict=True):
+            quantity = quantities.get(name.partition(" ")[0])
+            meaning = quantity.unit if quantity else unit  # `check` refuses unknown columns
+            factor = find_scale(unit, meaning)
+            if factor is None:
+                raise ValueError(f"{path}, column {name}: the unit {unit}; use {meaning}")
+            columns[name] = factor * column
         return cls(columns)
 
     def check(self, history: History) -> None:

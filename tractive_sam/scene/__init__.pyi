@@ -20,7 +20,6 @@ from .fatigue import Fatigue as Fatigue
 from .fatigue import FatigueVolume as FatigueVolume
 from .friction import Friction as Friction
 from .gap import ALONG as ALONG
-from .gap import LENGTHS as LENGTHS
 from .gap import TEXTS as TEXTS
 from .gap import Gap as Gap
 from .gap import allow_missing_files as allow_missing_files

@@ -26,12 +26,10 @@ from tractive_sam.schema import (
     entry,
     optional,
 )
+from tractive_sam.text_table import LENGTHS
 
 TEXTS = (".csv", ".txt", ".dat", ".tsv", ".xyz", ".asc")
 """Suffixes of gap files that are text."""
-
-LENGTHS = {"m": 1e3, "mm": 1.0, "um": 1e-3, "nm": 1e-6}
-"""Units of length, in mm."""
 
 ALONG = 1e6
 """Half length, mm, over which a profile is constant in the direction across it."""
@@ -65,7 +63,7 @@ def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
     ValueError
         If the path has none of the suffixes.
     """
-    if path.suffix not in suffixes:
+    if path.suffix.lower() not in suffixes:
         raise ValueError(f"a file ending in {', '.join(suffixes)}")
     return path.absolute()  # a scene may be written to, and read from, another folder
 
@@ -148,8 +146,7 @@ def _check_step(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("step", entries["step"], "a file; the arrays x and y give the spacing")
 
 
-_Unit = Literal["m", "mm", "um", "nm"]
-_UNITS = f"one of {', '.join(LENGTHS)}"
+_Unit = Literal["m", "cm", "mm", "um", "nm", "angstrom", "in", "mil", "uin"]
 
 _File = Annotated[FilePath, AfterValidator(_check_file)]
 _Array = Annotated[np.ndarray, PlainValidator(_read_array)]

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from io import StringIO
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -14,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import AfterValidator
 
-from tractive_sam import input_file
 from tractive_sam.schema import (
     Check,
     Fault,
@@ -28,7 +25,9 @@ from tractive_sam.schema import (
     optional,
     shorten,
     suggest_name,
+    warn,
 )
+from tractive_sam.text_table import TextError, find_scale, read_table
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .gap import absolute_path
@@ -50,6 +49,9 @@ _COLUMNS = {
     "revolutions": "revolutions",
 }
 """Key in a block for each column of a measured load history."""
+
+_NOT_READ = ("time", "t", "date", "timestamp", "datetime", "clock")
+"""Names, in lower case, of columns that have no effect on the blocks."""
 
 _File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".csv", ".txt")))]
 
@@ -246,7 +248,8 @@ def blocks_of(
         raise SceneError([Fault("levels", shorten(levels), allowed)])
     if binning != "levels":
         raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
-    columns = _columns(measured)
+    columns, lines = _columns(measured)
+    _check_values(columns, lines)
     rows = next(iter(columns.values())).size
     values, max_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
     wrong = values[(values < 1) | (values > max_revolutions) | (values % 1 != 0)]
@@ -315,56 +318,87 @@ def _work_error(
     return abs(float(np.average(binned, weights=counts)) / mean - 1.0) if mean else 0.0
 
 
-def _columns(measured: str | PathLike[str] | Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
-    """Return columns of a load history as arrays; raise a SceneError for invalid ones."""
-    raw = measured if isinstance(measured, Mapping) else _read(Path(measured))
-    unknown = [name for name in raw if name not in _COLUMNS]
-    if unknown:
-        raise SceneError(
-            [Fault(n, "an unknown column", suggest_name(n, _COLUMNS)) for n in unknown]
-        )
+def _check_values(columns: Mapping[str, np.ndarray], lines: Sequence[str]) -> None:
+    """Raise a SceneError with the first line of each column whose value no block may have."""
+    faults = []
+    for name, values in columns.items():
+        for row in {int(values.argmin()), int(values.argmax())} if name != "revolutions" else ():
+            try:
+                _block({name: float(values[row])}, 1)
+            except SceneError as error:
+                value = f"{name} = {values[row]:g} in {lines[row]}"
+                allowed = error.faults[0].allowed
+                if name in ("normal", "pressure"):
+                    allowed += "; without contact there is no wear: remove these rows"
+                faults.append(Fault("measured", value, allowed))
+    if faults:
+        raise SceneError(faults)
+
+
+def _columns(
+    measured: str | PathLike[str] | Mapping[str, ArrayLike],
+) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Return columns of a load history as arrays, and the place of each row for messages.
+
+    Raises
+    ------
+    SceneError
+        If a column is unknown, no number, not finite, or shorter than others.
+    """
+    if not isinstance(measured, Mapping):
+        return _read(Path(measured))
+    _check_names(measured)
     try:
-        columns = {name: np.asarray(values, float).ravel() for name, values in raw.items()}
+        columns = {name: np.asarray(values, float).ravel() for name, values in measured.items()}
     except (ValueError, TypeError):
         raise SceneError([Fault("columns", "no numbers", "numbers in every row")]) from None
     lengths = {values.size for values in columns.values()}
-    finite = all(np.isfinite(values).all() for values in columns.values())
-    if len(lengths) != 1 or lengths == {0} or not finite or not columns.keys() - {"revolutions"}:
-        allowed = "at least one column besides revolutions, with finite numbers, all equally long"
-        raise SceneError([Fault("columns", f"{len(columns)} of {sorted(lengths)} rows", allowed)])
-    return columns
+    if len(lengths) != 1 or lengths == {0}:
+        value, allowed = f"{len(columns)} of {sorted(lengths)} rows", "columns of equal length"
+        raise SceneError([Fault("columns", value, allowed)])
+    for name, values in columns.items():
+        if not np.isfinite(values).all():
+            row = int(np.argmin(np.isfinite(values)))
+            value = f"{values[row]} in row {row + 1} of {name}"
+            raise SceneError([Fault("columns", value, "finite numbers in every row")])
+    return columns, [f"row {k + 1}" for k in range(*lengths)]
 
 
-def _read(path: Path, max_bytes: int = 2**29) -> dict[str, list[float]]:
-    """Return the columns of a CSV file, by name; files above `max_bytes` are refused."""
+def _check_names(names: Iterable[str]) -> None:
+    """Raise a SceneError for unknown columns, or without any but the number of revolutions."""
+    unknown = [name for name in names if name not in _COLUMNS]
+    faults = [Fault(name, "an unknown column", suggest_name(name, _COLUMNS)) for name in unknown]
+    if not faults and not {*names} - {"revolutions"}:
+        faults = [Fault("columns", shorten([*names]), "at least one column besides revolutions")]
+    if faults:
+        raise SceneError(faults)
+
+
+def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
+    """Return the columns of a text file by name in units of a scene, and the lines of its rows."""
+    columns: dict[str, np.ndarray] = {}
     try:
-        text = input_file.read_text(path, max_bytes, "utf-8-sig")
-        lines = [(n, row) for n, row in enumerate(csv.reader(StringIO(text)), 1) if row]
-    except (OSError, ValueError, csv.Error):
-        allowed = "an existing CSV file: a line of column names, then numbers"
+        table = read_table(path, max_bytes=2**29)
+        if not table.names:
+            raise TextError("no header row", "a row of column names above the numbers")
+        unused = [name for name in table.names if name.lower() in _NOT_READ]
+        used = {name: k for k, name in enumerate(table.names) if name not in unused}
+        if len(used) + len(unused) < len(table.names):
+            raise TextError(f"columns {', '.join(table.names)}", "each column once")
+        _check_names(used)
+        for name, place in used.items():
+            table_name, _, key = _COLUMNS[name].rpartition(".")
+            meaning = _TABLES.get(table_name, Block).model_fields[key].title or ""
+            factor = find_scale(table.units[place], meaning)
+            if factor is None:
+                raise TextError(f"column {name} in {table.units[place]}", f"the unit of {meaning}")
+            columns[name] = factor * table.numbers([place])[:, 0]
+    except OSError as error:
+        allowed = f"an existing text file of columns with names ({error.strerror})"
         raise SceneError([Fault("measured", shorten(str(path)), allowed)]) from None
-    (_, names), *rows = lines or [(0, [])]
-    numbers = [_read_numbers(names, row) or [] for _, row in rows]
-    wrong = [line for line, values in zip(lines[1:], numbers, strict=True) if not values]
-    if not rows or wrong or ";" in "".join(names):
-        n, row = (wrong or lines or [(1, ["nothing"])])[0]
-        allowed = (
-            "a line of column names, then as many numbers in each line, separated by commas, with "
-        )
-        allowed += "decimal points"
-        value = f"{path.name}, line {n}: {shorten(','.join(row))}"
-        raise SceneError([Fault("measured", value, allowed)])
-    names = [name.strip() for name in names]
-    repeated = {name: None for name in names if names.count(name) > 1}
-    if repeated:
-        value = f"{path.name} with two columns {', '.join(map(shorten, repeated))}"
-        raise SceneError([Fault("measured", value, "each column once")])
-    return {name: [row[k] for row in numbers] for k, name in enumerate(names)}
-
-
-def _read_numbers(names: list[str], row: list[str]) -> list[float] | None:
-    """Return the numbers in a row of a CSV file; None if an entry is no number."""
-    try:
-        return [float(text) for _, text in zip(names, row, strict=True)]
-    except ValueError:
-        return None
+    except TextError as error:
+        value = f"{path.name}, {error.value}"
+        raise SceneError([Fault("measured", value, error.allowed)]) from None
+    if unused:
+        warn(f"load_history: columns of {path.name} that are not read: {', '.join(unused)}")
+    return columns, [f"{path.name}, line {line}" for line in table.lines]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterable, Mapping
 from functools import cached_property
@@ -181,9 +182,13 @@ class Scene(Document):
         if faults:
             raise SceneError(faults)
         notes = {*scene_notes(self), self._unequal_turns}
-        for message in dict.fromkeys(str(warning.message) for warning in raised):
-            if message not in notes:
-                warn(f"duty: {message}", PlausibilityWarning)
+        messages = dict.fromkeys(str(warning.message) for warning in raised)
+        kinds: dict[str, list[str]] = {}  # notes that differ in numbers alone
+        for message in (message for message in messages if message not in notes):
+            kinds.setdefault(re.sub(r"[-+.\de]*\d", "0", message), []).append(message)
+        for first, *others in kinds.values():
+            more = f" ({len(others)} more blocks have such a note)" if others else ""
+            warn(f"duty: {first}{more}", PlausibilityWarning)
         for note in cycle_notes(self):
             warn(note, PlausibilityWarning)
 

@@ -1,5 +1,6 @@
 """Reads measured or worn separations, and profiles as instruments write them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -8,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam import scene
-from tractive_sam.scene import ALONG, LENGTHS, TEXTS
+from tractive_sam.scene import ALONG, TEXTS
 from tractive_sam.store.errors import GapError
-from tractive_sam.store.gap_text import first_place, is_number, read_gap_text
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
 from tractive_sam.store.numpy_guard import read_archive, read_array
+from tractive_sam.text_table import LENGTHS, TextError, find_length_unit, parse_number, read_table
 
 NAMES = ("x", "y", "separation")
 LARGEST = 1e30
@@ -83,14 +84,16 @@ def _read(settings: scene.Gap) -> Gap:
     if settings.file is None:
         return settings.in_mm(settings.x, settings.y, settings.separation)
     path = settings.file
-    if path.suffix not in _READERS:
+    if path.suffix.lower() not in _READERS:
         raise GapError(path, f"the suffix {path.suffix!r}", f"one of {', '.join(_READERS)}")
     try:
-        data = _READERS[path.suffix](path, settings)
+        data = _READERS[path.suffix.lower()](path, settings)
     except FileNotFoundError:
         raise GapError(path, "no such file", "an existing file") from None
     except GapError:
         raise
+    except TextError as error:
+        raise GapError(path, error.value, error.allowed) from None
     except OSError as error:
         problem = f"unreadable ({error.strerror or error})"
         raise GapError(
@@ -160,6 +163,11 @@ def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapD
     return _gap_from_matrix(path, settings, _finite(path, array, "array"))
 
 
+def first_place(places: Sequence[str]) -> str:
+    """Return the first of several faulty places, with the number of others, as text."""
+    return places[0] if len(places) == 1 else f"{places[0]} and {len(places) - 1} more"
+
+
 def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
     """Return values as an array; raise a GapError unless all are finite numbers."""
     array = np.asarray(values, float)
@@ -172,22 +180,28 @@ def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
 
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in a text file: points, a profile, heights, or a matrix with x and y."""
-    table = read_gap_text(path)
-    named = dict(zip(table.names, table.units, strict=True))
-    if "" in named.values() and set(named.values()) != {""}:
-        bare = ", ".join(name for name, unit in named.items() if not unit)
+    table = read_table(path, 2**30)  # about 5000 x 5000 numbers
+    names = tuple(name.lower() for name in table.names)
+    units = [find_length_unit(unit) or unit for unit in table.units]
+    if any(units) and not all(units):
+        bare = ", ".join(name for name, unit in zip(names, units, strict=True) if not unit)
         raise GapError(path, f"a header without the unit of {bare}", "units of all columns or none")
-    lateral = {unit for unit in table.units[:-1] if unit}
+    lateral = {unit for unit in units[:-1] if unit}
     if len(lateral) > 1:
         raise GapError(path, f"x and y in {', '.join(sorted(lateral))}", "one unit for x and y")
-    height = table.units[-1] or "mm" if table.units else "mm"
-    units = next(iter(lateral), "mm"), height
-    few = len(table.cells[0]) <= len(NAMES) and is_number(table.cells[0][0])
-    if table.names or few or settings.step is not None:
-        data = _gap_from_matrix(path, settings, table.numbers(path), table.names)
-        return replace(data, units=units)
-    table.cells[0][0] = "0"  # the corner may contain any text
-    matrix = table.numbers(path)
+    unknown = [unit for unit in units if unit and unit not in LENGTHS]
+    if unknown:
+        raise GapError(path, f"the unit {unknown[0]}", f"units of {', '.join(LENGTHS)}")
+    stated = next(iter(lateral), "mm"), units[-1] if any(units) else "mm"
+    corner = parse_number(table.rows[0][0], table.decimal)
+    if (
+        names
+        or settings.step is not None
+        or (len(table.rows[0]) <= len(NAMES) and corner is not None)
+    ):
+        return replace(_gap_from_matrix(path, settings, table.numbers(), names), units=stated)
+    table.rows[0][0] = "0"  # the corner may contain any text
+    matrix = table.numbers()
     return _GapData(matrix[1:, 0], matrix[0, 1:], matrix[1:, 1:])
 
 

@@ -1,0 +1,502 @@
+"""Tables of numbers in text, as instruments, spreadsheets and other programs write them."""
+
+import csv
+import math
+import operator
+import re
+from collections import Counter
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import Self
+
+import numpy as np
+
+from tractive_sam.input_file import read_text
+
+LENGTHS = {
+    "m": 1e3, "cm": 10.0, "mm": 1.0, "um": 1e-3, "nm": 1e-6, "angstrom": 1e-7, "in": 25.4,
+    "mil": 0.0254, "uin": 25.4e-6,
+}  # fmt: skip
+"""Units of length, in mm."""
+
+_SYNONYMS = {
+    "metre": "m", "meter": "m", "centimetre": "cm", "centimeter": "cm", "millimetre": "mm",
+    "millimeter": "mm", "micron": "um", "micrometre": "um", "micrometer": "um", "nanometre": "nm",
+    "nanometer": "nm", "å": "angstrom", "inch": "in", "inche": "in", '"': "in", "thou": "mil",
+    "microinch": "uin", "microinche": "uin",
+}  # fmt: skip
+
+_MISSING = frozenset(
+    ("", "na", "n/a", "#n/a", "null", "none", "-", "--", "---", "*", "***", "bad", "masked",
+     "nodata")
+)  # fmt: skip
+"""Texts of cells, in lower case, that stand for a missing value."""
+
+_SCALES = {
+    "n": (1.0, "N"), "kn": (1e3, "N"), "n/mm": (1.0, "N/mm"), "kn/mm": (1e3, "N/mm"),
+    "n/m": (1e-3, "N/mm"), "kn/m": (1.0, "N/mm"), "n mm": (1.0, "N mm"), "nmm": (1.0, "N mm"),
+    "nm": (1e-6, "mm"), "mpa": (1.0, "MPa"), "gpa": (1e3, "MPa"), "pa": (1e-6, "MPa"),
+    "kpa": (1e-3, "MPa"), "bar": (0.1, "MPa"), "1/mm": (1.0, "1/mm"), "1/m": (1e-3, "1/mm"),
+    "mm/s": (1.0, "mm/s"), "m/s": (1e3, "mm/s"), "km/h": (1e3 / 3.6, "mm/s"), "-": (1.0, "1"),
+    "1": (1.0, "1"), "%": (1e-2, "1"), "‰": (1e-3, "1"), "deg": (1.0, "degrees"),
+    "°": (1.0, "degrees"), "degrees": (1.0, "degrees"), "°c": (1.0, "degC"), "degc": (1.0, "degC"),
+    "s": (1.0, "s"), "ms": (1e-3, "s"), "min": (60.0, "s"), "h": (3600.0, "s"), "mg": (1.0, "mg"),
+    "g": (1e3, "mg"), "mm2": (1.0, "mm2"), "mm²": (1.0, "mm2"), "mm3": (1.0, "mm3"),
+    "mm³": (1.0, "mm3"), "rad": (1.0, "rad"), "mrad": (1.0, "mrad"), "rev": (1.0, "1"),
+}  # fmt: skip
+"""Factor from a stated unit, in lower case, to a unit of the package, and this unit."""
+
+_ROW_NUMBERS = ("", "#", "no", "nr", "index", "row", "line", "point", "sample")
+"""Names, in lower case, of a column of row numbers."""
+
+_NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
+_COMMENT = re.compile(r"#|!|%(?!\s*(?:[;,\t]|$))")  # but "50 %" is no comment
+_STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
+_LABEL = re.compile(r"""(.+?)[\s_]*[\[({<](.*)[\])}>]|(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)""")
+
+
+class TextError(ValueError):
+    """Error of a text table: the fault with its line, and what is allowed.
+
+    Attributes
+    ----------
+    value, allowed : str
+        The fault, and what is allowed instead.
+    """
+
+    def __init__(self, value: str, allowed: str) -> None:
+        super().__init__(value, allowed)
+        self.value, self.allowed = value, allowed
+
+    def __str__(self) -> str:
+        return f"{self.value}; allowed: {self.allowed}"
+
+
+def find_length_unit(text: str) -> str | None:
+    """Return the unit of length that a text names, a key of `LENGTHS`; None for other texts."""
+    unit = re.sub("[µμ]", "u", text.strip()).strip(".")
+    unit = unit if len(unit) == 1 and unit != "Å" else unit.casefold()
+    unit = _SYNONYMS.get(unit, _SYNONYMS.get(unit.removesuffix("s"), unit))
+    return unit if unit in LENGTHS else None
+
+
+def find_scale(unit: str, meaning: str) -> float | None:
+    """Return the factor from a stated unit to the unit in a meaning; None if they do not match.
+
+    Parameters
+    ----------
+    unit : str
+        Stated unit; without one, the factor is 1.
+    meaning : str
+        Text that names units of the package as words, "mm" for example; without one, "1".
+    """
+    length = find_length_unit(unit)
+    factor, base = (LENGTHS[length], "mm") if length else _SCALES.get(unit.casefold(), (1.0, ""))
+    words = set(re.split(r"[,;]?\s+", meaning)) & {base for _, base in _SCALES.values()} or {"1"}
+    return factor if base in words or unit in ("", *words) else None
+
+
+def parse_number(cell: str, decimal: str = ".") -> float | None:
+    """Return the number in a cell, also nan, inf and 1.2D+01; None if it is no number."""
+    text = cell.strip().replace("−", "-")
+    if decimal == ",":
+        text = "?" if "." in text else text.replace(",", ".")
+    if re.fullmatch(r"[-+]?[\d.]+[dD][-+]?\d+", text):
+        text = text.lower().replace("d", "e")
+    try:
+        return None if "_" in text else float(text)
+    except ValueError:
+        return None
+
+
+@dataclass(frozen=True, eq=False)
+class TextTable:
+    """Rows of a text file, with names and units of columns from its header.
+
+    Attributes
+    ----------
+    rows : list of list of str
+        Cells, as they are written; rows of equal length.
+    lines : list of int
+        Line number of each row in the file, from 1.
+    labels : tuple of str
+        Cells of the header, as they are written; empty without a header.
+    names, units : tuple of str
+        Names of the columns and their units, from the labels and a row of units. Units of length
+        are keys of `LENGTHS`; others are as written, without brackets; empty if not stated.
+    remarks : list of (int, str)
+        Line number and text of comments, lines before the header, and left-out row numbers.
+    decimal : str
+        Decimal sign: a point or a comma.
+    """
+
+    rows: list[list[str]]
+    lines: list[int]
+    labels: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
+    remarks: Sequence[tuple[int, str]] = ()
+    decimal: str = "."
+
+    def find(self, name: str) -> int | None:
+        """Return the index of the column with a label or a name; None without one.
+
+        Raises
+        ------
+        TextError
+            If several columns have the name.
+        """
+        for texts in (self.labels, self.names):
+            if texts.count(name) > 1:
+                raise TextError(f"two columns {name}", "each column name once")
+            if name in texts:
+                return texts.index(name)
+        return None
+
+    def numbers(self, columns: Sequence[int] | None = None, missing: bool = False) -> np.ndarray:
+        """Return cells as finite numbers, shape (rows, columns).
+
+        Parameters
+        ----------
+        columns : sequence of int, optional
+            Indices of the columns; by default all.
+        missing : bool
+            If true, empty cells and words such as "nan" give nan.
+
+        Raises
+        ------
+        TextError
+            If a cell is no finite number; the message names the line and the cell of the first.
+        """
+        rows = self.rows if columns is None else [[row[k] for k in columns] for row in self.rows]
+        values = None
+        # Python and NumPy read "1_0" as 10.
+        if self.decimal == "." and not any("_" in "".join(row) for row in rows):
+            with suppress(ValueError):
+                values = np.array(rows, float)
+                if np.isfinite(values).all():
+                    return values
+        numbers = [[parse_number(cell, self.decimal) for cell in row] for row in rows]
+        wrong = [
+            (i, k)
+            for i, row in enumerate(numbers)
+            for k, number in enumerate(row)
+            if number is None or not math.isfinite(number)
+            if not (missing and (rows[i][k].lower() in {*_MISSING, "nan"}))
+        ]
+        if not wrong:
+            filled = [[math.nan if number is None else number for number in row] for row in numbers]
+            return np.array(filled, float)
+        i, k = wrong[0]
+        cell, column = rows[i][k], k if columns is None else columns[k]
+        place = f"line {self.lines[i]}, {cell!r}"
+        if self.labels and self.labels[column]:
+            place += f" in column {self.labels[column]}"
+        place += f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        allowed = "a finite number in every cell"
+        if re.fullmatch(r"[-+]?\d{1,3}([,.]\d{3})+([,.]\d*)?", cell):
+            allowed += ", without separators of thousands"
+        raise TextError(place, allowed)
+
+    def statements(self) -> dict[str, tuple[int, str]]:
+        """Return (line, value) by lower-case key of remarks "key: value" or "key = value"."""
+        parts = [(line, _STATEMENT.match(text)) for line, text in self.remarks]
+        return {part[1].lower(): (line, part[2]) for line, part in parts if part}
+
+    def without_row_numbers(self) -> Self:
+        """Return the table without a first column that a header marks as row numbers."""
+        if len(self.names) < 2 or self.names[0].lower() not in _ROW_NUMBERS:
+            return self
+        first = [parse_number(row[0], self.decimal) for row in self.rows]
+        if first != [k + (first[0] or 0.0) for k in range(len(first))]:
+            return self
+        return replace(
+            self,
+            rows=[row[1:] for row in self.rows],
+            labels=self.labels[1:],
+            names=self.names[1:],
+            units=self.units[1:],
+            remarks=[*self.remarks, (self.lines[0], "the first column holds row numbers")],
+        )
+
+
+def read_table(path: str | PathLike[str], max_bytes: int = 2**26) -> TextTable:
+    """Return the table in a text file; see `parse_table`.
+
+    Parameters
+    ----------
+    path : path-like
+        The file.
+    max_bytes : int
+        Largest size of the file.
+
+    Raises
+    ------
+    OSError
+        See `input_file.read_text`.
+    TextError
+        If there is no table.
+    """
+    try:
+        return parse_table(read_text(path, max_bytes, None))
+    except UnicodeDecodeError:
+        allowed = "text in UTF-8, UTF-16 or Windows-1252"
+        raise TextError("bytes that are no text", allowed) from None
+
+
+def parse_table(text: str, first_line: int = 1) -> TextTable:
+    """Return the table in a text: its rows, their lines, and the header above them.
+
+    Columns are separated by semicolons, tabs, commas or blanks; unless commas separate them, a
+    comma may be the decimal sign. Empty lines, and comments after #, % or !, are skipped. The last
+    line without numbers above the rows, or else the last comment, is the header if it has a cell
+    for each column; a row of units may follow it. Lines above the header are remarks, and so is a
+    number of rows above them.
+
+    Parameters
+    ----------
+    text : str
+        Lines with Unix line ends.
+    first_line : int
+        Number of the first line, for messages.
+
+    Raises
+    ------
+    TextError
+        If there are no rows, rows of different lengths, numbers before the table, or numbers whose
+        decimal sign is not clear.
+    """
+    body, remarks = _separate_comments(text, first_line)
+    number_like = [(n, line) for n, line in body if _NUMBER_LIKE.match(line)]
+    if not body:
+        raise TextError("no rows", "a row of numbers for each point")
+    separator, decimal, width = _find_dialect(number_like or body)
+    rows = [_split(line, separator) for _, line in body]
+    lines = [number for number, _ in body]
+
+    def find_first(kind: str) -> int | None:
+        found = (len(row) == width and _classify(row, decimal) == kind for row in rows)
+        return next((k for k, is_row in enumerate(found) if is_row), None)
+
+    first = find_first("numbers")
+    first = find_first("mixed") if first is None else first
+    if first is None:
+        raise TextError("no rows below the header", "a row of numbers for each point")
+    while first and len(rows[first - 1]) == width and not _STATEMENT.match(body[first - 1][1]):
+        if _classify(rows[first - 1], decimal) != "mixed":
+            break
+        first -= 1  # a matrix with text in its corner, or a row with a cell that is no number
+    if first and rows[first - 1] == [str(len(rows) - first)]:  # the number of rows
+        first -= 1
+        remarks.append((lines.pop(first), rows.pop(first)[0]))
+        del body[first]
+    trailing = separator != " " and all(not row[-1] for row in rows[first:])
+    header, start = _find_header(body[: first + 1], remarks, separator, width, trailing)
+    for k in range(start):
+        if parse_number(rows[k][0], decimal) is not None:
+            value = f"line {lines[k]}, {body[k][1].strip()[:40]!r}, before the table"
+            allowed = f"rows of {width} cells; headings that begin with a letter or #"
+            raise TextError(value, allowed)
+    remarks += [(number, line.strip()) for number, line in body[:start]]
+    rows, lines = rows[first:], lines[first:]
+    if trailing and len(rows[0]) > 1 and (not header or len(header[0]) < width):
+        rows, width = [row[:-1] for row in rows], width - 1
+    wrong = [(line, len(row)) for line, row in zip(lines, rows, strict=True) if len(row) != width]
+    if wrong:
+        more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        value = f"line {wrong[0][0]} of {wrong[0][1]} cells, not {width}{more}"
+        raise TextError(value, "rows of equal length")
+    if _begins_with_count(rows, decimal):
+        remarks.append((lines[0], " ".join(rows[0])))
+        rows, lines = rows[1:], lines[1:]
+    named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
+    names, units = zip(*named, strict=True) if named else ((), ())
+    labels = tuple(header[0]) if header else ()
+    table = TextTable(rows, lines, labels, names, units, sorted(remarks), decimal)
+    return table.without_row_numbers()
+
+
+def _separate_comments(
+    text: str, first_line: int
+) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
+    """Return (line, text) of the lines with content, and of comments."""
+    # Largest length of a line, characters.
+    longest = 1_000_000
+    body, remarks = [], []
+    for number, line in enumerate(text.split("\n"), first_line):
+        content = line.strip()
+        if len(content) > longest:
+            raise TextError(
+                f"line {number} longer than {longest} characters", "a line for each row"
+            )
+        if content[:1] in ("#", "%", "!"):
+            remarks.append((number, content.lstrip("#%! ")))
+        elif content:
+            mark = _COMMENT.search(line) if _NUMBER_LIKE.match(line) else None
+            if mark:
+                remarks.append((number, line[mark.end() :].strip()))
+            body.append((number, line[: mark.start()] if mark else line))
+    return body, remarks
+
+
+def _find_dialect(lines: Sequence[tuple[int, str]]) -> tuple[str, str, int]:
+    """Return the separator, the decimal sign, and the number of columns of lines of numbers."""
+    sample = [line for _, line in lines[-200:]]
+    separator = next(
+        (mark for mark in ";\t" if 2 * sum(mark in line for line in sample) > len(sample)), ""
+    )
+    if not separator:
+        score = {
+            mark: sum(_classify([cell], sign) == "numbers" for cell in cells) / len(cells)
+            for mark, sign in ((",", "."), (" ", "."), (" ,", ","))
+            for cells in ([cell for line in sample for cell in _split(line, mark[0])],)
+        }
+        separator = "," if score[","] >= max(score[" "], score[" ,"]) else " "
+        separator = separator if any(separator in line.strip() for line in sample) else " "
+    width = Counter(len(_split(line, separator)) for line in sample).most_common(1)[0][0]
+    cells = [_split(line, separator) for _, line in lines]
+    with_comma = any(re.search(r"^\s*[-+]?\d*,\d", cell) for row in cells for cell in row)
+    if separator == "," and not with_comma and width % 2 == 0 and width > 2:
+        _check_comma(lines, [row for row in cells if len(row) == width])
+    for column in zip(*(row for row in cells if with_comma and len(row) == width), strict=True):
+        grouped = [bool(re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", cell)) for cell in column]
+        whole = [bool(re.fullmatch(r"[-+]?\d{1,3}", cell)) for cell in column]
+        both = [bool(re.search(r"\d,\d{3}\.\d|\d\.\d{3},\d", cell)) for cell in column]
+        ambiguous = any(grouped) and any(whole) and all(map(operator.or_, grouped, whole))
+        if any(both) or ambiguous:
+            k = (both if any(both) else grouped).index(True)
+            value = f"line {lines[k][0]}, {column[k]!r}: separators of thousands are possible"
+            raise TextError(value, "numbers with a decimal sign alone")
+    return separator, "," if with_comma else ".", width
+
+
+def _check_comma(lines: Sequence[tuple[int, str]], cells: Sequence[list[str]]) -> None:
+    """Raise a TextError if commas between whole numbers look like decimal commas."""
+    decimals = [cell for row in cells for cell in row[1::2]]
+    alike = len({len(cell) for cell in decimals}) == 1 and all(map(str.isdigit, decimals))
+    if alike and len(decimals[0]) > 1 and not any("." in cell for row in cells for cell in row):
+        number, line = lines[0]
+        value = f"line {number}, {line.strip()[:40]!r}: commas between columns and in numbers"
+        raise TextError(value, "semicolons or tabs between columns, or decimal points")
+
+
+def _split(line: str, separator: str) -> list[str]:
+    """Return the cells of a line, without quotes and surrounding blanks."""
+    if '"' in line:
+        row = next(csv.reader([line.strip()], delimiter=separator, skipinitialspace=True))
+        return [cell.strip() for cell in row if cell or separator != " "]
+    return line.split() if separator == " " else [cell.strip() for cell in line.split(separator)]
+
+
+def _classify(row: Sequence[str], decimal: str) -> str:
+    """Return "numbers" of a row without other words, "mixed" of one with both, else "words"."""
+    numbers = sum(parse_number(cell, decimal) is not None for cell in row)
+    missing = sum(cell.lower() in _MISSING for cell in row)
+    if numbers + missing == len(row) and any(row):
+        return "numbers"
+    return "mixed" if numbers else "words"
+
+
+def _begins_with_count(rows: Sequence[list[str]], decimal: str) -> bool:
+    """Return whether the first row gives the number of the other rows, away from their values."""
+    if rows[0][0] != str(len(rows) - 1) or not all(map(str.isdigit, rows[0])) or len(rows) < 4:
+        return False
+    places = [parse_number(row[0], decimal) or 0.0 for row in rows]
+    steps = np.abs(np.diff(places))
+    return bool(steps[0] > 5.0 * steps[1:].max())
+
+
+def _find_header(
+    lines: Sequence[tuple[int, str]],
+    remarks: list[tuple[int, str]],
+    separator: str,
+    width: int,
+    trailing: bool,
+) -> tuple[list[list[str]], int]:
+    """Return the labels and the row of units, and the number of lines above them in the file.
+
+    Parameters
+    ----------
+    lines, remarks : sequence of (int, str)
+        Lines up to the first row of numbers; comments, from which the header is removed.
+    separator : str
+        Separator of the columns.
+    width : int
+        Number of columns.
+    trailing : bool
+        Whether the last column is empty, so that the header may have one cell less.
+
+    Returns
+    -------
+    header : list of list of str
+        Labels and units of each column; empty without a header.
+    start : int
+        Number of lines above the header.
+    """
+    above = lines[:-1]
+
+    def fit(line: str) -> list[str]:
+        """Return a cell for each column; empty if the line is no header."""
+        candidates = [_split(line, separator)]
+        if separator == " ":
+            candidates.append(_split(re.sub(r"\s+(?=[\[(])", "", line), " "))
+            patterns = r"\s{2,}|\t+", r"[,;]\s*"
+            candidates += [re.split(pattern, line.strip()) for pattern in patterns]
+        for cells in candidates:
+            labels = cells[:-1] if trailing and not cells[-1] else cells
+            if len(labels) in (width, width - trailing) and _classify(labels, ".") == "words":
+                return labels
+        return []
+
+    plain = [fit(line) for _, line in above[-2:]]
+    if plain and not plain[-1] and not _STATEMENT.match(above[-1][1]):
+        cells = len(_split(above[-1][1], separator))
+        if separator != " " and cells > 1:
+            value = f"line {above[-1][0]}, {above[-1][1].strip()[:40]!r}, of {cells} cells"
+            raise TextError(value, f"a header of {width} cells, as many as in the rows")
+    between = (above[-1][0] if above else 0), lines[-1][0]
+    notes = [r for r in remarks if between[0] < r[0] < between[1] and not _STATEMENT.match(r[1])]
+    for found in plain, [fit(line) for _, line in notes[-2:]]:
+        if not found or not found[-1]:
+            continue
+        header = [found[-1], [""] * len(found[-1])]
+        units = [_read_unit(cell) for cell in found[-1] if cell]
+        if len(found) > 1 and len(found[-2]) == len(found[-1]) and None not in units:
+            header = [found[-2], found[-1]]
+        used = 1 + (header[1] is found[-1])
+        if found is plain:
+            return header, len(above) - used
+        named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
+        if any(unit or len(name) == 1 or "." in name for name, unit in named):
+            for note in notes[-used:]:
+                remarks.remove(note)
+            return header, len(above)
+    return [], len(above)
+
+
+def _read_unit(text: str) -> str | None:
+    """Return a unit without brackets, of lengths as in `LENGTHS`; None for other words."""
+    inner = re.sub(r"^\s*[\[({<]\s*|\s*[\])}>]\s*$", "", text)
+    known = find_length_unit(inner)
+    if known or inner != text or inner.casefold() in _SCALES:
+        return known or inner
+    return None
+
+
+def _parse_label(label: str, unit: str = "") -> tuple[str, str]:
+    """Return the name and the unit of a column; an error if a row of units has another unit."""
+    match = _LABEL.fullmatch(label.strip().strip("'\""))
+    name, stated = label.strip().strip("'\""), ""
+    if match and match[1]:
+        name, stated = match[1], find_length_unit(match[2]) or match[2].strip() or "-"
+    elif match and find_length_unit(match[4]):
+        name, stated = match[3], find_length_unit(match[4]) or ""
+    elif short := re.fullmatch(r"([^\W\d_]+)_([^\W_]+)", name):
+        found = find_length_unit(short[2])
+        name, stated = (short[1], found) if found else (name, "")
+    below = (_read_unit(unit) or unit) if unit else ""
+    if stated and below and stated != below:
+        raise TextError(f"column {label!r} in {below}", "one unit for each column")
+    return name, stated or below
