@@ -21,19 +21,6 @@ LENGTHS = {
 }  # fmt: skip
 """Units of length, in mm."""
 
-_SYNONYMS = {
-    "metre": "m", "meter": "m", "centimetre": "cm", "centimeter": "cm", "millimetre": "mm",
-    "millimeter": "mm", "micron": "um", "micrometre": "um", "micrometer": "um", "nanometre": "nm",
-    "nanometer": "nm", "å": "angstrom", "inch": "in", "inche": "in", '"': "in", "thou": "mil",
-    "microinch": "uin", "microinche": "uin",
-}  # fmt: skip
-
-_MISSING = frozenset(
-    ("", "na", "n/a", "#n/a", "null", "none", "-", "--", "---", "*", "***", "bad", "masked",
-     "nodata")
-)  # fmt: skip
-"""Texts of cells, in lower case, that stand for a missing value."""
-
 _SCALES = {
     "n": (1.0, "N"), "kn": (1e3, "N"), "n/mm": (1.0, "N/mm"), "kn/mm": (1e3, "N/mm"),
     "n/m": (1e-3, "N/mm"), "kn/m": (1.0, "N/mm"), "n mm": (1.0, "N mm"), "nmm": (1.0, "N mm"),
@@ -48,13 +35,8 @@ _SCALES = {
 }  # fmt: skip
 """Factor from a stated unit, in lower case, to a unit of the package, and this unit."""
 
-_ROW_NUMBERS = ("", "#", "no", "nr", "index", "row", "line", "point", "sample")
-"""Names, in lower case, of a column of row numbers."""
-
 _NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
-_COMMENT = re.compile(r"#|!|%(?!\s*(?:[;,\t]|$))")  # but "50 %" is no comment
 _STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
-_LABEL = re.compile(r"""(.+?)[\s_]*[\[({<](.*)[\])}>]|(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)""")
 
 
 class TextError(ValueError):
@@ -76,9 +58,21 @@ class TextError(ValueError):
 
 def find_length_unit(text: str) -> str | None:
     """Return the unit of length that a text names, a key of `LENGTHS`; None for other texts."""
+    synonyms = {
+        "metre": "m", "meter": "m", "centimetre": "cm", "centimeter": "cm", "millimetre": "mm",
+        "millimeter": "mm", "micron": "um", "micrometre": "um", "micrometer": "um", "nanometre": "nm",
+        "nanometer": "nm", "å": "angstrom", "inch": "in", "inche": "in", '"': "in", "thou": "mil",
+        "microinch": "uin", "microinche": "uin",
+    }  # fmt: skip
+
+    _MISSING = frozenset(
+        ("", "na", "n/a", "#n/a", "null", "none", "-", "--", "---", "*", "***", "bad", "masked",
+         "nodata")
+    )  # fmt: skip
+    """Texts of cells, in lower case, that stand for a missing value."""
     unit = re.sub("[µμ]", "u", text.strip()).strip(".")
     unit = unit if len(unit) == 1 and unit != "Å" else unit.casefold()
-    unit = _SYNONYMS.get(unit, _SYNONYMS.get(unit.removesuffix("s"), unit))
+    unit = synonyms.get(unit, synonyms.get(unit.removesuffix("s"), unit))
     return unit if unit in LENGTHS else None
 
 
@@ -207,7 +201,8 @@ class TextTable:
 
     def without_row_numbers(self) -> Self:
         """Return the table without a first column that a header marks as row numbers."""
-        if len(self.names) < 2 or self.names[0].lower() not in _ROW_NUMBERS:
+        titles = ("", "#", "no", "nr", "index", "row", "line", "point", "sample")
+        if len(self.names) < 2 or self.names[0].lower() not in titles:
             return self
         first = [parse_number(row[0], self.decimal) for row in self.rows]
         if first != [k + (first[0] or 0.0) for k in range(len(first))]:
@@ -324,6 +319,7 @@ def _separate_comments(
     """Return (line, text) of the lines with content, and of comments."""
     # Largest length of a line, characters.
     longest = 1_000_000
+    comment = re.compile(r"#|!|%(?!\s*(?:[;,\t]|$))")  # but "50 %" is no comment
     body, remarks = [], []
     for number, line in enumerate(text.split("\n"), first_line):
         content = line.strip()
@@ -334,7 +330,7 @@ def _separate_comments(
         if content[:1] in ("#", "%", "!"):
             remarks.append((number, content.lstrip("#%! ")))
         elif content:
-            mark = _COMMENT.search(line) if _NUMBER_LIKE.match(line) else None
+            mark = comment.search(line) if _NUMBER_LIKE.match(line) else None
             if mark:
                 remarks.append((number, line[mark.end() :].strip()))
             body.append((number, line[: mark.start()] if mark else line))
@@ -487,8 +483,9 @@ def _read_unit(text: str) -> str | None:
 
 def _parse_label(label: str, unit: str = "") -> tuple[str, str]:
     """Return the name and the unit of a column; an error if a row of units has another unit."""
-    match = _LABEL.fullmatch(label.strip().strip("'\""))
     name, stated = label.strip().strip("'\""), ""
+    brackets, last_word = r"(.+?)[\s_]*[\[({<](.*)[\])}>]", r"(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)"
+    match = re.fullmatch(f"{brackets}|{last_word}", name)
     if match and match[1]:
         name, stated = match[1], find_length_unit(match[2]) or match[2].strip() or "-"
     elif match and find_length_unit(match[4]):

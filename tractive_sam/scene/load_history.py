@@ -50,9 +50,6 @@ _COLUMNS = {
 }
 """Key in a block for each column of a measured load history."""
 
-_NOT_READ = ("time", "t", "date", "timestamp", "datetime", "clock")
-"""Names, in lower case, of columns that have no effect on the blocks."""
-
 _File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".csv", ".txt")))]
 
 
@@ -381,7 +378,8 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         table = read_table(path, max_bytes=2**29)
         if not table.names:
             raise TextError("no header row", "a row of column names above the numbers")
-        unused = [name for name in table.names if name.lower() in _NOT_READ]
+        times = ("time", "t", "date", "timestamp", "datetime", "clock")
+        unused = [name for name in table.names if name.lower() in times]
         used = {name: k for k, name in enumerate(table.names) if name not in unused}
         if len(used) + len(unused) < len(table.names):
             raise TextError(f"columns {', '.join(table.names)}", "each column once")
