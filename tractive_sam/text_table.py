@@ -24,7 +24,7 @@ LENGTHS = {
 _SCALES = {
     "n": (1.0, "N"), "kn": (1e3, "N"), "n/mm": (1.0, "N/mm"), "kn/mm": (1e3, "N/mm"),
     "n/m": (1e-3, "N/mm"), "kn/m": (1.0, "N/mm"), "n mm": (1.0, "N mm"), "nmm": (1.0, "N mm"),
-    "nm": (1e-6, "mm"), "mpa": (1.0, "MPa"), "gpa": (1e3, "MPa"), "pa": (1e-6, "MPa"),
+    "n m": (1e3, "N mm"), "mpa": (1.0, "MPa"), "gpa": (1e3, "MPa"), "pa": (1e-6, "MPa"),
     "kpa": (1e-3, "MPa"), "bar": (0.1, "MPa"), "1/mm": (1.0, "1/mm"), "1/m": (1e-3, "1/mm"),
     "mm/s": (1.0, "mm/s"), "m/s": (1e3, "mm/s"), "km/h": (1e3 / 3.6, "mm/s"), "-": (1.0, "1"),
     "1": (1.0, "1"), "%": (1e-2, "1"), "‰": (1e-3, "1"), "deg": (1.0, "degrees"),
@@ -34,6 +34,12 @@ _SCALES = {
     "mm³": (1.0, "mm3"), "rad": (1.0, "rad"), "mrad": (1.0, "mrad"), "rev": (1.0, "1"),
 }  # fmt: skip
 """Factor from a stated unit, in lower case, to a unit of the package, and this unit."""
+
+_MISSING = frozenset(
+    ("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "---", "*", "***", "bad", "masked",
+     "nodata")
+)  # fmt: skip
+"""Texts of cells, in lower case, that stand for a missing value."""
 
 _NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
 _STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
@@ -60,18 +66,12 @@ def find_length_unit(text: str) -> str | None:
     """Return the unit of length that a text names, a key of `LENGTHS`; None for other texts."""
     synonyms = {
         "metre": "m", "meter": "m", "centimetre": "cm", "centimeter": "cm", "millimetre": "mm",
-        "millimeter": "mm", "micron": "um", "micrometre": "um", "micrometer": "um", "nanometre": "nm",
-        "nanometer": "nm", "å": "angstrom", "inch": "in", "inche": "in", '"': "in", "thou": "mil",
-        "microinch": "uin", "microinche": "uin",
+        "millimeter": "mm", "micron": "um", "micrometre": "um", "micrometer": "um",
+        "nanometre": "nm", "nanometer": "nm", "å": "angstrom", "inch": "in", "inche": "in",
+        '"': "in", "thou": "mil", "microinch": "uin", "microinche": "uin",
     }  # fmt: skip
-
-    _MISSING = frozenset(
-        ("", "na", "n/a", "#n/a", "null", "none", "-", "--", "---", "*", "***", "bad", "masked",
-         "nodata")
-    )  # fmt: skip
-    """Texts of cells, in lower case, that stand for a missing value."""
     unit = re.sub("[µμ]", "u", text.strip()).strip(".")
-    unit = unit if len(unit) == 1 and unit != "Å" else unit.casefold()
+    unit = unit if unit in ("M", "Nm") else unit.casefold()  # mega, newton metre
     unit = synonyms.get(unit, synonyms.get(unit.removesuffix("s"), unit))
     return unit if unit in LENGTHS else None
 
@@ -88,7 +88,8 @@ def find_scale(unit: str, meaning: str) -> float | None:
     """
     length = find_length_unit(unit)
     factor, base = (LENGTHS[length], "mm") if length else _SCALES.get(unit.casefold(), (1.0, ""))
-    words = set(re.split(r"[,;]?\s+", meaning)) & {base for _, base in _SCALES.values()} or {"1"}
+    known = {"mm", *(base for _, base in _SCALES.values())}
+    words = set(re.split(r"[,;]?\s+", meaning)) & known or {"1"}
     return factor if base in words or unit in ("", *words) else None
 
 
@@ -178,7 +179,7 @@ class TextTable:
             for i, row in enumerate(numbers)
             for k, number in enumerate(row)
             if number is None or not math.isfinite(number)
-            if not (missing and (rows[i][k].lower() in {*_MISSING, "nan"}))
+            if not (missing and rows[i][k].lower() in _MISSING)
         ]
         if not wrong:
             filled = [[math.nan if number is None else number for number in row] for row in numbers]
@@ -389,7 +390,7 @@ def _split(line: str, separator: str) -> list[str]:
 def _classify(row: Sequence[str], decimal: str) -> str:
     """Return "numbers" of a row without other words, "mixed" of one with both, else "words"."""
     numbers = sum(parse_number(cell, decimal) is not None for cell in row)
-    missing = sum(cell.lower() in _MISSING for cell in row)
+    missing = sum(cell.lower() in _MISSING for cell in row if cell.lower() != "nan")
     if numbers + missing == len(row) and any(row):
         return "numbers"
     return "mixed" if numbers else "words"
