@@ -1,4 +1,4 @@
-"""One reader for measured text: each way of writing a table gives its numbers, or is refused."""
+"""One reader for measured text: each case of writing a table gives its numbers, or is refused."""
 
 import numpy as np
 import pytest
@@ -55,10 +55,10 @@ SAME = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("way", SAME)
-def test_one_table_in_many_ways(tmp_path, way):
+@pytest.mark.parametrize("case", SAME)
+def test_one_table_with_each_notation(tmp_path, case):
     path = tmp_path / "table.txt"
-    content = SAME[way]
+    content = SAME[case]
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
     table = read(path)
     np.testing.assert_array_equal(table.numbers(), np.stack([Y, Z], axis=1))
@@ -84,9 +84,9 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("way", REFUSED)
-def test_what_is_not_clear_is_refused_with_its_line(way):
-    text, named = REFUSED[way]
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_is_not_clear_is_refused_with_its_line(case):
+    text, named = REFUSED[case]
     with pytest.raises(TextError, match=named) as error:
         parse_table(text).numbers()
     assert error.value.allowed
