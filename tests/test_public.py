@@ -103,6 +103,7 @@ GIVEN = {
     "NotConverged": (SimpleNamespace(message="not converged"),),
     "SceneError": ((Fault("load.normal", "-1", "a number above 0"),),),
     "StudyError": ((Fault("axis", "nothing", "at least one"),),),
+    "TextError": ("no rows", "some rows"),
 }
 
 
