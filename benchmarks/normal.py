@@ -14,7 +14,7 @@ from tractive_sam.compute.fft import transform
 from tractive_sam.contact import Model
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import NormalProblem
-from tractive_sam.solvers.conjugate_gradients import natural_residual
+from tractive_sam.solvers.krylov import natural_residual
 from tractive_sam.solvers.ladder import NORMAL
 
 TOLERANCE = 1e-8

@@ -25,7 +25,7 @@ from tractive_sam.kernels.friction import SLIP, STICK
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import newton
 from tractive_sam.solvers.krylov import gmres
-from tractive_sam.solvers.newton_system import Iterate, System
+from tractive_sam.solvers.newton import Iterate, System
 from tractive_sam.solvers.problem import Problem
 
 Map = Callable[[np.ndarray], np.ndarray]

@@ -23,7 +23,7 @@ from tractive_sam.contact import Model, equilibrium
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Nested, Problem, Uzawa
 from tractive_sam.solvers.ladder import FIXED_PRESSURE, NORMAL
-from tractive_sam.solvers.rectangle import rectangle
+from tractive_sam.solvers.nested import rectangle
 
 TOLERANCE = 1e-8
 MESHES = (31, 45, 61, 91, 127, 181, 255, 361)

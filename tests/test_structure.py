@@ -27,13 +27,13 @@ LIMITS = {
     "modules with TYPE_CHECKING": 3,
     "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
-    "import lines, per cent of code lines": 10.6,
-    "functions of at most 3 statements with one use": 302,
+    "import lines, per cent of code lines": 10.5,
+    "functions of at most 3 statements with one use": 301,
     "module constants": 250,
     "public names": 200,
 }
 
-SMALLEST = {"code lines of the median module": 82}
+SMALLEST = {"code lines of the median module": 88}
 """Numbers that only rise."""
 
 PACKAGE = Path(tractive_sam.__file__).parent

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.mechanics.line_contact import hertz_line
-from tractive_sam.mechanics.point_contact import hertz
+from tractive_sam.mechanics.hertz import hertz, hertz_line
 from tractive_sam.scene import describe_load
 
 DISCS = ts.Scene.builtin("twin-discs").with_set(

@@ -11,7 +11,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.contact.steady import dimensionless_start
-from tractive_sam.solvers.newton_system import Iterate
+from tractive_sam.solvers.newton import Iterate
 
 TOLERANCE = 1e-9
 SCENE = {

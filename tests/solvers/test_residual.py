@@ -10,7 +10,7 @@ from tractive_sam.contact import Model
 from tractive_sam.contact.steady import dimensionless_start
 from tractive_sam.operators import STAGGERED, Lattice
 from tractive_sam.operators.stencil import edge_angles
-from tractive_sam.solvers.newton_system import Iterate
+from tractive_sam.solvers.newton import Iterate
 
 SCENES = [
     ("spheres", "creepage.spin=0.0005"),

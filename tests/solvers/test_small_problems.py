@@ -33,7 +33,7 @@ from tractive_sam.solvers import (
 )
 from tractive_sam.solvers.krylov import gmres
 from tractive_sam.solvers.ladder import METHODS, NORMAL, ROUGH_SEQUENTIAL
-from tractive_sam.solvers.newton_system import Iterate, System
+from tractive_sam.solvers.newton import Iterate, System
 from tractive_sam.solvers.projection import ProjectedMap
 
 TIGHT = 1e-10

@@ -6,7 +6,7 @@ While no element changes its state,
 
     dw/dq = -(dR/dw)^-1 dR/dq,
 
-with dR/dw the matrix of `solvers.newton_system`. Each parameter q needs one linear system for all
+with dR/dw the matrix of `solvers.newton`. Each parameter q needs one linear system for all
 rows; the transpose would need one for each row, six instead of four. The direct effect of a
 parameter, at constant w, is
 

@@ -38,6 +38,11 @@ from .friction import Slope as Slope
 from .friction_on_mesh import FrictionOnMesh as FrictionOnMesh
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry
+from .hertz import HertzContact as HertzContact
+from .hertz import HertzLine as HertzLine
+from .hertz import combined_radius as combined_radius
+from .hertz import hertz as hertz
+from .hertz import hertz_line as hertz_line
 from .invariants import max_shear as max_shear
 from .invariants import principal_stresses as principal_stresses
 from .invariants import von_mises as von_mises
@@ -45,14 +50,9 @@ from .law import Law as Law
 from .law import describe as describe
 from .law import fingerprint as fingerprint
 from .layer import InterfacialLayer as InterfacialLayer
-from .line_contact import HertzLine as HertzLine
-from .line_contact import hertz_line as hertz_line
 from .material import CombinedMaterial as CombinedMaterial
 from .material import Material as Material
 from .material import combine as combine
-from .point_contact import HertzContact as HertzContact
-from .point_contact import combined_radius as combined_radius
-from .point_contact import hertz as hertz
 from .spectral import SpectralHalfSpaces as SpectralHalfSpaces
 from .turns import Turns as Turns
 from .wear import Archard as Archard

@@ -19,6 +19,6 @@ from .stencil import UPWIND as UPWIND
 from .stencil import FrictionSlip as FrictionSlip
 from .stencil import Stencil as Stencil
 from .stress_layers import StressLayers as StressLayers
-from .stress_plane import StressPlane as StressPlane
-from .strip_layers import StripLayers as StripLayers
-from .surface import surface_stress as surface_stress
+from .stress_layers import StressPlane as StressPlane
+from .stress_layers import StripLayers as StripLayers
+from .stress_layers import surface_stress as surface_stress

@@ -1,17 +1,33 @@
-"""Stress in planes parallel to the surface, from tractions on a mesh."""
+"""Stress in a half-space from tractions on a mesh: layers, vertical planes, strips, surface."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from functools import lru_cache, partial
 from threading import Lock
+from typing import Literal
 
 import numpy as np
 
-from tractive_sam.compute import LayerTransform, layer_transform, padded_length, transform
-from tractive_sam.kernels.stress_lattice import layer_product, layer_table
+from tractive_sam.compute import (
+    LayerTransform,
+    edge_transform,
+    layer_transform,
+    padded_length,
+    transform,
+)
+from tractive_sam.kernels.stress_lattice import (
+    edge_table,
+    layer_product,
+    layer_table,
+    plane_product,
+)
+from tractive_sam.kernels.strip_stress import edge_factors
+from tractive_sam.mechanics import HalfSpaces
+from tractive_sam.operators import influence
 from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.load_extent import largest_offset
+from tractive_sam.operators.load_extent import extent, largest_offset
+from tractive_sam.results import Grid
 
 
 class LayerCache:
@@ -148,3 +164,238 @@ class StressLayers:
         ends = np.linspace(0, count, self.threads + 1).astype(int)
         with ThreadPoolExecutor(self.threads) as pool:
             list(pool.map(work, ends[:-1], ends[1:]))
+
+
+class StressPlane:
+    """Subsurface stress on a vertical plane x or y = constant, one depth at a time.
+
+    Bodies, accuracy and sharing as for `StressLayers`, at a fraction of its cost: along the plane
+    the elements are convolved by FFT, across it they are summed in the spectrum. The integral over
+    an element is a difference between two of its edges, which neighbours share. So the sum runs
+    over edges, with the jump of the traction across them, and edges at equal distances on both
+    sides of the plane are taken together.
+
+    Parameters
+    ----------
+    grid : Grid
+        Elements; lengths in mm.
+    normal : "x" or "y"
+        The plane is x = position and its points are at the grid's y, or the reverse.
+    position : float
+        Position of the plane, mm; anywhere.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on a half-space, MPa.
+    poisson : sequence of float
+        Poisson's ratio of each half-space.
+    signs : sequence of float
+        Factors of p_x and p_y, for each half-space.
+    """
+
+    exchanged = (1, 0, 2, 3, 5, 4)
+    """The components xx, yy, zz, xy, xz, yz after an exchange of x and y."""
+
+    def __init__(
+        self,
+        grid: Grid,
+        normal: Literal["x", "y"],
+        position: float,
+        tractions: np.ndarray,
+        poisson: Sequence[float],
+        signs: Sequence[float],
+    ):
+        self.poisson, self.signs = tuple(poisson), tuple(signs)
+        across, step, self._step = grid.x, grid.dx, grid.dy
+        self._exchanged = normal == "y"
+        if self._exchanged:
+            # From here on the plane is x = position.
+            across, step, self._step = grid.y, grid.dy, grid.dx
+            tractions = tractions.swapaxes(1, 2)[[1, 0, 2]]
+        loaded = np.any(tractions, axis=0)
+        self._points = loaded.shape[1]
+        self._padded = padded_length(largest_offset(np.any(loaded, axis=0)) + 1)
+        rows = extent(np.any(loaded, axis=1))
+        jumps = np.diff(tractions[:, rows], axis=1, prepend=0.0, append=0.0)
+        # Plane minus edge, in elements.
+        offsets = _round_to_half((position - across[rows.start]) / step + 0.5) - np.arange(
+            jumps.shape[1]
+        )
+        distances, group = np.unique(np.abs(offsets), return_inverse=True)
+        loads = np.zeros((2, 3, distances.size, self._points))
+        for edge, k in enumerate(group):
+            loads[0, :, k] += jumps[:, edge]
+            loads[1, :, k] += np.sign(offsets[edge]) * jumps[:, edge]
+        self._distances = distances * step
+        self._loads = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
+
+    def at(self, depth: float) -> np.ndarray:
+        """Return the stress tensors along the plane at one depth, MPa, shape (bodies, 6, n).
+
+        Parameters
+        ----------
+        depth : float
+            z >= 0, mm.
+
+        Returns
+        -------
+        ndarray, shape (bodies, 6, n)
+            In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
+        """
+        transform = edge_transform(self._distances.size, self._padded)
+        edge_table(transform.tables, self._distances, float(depth), self._step)
+        transform.forward()
+        spectra = np.empty((len(self.poisson), 6, self._padded // 2 + 1), dtype=complex)
+        for out, sign, nu in zip(spectra, self.signs, self.poisson, strict=True):
+            plane_product(out, transform.packs, self._loads, sign, nu)
+        stresses = np.fft.irfft(spectra, self._padded)[..., : self._points]
+        return stresses[:, self.exchanged] if self._exchanged else stresses
+
+
+def _round_to_half(place: float) -> float:
+    """Round a coordinate in elements to a multiple of 0.5 if it is within 1e-9 of it."""
+    # Distance, in elements, below which a plane lies on a row of centres or of edges.
+    coincident = 1e-9
+    nearest = 0.5 * round(2.0 * place)
+    return nearest if abs(place - nearest) < coincident else place
+
+
+class StripLayers:
+    """Subsurface stress below a line contact, one depth at a time, by convolution of strips.
+
+    Exact to rounding, about 1e-13 of the tractions; see :mod:`tractive_sam.kernels.strip_stress`.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        A row of strips; lengths in mm.
+    tractions : ndarray, shape (3, n_x, 1)
+        (p_x, p_y, p_n) acting on a half-space, MPa.
+    poisson : sequence of float
+        Poisson's ratio of each half-space.
+    signs : sequence of float
+        Factors of p_x and p_y, for each half-space.
+    """
+
+    def __init__(
+        self,
+        lattice: Lattice,
+        tractions: np.ndarray,
+        poisson: Sequence[float],
+        signs: Sequence[float],
+    ):
+        self.lattice, self.poisson, self.signs = lattice, tuple(poisson), tuple(signs)
+        jumps = np.diff(tractions[:, :, 0], axis=1, prepend=0.0, append=0.0)
+        self._shape = 1, jumps.shape[1]
+        self._padded = 1, padded_length(jumps.shape[1])
+        spectra = transform(3, self._shape, self._padded).forward(jumps[:, None])
+        self._loads = spectra[:, 0] / (np.pi * self._padded[1])
+
+    def at(self, depth: float) -> np.ndarray:
+        """Return stress tensors at centres of strips at one depth, MPa, shape (bodies, 6, n_x, 1).
+
+        Parameters
+        ----------
+        depth : float
+            z >= 0, mm.
+
+        Returns
+        -------
+        ndarray, shape (bodies, 6, n_x, 1)
+            In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
+        """
+        table = np.empty((4, self._padded[1]))
+        edge_factors(table, float(depth), self.lattice.dx)
+        ln, t, xz, zz = np.fft.rfft(table)
+        p_x, p_y, p_n = self._loads
+        back, count = transform(5, self._shape, self._padded), self.lattice.shape[0]
+        out = np.empty((len(self.poisson), 6, count, 1))
+        for stress, sign, nu in zip(out, self.signs, self.poisson, strict=True):
+            back.spectrum[:, 0] = (
+                -sign * p_x * (2.0 * ln + zz) - p_n * (t - xz),
+                sign * p_x * zz - p_n * (t + xz),
+                -sign * p_y * ln,
+                p_n * zz - sign * p_x * (t - xz),
+                -sign * p_y * t,
+            )
+            stress[[0, 2, 3, 4, 5], :, 0] = back.backward()[:, 0, :count]
+            stress[1] = nu * (stress[0] + stress[2])
+        return out
+
+
+def surface_stress(
+    lattice: Lattice, body: HalfSpaces, tractions: np.ndarray, signs: Sequence[float] = (1.0,)
+) -> np.ndarray:
+    """Return surface stress at inner corners (bodies, 6, n_x - 1, n_y - 1), by displacement.
+
+    With tractions constant on elements the stress is infinite at every edge across which the
+    tangential one jumps; the displacement is finite. Its differences between centres are means of
+    the strain, and Hooke's law with the mean of the tractions makes them stress. The contact
+    conditions are met by the displacement at centres: the error of each traction makes it exact
+    there.
+
+    Parameters
+    ----------
+    lattice : Lattice
+        Elements (n_x, n_y), or strips; lengths in mm.
+    body : HalfSpaces
+        The body, as `HalfSpaces.single_body` gives it.
+    tractions : ndarray, shape (3, n_x, n_y)
+        (p_x, p_y, p_n) acting on the half-space z >= 0, MPa.
+    signs : sequence of float
+        Factors of p_x and p_y, for each of several bodies of this kind.
+
+    Returns
+    -------
+    ndarray, shape (bodies, 6, n_x - 1, n_y - 1), for strips (bodies, 6, n_x - 1, 1)
+        In the order of `kernels.stress.COMPONENTS`, MPa: of corners that four elements share, or
+        of edges that two strips do.
+    """
+    nu = body.A.poisson
+    plane, by_pressure = 2.0 / (1.0 - nu), nu / (1.0 - nu)
+    _, in_x, in_y = _at_corners(_displacements(lattice, body, tractions), lattice)
+    p_x, p_y, p_n = _at_corners(tractions, lattice)[0]
+    stress = np.empty((len(signs), 6, *p_n.shape))
+    for of_body, s in zip(stress, signs, strict=True):
+        xx, yy = in_x[2] + s * in_x[0], in_y[3] + s * in_y[1]
+        of_body[0] = plane * (xx + nu * yy) - by_pressure * p_n
+        of_body[1] = plane * (yy + nu * xx) - by_pressure * p_n
+        of_body[2] = -p_n
+        of_body[3] = in_y[2] + in_x[3] + s * (in_y[0] + in_x[1])
+        of_body[4], of_body[5] = -s * p_x, -s * p_y
+    return stress
+
+
+def _at_corners(fields: np.ndarray, lattice: Lattice) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return means and derivatives in x and in y of fields (m, n_x, n_y) at inner corners."""
+    if fields.shape[2] == 1:  # strips do not change in y
+        fields = fields.repeat(2, axis=2)
+    rise, total = fields[:, 1:] - fields[:, :-1], fields[:, 1:] + fields[:, :-1]
+    return (
+        0.25 * (total[..., 1:] + total[..., :-1]),
+        0.5 / lattice.dx * (rise[..., 1:] + rise[..., :-1]),
+        0.5 / lattice.dy * (total[..., 1:] - total[..., :-1]),
+    )
+
+
+def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
+    """Return u_x and u_y by tangential traction, and both by pressure, at centres, (4, n_x, n_y).
+
+    The shear modulus is one. The transform owns the arrays.
+    """
+    p_x, p_y, p_n = transform(3, lattice.shape, lattice.padded).forward(tractions)
+    back = transform(4, lattice.shape, lattice.padded)
+    (xx, xy, yy), by_pressure = _spectra(lattice, body)
+    back.spectrum[0] = xx * p_x + xy * p_y
+    back.spectrum[1] = xy * p_x + yy * p_y
+    np.multiply(by_pressure, p_n, out=back.spectrum[2:])
+    return back.backward()
+
+
+@lru_cache(maxsize=4)
+def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray]:
+    """Return spectra of the displacement kernels: real ones xx, xy, yy, and xz, yz."""
+
+    def of(component: str) -> np.ndarray:
+        return influence.transform_displacement(lattice, body, component)
+
+    even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
+    return even, np.stack([of(component) for component in ("xz", "yz")])

@@ -1,13 +1,13 @@
 """What `paper` exports, for `__init__.py` and for type checkers."""
 
-from .finding import Chapter as Chapter
-from .finding import Finding as Finding
-from .finding import FindingTable as FindingTable
-from .finding import Picture as Picture
-from .finding import Statement as Statement
-from .finding import Verdict as Verdict
+from .page import Chapter as Chapter
+from .page import Finding as Finding
+from .page import FindingTable as FindingTable
+from .page import Picture as Picture
+from .page import Statement as Statement
+from .page import Verdict as Verdict
 from .reproduction import CHAPTERS as CHAPTERS
 from .reproduction import reproduce as reproduce
-from .size import FULL as FULL
-from .size import REDUCED as REDUCED
-from .size import Size as Size
+from .scenes import FULL as FULL
+from .scenes import REDUCED as REDUCED
+from .scenes import Size as Size

@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam import plot
 from tractive_sam.mechanics import full_slip_force
-from tractive_sam.paper.finding import (
+from tractive_sam.paper.page import (
     Finding,
     FindingTable,
     Picture,

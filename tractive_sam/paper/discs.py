@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Mapping
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.paper.finding import (
+from tractive_sam.paper.page import (
     Finding,
     FindingTable,
     Picture,
@@ -15,7 +15,7 @@ from tractive_sam.paper.finding import (
     join,
 )
 from tractive_sam.paper.scenes import ANGLE_TEXT, ANGLES, discs
-from tractive_sam.paper.wear_runs import read_saved, roll_into_file
+from tractive_sam.paper.wear_depth import read_saved, roll_into_file
 from tractive_sam.results import History
 
 Histories = Mapping[float, History]

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.paper.finding import (
+from tractive_sam.paper.page import (
     Finding,
     FindingTable,
     Picture,

@@ -10,9 +10,8 @@ from time import perf_counter
 
 from tractive_sam.output_file import make_folder, write_file
 from tractive_sam.paper import creep_force, discs, orthotropic, spheres, wear_depth
-from tractive_sam.paper.finding import Chapter, Finding, Picture, Statement, Work
-from tractive_sam.paper.page import chapter, page
-from tractive_sam.paper.size import FULL, Size
+from tractive_sam.paper.page import Chapter, Finding, Picture, Statement, Work, chapter, page
+from tractive_sam.paper.scenes import FULL, Size
 from tractive_sam.plot import FORMATS
 
 CHAPTERS = (

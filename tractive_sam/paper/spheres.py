@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.paper.finding import (
+from tractive_sam.paper.page import (
     Finding,
     FindingTable,
     Picture,

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.paper.finding import (
+from tractive_sam.paper.page import (
     Finding,
     FindingTable,
     Picture,
@@ -15,11 +15,35 @@ from tractive_sam.paper.finding import (
     format_deviation,
 )
 from tractive_sam.paper.scenes import flat_discs, hertz_of
-from tractive_sam.paper.wear_runs import read_saved, roll_into_file
 from tractive_sam.reference import GlobalWear, giwm
-from tractive_sam.results import History
+from tractive_sam.results import History, Record
+from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 from tractive_sam.schema import required
+
+
+def roll_into_file(work: Work, scene: Scene, name: str) -> History:
+    """Roll a scene, store the results in the file `name`.h5 (overwritten), and return the history.
+
+    Raises
+    ------
+    RuntimeError
+        If a contact was not solved.
+    """
+
+    def report(record: Record) -> None:
+        work.report(f"{name}, revolution {record.revolution} of {work.size.revolutions}")
+
+    path = work.results / f"{name}.h5"
+    history = roll(scene, path, overwrite=True, progress=report)
+    if not history.finished:
+        raise RuntimeError(f"{path}: {history.status}; {history.message}")
+    return history
+
+
+def read_saved(history: History, name: str) -> np.ndarray:
+    """Return a column of a history at the revolutions with stored fields."""
+    return history[name][np.isin(history["revolution"], history.field_revolutions)]
 
 
 def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:

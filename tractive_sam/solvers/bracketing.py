@@ -15,8 +15,15 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Status
 from tractive_sam.solvers.continuation import Continuation
-from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start, needed
-from tractive_sam.solvers.problem import PrescribedForces, Problem
+from tractive_sam.solvers.problem import (
+    Note,
+    Outcome,
+    PrescribedForces,
+    Problem,
+    ProblemSolver,
+    Start,
+    needed,
+)
 
 
 class _NotSolvedError(Exception):

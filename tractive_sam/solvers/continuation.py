@@ -8,8 +8,7 @@ of the path that fails is halved.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start
-from tractive_sam.solvers.problem import Problem
+from tractive_sam.solvers.problem import Note, Outcome, Problem, ProblemSolver, Start
 
 
 @dataclass(frozen=True)

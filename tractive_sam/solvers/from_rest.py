@@ -15,8 +15,14 @@ import scipy  # its parts are loaded when first used
 
 from tractive_sam.mechanics import ScaledFriction
 from tractive_sam.solvers.continuation import follow_path
-from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start
-from tractive_sam.solvers.problem import PrescribedForces, Problem
+from tractive_sam.solvers.problem import (
+    Note,
+    Outcome,
+    PrescribedForces,
+    Problem,
+    ProblemSolver,
+    Start,
+)
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,16 @@
 
 from dataclasses import dataclass, replace
 
-from tractive_sam.solvers.anderson import Anderson
 from tractive_sam.solvers.bracketing import Bracketing
-from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
 from tractive_sam.solvers.continuation import Continuation
 from tractive_sam.solvers.from_rest import FromRest
-from tractive_sam.solvers.nested import Nested
+from tractive_sam.solvers.krylov import ConjugateGradients
+from tractive_sam.solvers.nested import AroundContact, Nested
 from tractive_sam.solvers.newton import Newton
-from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start
-from tractive_sam.solvers.problem import Problem
-from tractive_sam.solvers.rectangle import AroundContact
+from tractive_sam.solvers.problem import Outcome, Problem, ProblemSolver, Start
+from tractive_sam.solvers.projection import Anderson, Uzawa
 from tractive_sam.solvers.sequential import RoughSequential, Sequential
 from tractive_sam.solvers.uniqueness import UniqueSolution
-from tractive_sam.solvers.uzawa import Uzawa
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,9 @@ what works best is a fixed multiple.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count
 from math import sqrt
 from typing import ClassVar
 
@@ -17,10 +18,19 @@ import numpy as np
 from tractive_sam.compute import backend_of
 from tractive_sam.operators import Operators
 from tractive_sam.results import Cost, Status
-from tractive_sam.solvers.conjugate_gradients import ConjugateGradients
+from tractive_sam.solvers.krylov import ConjugateGradients
 from tractive_sam.solvers.nested import Nested
-from tractive_sam.solvers.outcome import Note, Outcome, Start, closed, needed, relative
-from tractive_sam.solvers.problem import FixedPressure, NormalProblem, Problem
+from tractive_sam.solvers.problem import (
+    FixedPressure,
+    NormalProblem,
+    Note,
+    Outcome,
+    Problem,
+    Start,
+    closed,
+    needed,
+    relative,
+)
 
 Array = np.ndarray
 
@@ -303,3 +313,105 @@ class Projection(ABC):
             approach=normal.approach if isinstance(normal, NormalProblem) else None,
             creepage=np.zeros(0),
         )
+
+
+@dataclass(frozen=True)
+class Anderson(Projection):
+    """Anderson acceleration of the projected iteration: the last images are combined.
+
+    Anderson (1965), J. ACM 12, 547-560; Walker & Ni (2011), SIAM J. Numer. Anal. 49, 1715-1735.
+
+    A state that makes the residual ten times the best one so far restarts the memory from the
+    best state.
+
+    Attributes
+    ----------
+    step_factor : float
+        Step of the slip over its bound; acceleration tolerates and profits from longer ones than
+        Uzawa's method.
+    memory : int
+        Images that are combined with the last one.
+    iterations : int
+        Most iterations.
+    """
+
+    step_factor: float = 16.0
+    memory: int = 12
+    iterations: int = 5_000
+
+    name: ClassVar[str] = "anderson"
+
+    def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
+        """Yield (map, state) to evaluate, each state combined from the last images."""
+        images: list[np.ndarray] = []
+        changes: list[np.ndarray] = []
+        best, smallest = state, np.inf
+        while True:
+            evaluation = yield mapping, state
+            if not np.isfinite(evaluation.residual) or evaluation.residual > 10.0 * smallest:
+                if not images:
+                    return
+                images, changes = [], []
+                state, smallest = best, np.inf
+                continue
+            if evaluation.residual < smallest:
+                best, smallest = state, evaluation.residual
+            images.append(evaluation.image)
+            changes.append(evaluation.image - state)
+            del images[: -self.memory - 1], changes[: -self.memory - 1]
+            state = mapping.admissible(combine_images(images, changes))
+
+
+def combine_images(images: Sequence[np.ndarray], changes: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the affine combination of images for which the combined change is smallest."""
+    if len(images) == 1:
+        return images[0]
+    differences = np.stack([(changes[-1] - c).ravel() for c in changes[:-1]])
+    gram = differences @ differences.T
+    weights = np.linalg.lstsq(gram, differences @ changes[-1].ravel(), rcond=1e-14)[0]
+    return images[-1] - sum(
+        w * (images[-1] - image) for w, image in zip(weights, images[:-1], strict=True)
+    )
+
+
+@dataclass(frozen=True)
+class Uzawa(Projection):
+    """Solver by Uzawa's iteration: repeated projected steps (paper, section 7.5).
+
+    Departures from the paper: the paper stops on the change of the iterate, which is small also
+    after a short step; here the residual of the contact conditions has to fall. The paper leaves
+    the choice of the steps to the user; here they follow from a bound and are shortened if the
+    residual does not fall.
+
+    Attributes
+    ----------
+    step_factor : float
+        Step of the slip over its bound: fastest at 31 x 31 and at 91 x 91 on the scene `spheres`; 8
+        and 10 times the bound diverge there.
+    iterations : int
+        Most iterations.
+    patience : int
+        Iterations without a smaller residual after which the step counts as too long.
+    shorter : float
+        Factor by which the step is shortened then.
+    """
+
+    step_factor: float = 5.5
+    iterations: int = 100_000
+    patience: int = 400
+    shorter: float = 0.7
+
+    name: ClassVar[str] = "uzawa"
+
+    def _states(self, mapping: ProjectedMap, state: np.ndarray) -> States:
+        """Yield (map, state) to evaluate; shorten the steps if the residual stagnates."""
+        best, smallest, since = state, np.inf, 0
+        for taken in count():
+            evaluation = yield mapping, state
+            if evaluation.residual < smallest:
+                best, smallest, since = state, evaluation.residual, taken
+            elif not np.isfinite(evaluation.residual) or taken - since > self.patience:
+                mapping = mapping.shortened(self.shorter)
+                state, since = best, taken
+                continue
+            state = evaluation.image

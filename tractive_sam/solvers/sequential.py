@@ -6,10 +6,17 @@ import numpy as np
 
 from tractive_sam.operators import Box
 from tractive_sam.results import Cost, Status
-from tractive_sam.solvers.nested import shares
-from tractive_sam.solvers.outcome import Note, Outcome, ProblemSolver, Start, needed
-from tractive_sam.solvers.problem import NormalProblem, PrescribedForces, Problem
-from tractive_sam.solvers.rectangle import embed, rectangle
+from tractive_sam.solvers.nested import embed, rectangle, shares
+from tractive_sam.solvers.problem import (
+    NormalProblem,
+    Note,
+    Outcome,
+    PrescribedForces,
+    Problem,
+    ProblemSolver,
+    Start,
+    needed,
+)
 
 
 @dataclass(frozen=True)

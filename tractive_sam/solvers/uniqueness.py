@@ -19,8 +19,14 @@ import numpy as np
 
 from tractive_sam.mechanics import Bound
 from tractive_sam.operators import FrictionSlip
-from tractive_sam.solvers.outcome import Outcome, ProblemSolver, Start, needed
-from tractive_sam.solvers.problem import FixedPressure, Problem
+from tractive_sam.solvers.problem import (
+    FixedPressure,
+    Outcome,
+    Problem,
+    ProblemSolver,
+    Start,
+    needed,
+)
 
 
 def steepness(
