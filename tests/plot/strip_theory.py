@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from tractive_sam.mechanics.hertz import HertzContact
+from tractive_sam.mechanics.hertz_contact import HertzContact
 from tractive_sam.results.column_table import columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.hertz import combined_radius
+from tractive_sam.mechanics.hertz_contact import combined_radius
 from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.reference import bentall_johnson_creepage
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tractive_sam.mechanics.hertz import combined_radius, hertz_line
+from tractive_sam.mechanics.hertz_contact import combined_radius, hertz_line
 from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.reference import Carter
 

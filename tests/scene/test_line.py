@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.hertz import HertzLine
+from tractive_sam.mechanics.hertz_contact import HertzLine
 from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError, SceneWarning
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.mechanics.hertz import hertz, hertz_line
+from tractive_sam.mechanics.hertz_contact import hertz, hertz_line
 from tractive_sam.scene import describe_load
 
 DISCS = ts.Scene.builtin("twin-discs").with_set(

@@ -38,11 +38,11 @@ from .friction import Slope as Slope
 from .friction_on_mesh import FrictionOnMesh as FrictionOnMesh
 from .full_slip import full_slip_force as full_slip_force
 from .full_slip import load_to_carry as load_to_carry
-from .hertz import HertzContact as HertzContact
-from .hertz import HertzLine as HertzLine
-from .hertz import combined_radius as combined_radius
-from .hertz import hertz as hertz
-from .hertz import hertz_line as hertz_line
+from .hertz_contact import HertzContact as HertzContact
+from .hertz_contact import HertzLine as HertzLine
+from .hertz_contact import combined_radius as combined_radius
+from .hertz_contact import hertz as hertz
+from .hertz_contact import hertz_line as hertz_line
 from .invariants import max_shear as max_shear
 from .invariants import principal_stresses as principal_stresses
 from .invariants import von_mises as von_mises
