@@ -282,7 +282,7 @@ class FrictionLaw(Law, ABC):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ScaledFriction(FrictionLaw):
     """A friction law with its traction bound multiplied by a factor.
 

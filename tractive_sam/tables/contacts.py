@@ -308,7 +308,7 @@ def odd(number: float) -> int:
 @lru_cache(maxsize=64)
 def unit_scene(ratio: float, poisson: float) -> Scene:
     """Return the scene of a Hertz contact with a given a/b and Poisson's ratio, without mesh."""
-    # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz`.
+    # 1/R_x over 1/R_y of an ellipse, see `mechanics.hertz_contact`.
     integral = scipy.special.elliprd
     curvatures = integral(0.0, 1.0 / ratio, ratio) / integral(0.0, ratio, 1.0 / ratio)
     body = {"young": YOUNG, "poisson": poisson}
