@@ -98,7 +98,7 @@ def test_units_are_converted(wheel, tmp_path, unit, factor):
 
 def test_headers_and_further_columns_are_skipped(wheel, tmp_path):
     path = tmp_path / "a.whl"
-    lines = ['ProgramName = "instrument"', "XYPoints = 1500", ""]
+    lines = ['ProgramName = "instrument"', f"XYPoints = {len(wheel.points)}", ""]
     lines += [f"{y:.8f}\t{z:.8f}\t0.1\t2" for y, z in wheel.points]
     path.write_text("\n".join(lines), encoding="utf-8")
     assert np.abs(read_profile(path, "wheel").height(Y) - wheel.height(Y)).max() < 2e-8
@@ -158,7 +158,7 @@ def test_a_wheel_is_no_rail(wheel):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "at least 20"),
+        (b"", "no rows"),
         (b"\xff\xfe\x00", "cannot be read"),
         (b"1 2\n3 4\nfive six\n7 8\n", "line 3"),
         (b"nan nan\n" * 30, "finite"),

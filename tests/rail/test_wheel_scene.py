@@ -371,7 +371,7 @@ def faults(**changes):
         ({"wheel": {"profile": "none.prw"}}, "wheel.profile"),
         ({"wheel": {"profile": 5}}, "wheel.profile"),
         ({"wheel": {"unit": "inch"}}, "wheel.unit"),
-        ({"wheel": {"smoothing": 0.0}}, "wheel.smoothing"),
+        ({"wheel": {"smoothing": -0.01}}, "wheel.smoothing"),
         ({"rail": {"profile": "60E9"}}, "rail.profile"),
         ({"rail": {"inclination": 1.0}}, "rail.inclination"),
         ({"rail": {"gauge": 1000.0}}, "wheelset"),

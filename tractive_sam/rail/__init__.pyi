@@ -10,13 +10,14 @@ from .contact import free_roll as free_roll
 from .contact import lowest_gap as lowest_gap
 from .files import SECTIONS as SECTIONS
 from .files import SUFFIXES as SUFFIXES
-from .files import UNITS as UNITS
 from .files import ProfileError as ProfileError
-from .files import from_measurement as from_measurement
 from .files import read_profile as read_profile
 from .files import write_profile as write_profile
 from .locus import ContactLocus as ContactLocus
 from .locus import find_locus as find_locus
+from .measured import UNITS as UNITS
+from .measured import check_datum as check_datum
+from .measured import from_measurement as from_measurement
 from .patch import Patch as Patch
 from .profile import Profile as Profile
 from .profile import Rail as Rail

@@ -1,28 +1,43 @@
 """Profile files: two columns, as instruments and vehicle programs write them."""
 
+import math
 import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
-import scipy  # its parts are loaded when first used
 
 from tractive_sam.input_file import read_text
+from tractive_sam.output_file import write_file
+from tractive_sam.text_table import TextTable, find_length_unit, parse_number, parse_table
 
+from .measured import UNITS, Kind, from_measurement
 from .profile import Array, Profile
 
 SECTIONS = ".slcs"
 """Suffix of a file of sections of a rail."""
 
-SUFFIXES = (".prw", ".prr", ".wheel", ".rail", ".whl", ".ban", ".csv", ".txt", ".dat", SECTIONS)
-"""Suffixes of profile files. All are text with a point on each line; other lines are skipped."""
+SUFFIXES = (
+    *(".prw", ".prr", ".wheel", ".rail", ".whl", ".ban", ".whe", ".rai", ".csv", ".txt", ".dat"),
+    SECTIONS,
+)
+"""Suffixes of profile files, in lower or upper case. All are text with a point on each line."""
 
-UNITS = {"mm": 1.0, "m": 1e3, "in": 25.4}
-"""Units of length, in mm."""
+Side = Literal["left", "right"]
+"""Sides of a file with the profiles of both sides."""
 
-Kind = Literal["wheel", "rail", "section"]
-"""Kinds of profiles; "section" is one section of a rail with sections, which may be wider."""
+_DESCRIPTIONS = re.compile(
+    r"alarm.*|.*_alarm.*|area(gain|loss|ref)|axle.*|battery.*|bogie|car.*|chainage|chars|comment|"
+    r"crownr.*|curve|date|diameter.*|direction|empl.*|elevation|field id|file.*|flag|flange.*|flat|"
+    r"gauge.*|grade.*|hollowing.*|id|instrument.*|km|kp|line|location.*|meas\..*|mileage|mp.*|name|"
+    r"operator|originalheader|points|position|program.*|qr|rail(gaugepoint|rodlength)|rcf|"
+    r"ref(erence|point).*|rodlength|s[dh]|section.*|speed|stock|superelevation.*|temperature|time|"
+    r"title|track.*|train|type|uof.*|user.*|version|vehicle|w\d|wheel.*|windows.*|wear.*"
+)
+"""Keys of headings, in lower case, that describe a profile and do not change its points."""
 
 
 class ProfileError(ValueError):
@@ -30,14 +45,22 @@ class ProfileError(ValueError):
 
 
 def read_profile(
-    path: str | PathLike[str], kind: Kind, unit: str | None = None, smoothing: float | None = None
+    path: str | PathLike[str],
+    kind: Kind,
+    unit: str | None = None,
+    smoothing: float | None = None,
+    *,
+    mirror: bool = False,
+    side: Side | None = None,
 ) -> Profile:
-    """Read a wheel or rail profile, in any orientation; raise ProfileError if it is unusable.
+    """Read a wheel or rail profile; raise ProfileError if it is unusable.
 
-    Lines that begin with two numbers, separated by blanks, tabs, commas or semicolons, are points:
-    lateral position and height. Directions may be reversed: the flange shows which side of a wheel
-    is inside and which is down, and a rail ends on its flanks. For files with ``units.len.f = ...``
-    lengths are divided by this factor to metres.
+    A line of a file is a point: lateral position and height. A heading with the names y and z, or x
+    and y, or ``ColumnDef`` of Miniprof, chooses the columns. The flange shows which side of a wheel
+    is inside and which is down; a rail ends on its flanks, and its y points away from the track
+    centre unless `mirror` is set. Shifts, limits, units and mirrors in the heading of SIMPACK and
+    Miniprof files are applied. What is stated and not used is a note of the profile (its `notes`),
+    or an error.
 
     Parameters
     ----------
@@ -45,11 +68,17 @@ def read_profile(
         The file.
     kind : {"wheel", "rail", "section"}
         Kind of the profile; "section" is one of several sections of a rail.
-    unit : {"mm", "m", "in"}, optional
+    unit : {"mm", "m", "in", "cm", "um"}, optional
         Unit of lengths; by default the unit in the file, or mm.
     smoothing : float, optional
-        Root mean square distance of a cubic smoothing spline from the points, mm; by default the
-        profile interpolates the points.
+        Root mean square distance of a cubic smoothing spline from the points, mm; 0 interpolates
+        the points. By default they are interpolated, and smoothed only if they scatter as the last
+        printed digit makes them.
+    mirror : bool
+        Whether y of the file runs the other way: of a rail, towards the track centre.
+    side : {"left", "right"}, optional
+        Side that is read from a file with four columns, y and z of the left and the right side. If
+        their y run in opposite directions, y of the left side is mirrored.
 
     Raises
     ------
@@ -58,160 +87,217 @@ def read_profile(
         the place, and what is allowed.
     """
     try:
-        text = read_text(path, max_bytes=10**7, encoding="utf-8-sig")
+        text = read_text(path, max_bytes=10**7, encoding=None)
     except (OSError, UnicodeDecodeError) as error:
         raise ProfileError(f"{path}: cannot be read: {error}") from None
     try:
-        points = _read_points(text)
-        factor = re.search(r"units\.len\.f\s*=\s*([-+.\deE]+)", text)
-        scale = 1e3 / float(factor[1]) if factor and unit is None else UNITS[unit or "mm"]
-        return from_measurement(scale * points, kind, smoothing)
+        parts = re.split(r"^[ \t]*point\.(?:begin|end)\b.*$", text, flags=re.MULTILINE)
+        if len(parts) > 1:
+            points, notes = _read_simpack(parts, kind, unit, side)
+        else:
+            points, notes = _read_columns(parse_table(text), unit, side)
+        if mirror:
+            points = points * (-1.0, 1.0)
+        profile = from_measurement(points, kind, smoothing)
     except ValueError as error:
         raise ProfileError(f"{path}: {error}") from None
+    return replace(profile, notes=(*notes, *profile.notes))
 
 
-def _read_points(text: str) -> Array:
-    """Return points (n, 2) from the text of a profile file; skip a heading without numbers."""
-    block = re.search(r"point\.begin(.*?)point\.end", text, re.DOTALL)
-    points = []
-    for line in (block[1] if block else text).splitlines():
-        entries = re.split(r"[,;\s]+", line.split("!")[0].strip())
-        try:
-            points.append((float(entries[0]), float(entries[1])))
-        except (ValueError, IndexError):
-            if points and any(entry.strip() for entry in entries) and not block:
-                number = text.splitlines().index(line) + 1
-                raise ValueError(f"line {number}: {line.strip()[:40]!r}; two numbers") from None
-    return np.array(points, dtype=float).reshape(-1, 2)
+def _read_simpack(
+    parts: list[str], kind: Kind, unit: str | None, side: Side | None
+) -> tuple[Array, list[str]]:
+    """Return points, mm, and notes, from the parts of a SIMPACK file around its block of points."""
+    if len(parts) != 3:
+        cure = "allowed: one block from point.begin to point.end; the file may be cut off"
+        raise ValueError(f"{len(parts) - 1} marks point.begin and point.end; {cure}")
+    if side is not None:
+        raise ValueError(f"side = {side}, and one profile; allowed: no side")
+    section, keys = "", {}
+    for line in (parts[0] + parts[2]).splitlines():
+        content = line.partition("!")[0].strip()
+        if mark := re.fullmatch(r"(\w+)\.(begin|end)", content):
+            section = mark[1] if mark[2] == "begin" else ""
+        elif entry := re.fullmatch(r"([\w.]+)\s*=\s*(.*)", content):
+            keys[("header." if section == "header" else "") + entry[1]] = entry[2].strip(" '\"")
+    stated = _read_number(keys, "header.type", float(kind == "wheel"))
+    if stated != float(kind == "wheel"):
+        raise ValueError(f"type = {stated:g}, and a {kind}; allowed: 0 of a rail, 1 of a wheel")
+    values = parse_table(parts[1], first_line=parts[0].count("\n") + 1).numbers()
+    if values.shape[1] not in (2, 3):
+        raise ValueError(f"{values.shape[1]} columns of points; allowed: y, z, and a weight")
+    used = r"shift\.[yz]|rotate|bound\.[yz]\.(min|max)|mirror\.[yz]|inversion|point\.dist\.min"
+    used += r"|units\.(len|ang)(\.f)?|header\.(type|version)"
+    unused = {key: text for key, text in keys.items() if not re.fullmatch(used, key)}
+    notes = [*_describe_unused(unused)]
+    if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
+        notes.append("the weights of the points, their third column, are not used")
+    return _apply_steps(values[:, :2], keys) * _find_simpack_unit(keys, unit), notes
 
 
-def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) -> Profile:
-    """Return the profile through measured points in any orientation; near them if smoothed.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, 2)
-        Lateral positions and heights along the profile, mm, in any of the four directions.
-    kind : {"wheel", "rail", "section"}
-        See `read_profile`.
-    smoothing : float, optional
-        See `read_profile`.
-
-    Raises
-    ------
-    ValueError
-        If they are no profile of a wheel or a rail in mm, or it is not clear which side is down.
-    """
-    if len(points) < 20:
-        raise ValueError(f"{len(points)} points; at least 20 are needed")
-    if not np.isfinite(points).all():
-        raise ValueError("a coordinate is not finite; allowed: finite numbers")
-    _check_size(points, kind)
-    steps = np.diff(points, axis=0)
-    lengths = np.hypot(*steps.T)
-    if (lengths == 0.0).any():
-        k = int(np.flatnonzero(lengths == 0.0)[0])
-        raise ValueError(f"points {k + 1} and {k + 2} are equal; allowed: different points")
-    turns = np.abs(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
-    if turns.max() > 0.6 * np.pi:
-        k = int(np.argmax(turns)) + 2
-        raise ValueError(
-            f"the points turn back at point {k} ({points[k - 1, 0]:g}, {points[k - 1, 1]:g}) mm; "
-            "allowed: points in their order along the profile"
-        )
-    _check_crossing(points)
-    return _spline(_orient(points, kind), smoothing)
+def _read_number(keys: Mapping[str, str], key: str, default: float = 0.0) -> float:
+    """Return the number of a key; raise a ValueError if it is not finite."""
+    number = parse_number(keys[key]) if key in keys else default
+    if number is None or not math.isfinite(number):
+        raise ValueError(f"{key} = {keys[key]!r}; allowed: a finite number")
+    return number
 
 
-def _spline(points: Array, smoothing: float | None) -> Profile:
-    """Return the spline profile through points, or at an rms distance `smoothing` from them."""
-    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-    if smoothing is None:
-        curve = scipy.interpolate.CubicSpline(s, points)
-        return Profile.from_nodes(curve(s), curve(s, 1))
-
-    def fit(exponent: float) -> "scipy.interpolate.BSpline":
-        return scipy.interpolate.make_smoothing_spline(s, points, lam=10.0**exponent)
-
-    def excess(exponent: float) -> float:
-        rest = fit(exponent)(s) - points
-        return float(np.sqrt((rest**2).sum(axis=1).mean())) - smoothing
-
-    low, high = -8.0, 8.0
-    if excess(high) < 0.0:
-        raise ValueError(f"smoothing {smoothing:g} mm leaves a straight line; use less")
-    exponent = low if excess(low) > 0.0 else scipy.optimize.brentq(excess, low, high, xtol=1e-3)
-    smoothed = fit(exponent)
-    return Profile.from_nodes(smoothed(s), smoothed(s, 1))
-
-
-def _orient(points: Array, kind: Kind) -> Array:
-    """Return points in the standard orientation: y outward, in increasing order, z down.
-
-    A part of a profile counts by the width that it spans: the distances of the points do not
-    matter, and steep faces hardly count.
-    """
-    across = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points[:, 0])))))
-    y, z = (np.interp(np.linspace(0.0, across[-1], 1001), across, values) for values in points.T)
-    points = points * (_wheel_signs(y, z) if kind == "wheel" else (1.0, _end_direction(z)))
-    return points if points[-1, 0] > points[0, 0] else points[::-1]
+def _apply_steps(points: Array, keys: Mapping[str, str]) -> Array:
+    """Return points after the steps in the heading of a SIMPACK file, in the order of CONTACT."""
+    if _read_number(keys, "rotate"):
+        cure = "rotate the points, and set it to 0: programs disagree about its sign"
+        raise ValueError(f"rotate = {keys['rotate']}; allowed: 0; {cure}")
+    if (least := _read_number(keys, "point.dist.min")) > 0.0:
+        kept = [0]
+        for k, point in enumerate(points):
+            if math.dist(point, points[kept[-1]]) >= least:
+                kept.append(k)
+        points = points[kept]
+    points = points + np.array([_read_number(keys, f"shift.{axis}") for axis in "yz"])
+    for k, axis in enumerate("yz"):
+        low, high = (_read_number(keys, f"bound.{axis}.{end}") for end in ("min", "max"))
+        inside = (points[:, k] >= low) & (points[:, k] <= high) | (low >= high)
+        if axis == "z" and not inside.all():
+            cure = "remove these points: programs remove them or move them to the bound"
+            raise ValueError(f"bound.z of {low:g} to {high:g} excludes {(~inside).sum()}; {cure}")
+        points = points[inside]
+    return points * [-1.0 if _read_number(keys, f"mirror.{axis}") else 1.0 for axis in "yz"]
 
 
-def _wheel_signs(y: Array, z: Array) -> tuple[float, float]:
-    """Return the signs of y and z with which the flange of a wheel is inside and points down."""
-    low, tread, high = np.percentile(z, (2.0, 50.0, 98.0))
-    excess = high + low - 2.0 * tread  # the flange reaches farther from the tread than other parts
-    flange = y[np.sign(excess) * (z - tread) > 8.0]  # mm: a third of the height of a flange
-    inside = y.mean() - flange.mean() if flange.size else 0.0
-    if abs(excess) < 0.1 * (high - low) or abs(inside) < 0.2 * np.ptp(y):
-        return 1.0, -_end_direction(z)  # a roller, or flanges on both sides
-    return float(np.sign(inside)), float(np.sign(excess))
+def _find_simpack_unit(keys: Mapping[str, str], unit: str | None) -> float:
+    """Return the unit of length of a SIMPACK file, mm; `unit` replaces the stated one."""
+    factor = _read_number(keys, "units.len.f", 1000.0)
+    if factor <= 0.0:
+        raise ValueError(f"units.len.f = {factor:g}; allowed: a positive number, lengths per metre")
+    if unit is not None:
+        return UNITS[unit]
+    name = keys.get("units.len", "")
+    named = UNITS.get(find_length_unit(name) or "")
+    if named is None or "units.len.f" not in keys:
+        return named or 1e3 / factor
+    if not math.isclose(named * factor, 1e3, rel_tol=1e-3):
+        cure = "correct one of them, or give unit"
+        raise ValueError(f"units.len.f = {factor:g}, and units.len = {name!r}; {cure}")
+    return 1e3 / factor
 
 
-def _end_direction(z: Array) -> float:
-    """Return the sign of the z direction in which a profile ends; raise a ValueError if not clear.
+def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tuple[Array, list[str]]:
+    """Return points, mm, and notes, from a table of a plain or Miniprof file."""
+    statements = {key: text for key, (_, text) in table.statements().items()}
+    number = len(table.rows)
+    for key in ("xypoints", "points"):
+        expected = parse_number(statements.get(key, "").split(",")[0])
+        if expected is not None and expected != number:
+            raise ValueError(f"{number} points, and {key} = {expected:g}; the file may be cut off")
+    if "end mark" in statements.get("points", "") and table.remarks[-1][1] != "end":
+        raise ValueError("the end mark is missing: the file is cut off")
+    columns, mirrored = _choose_columns(table, statements, side)
+    values = table.numbers(columns)
+    notes = []
+    offsets = [parse_number(statements.pop(f"{axis}offset", "0")) for axis in "xy"]
+    if None in offsets:
+        raise ValueError("XOffset, YOffset; allowed: numbers")
+    points = (values + np.array(offsets, dtype=float)) * (-1.0 if mirrored else 1.0, 1.0)
+    remarks, rest = [text for _, text in table.remarks], len(table.rows[0]) - len(columns)
+    if "the first column holds row numbers" in remarks or (columns[0] == 1 and not table.names):
+        notes.append("the first column is taken for row numbers")
+    elif rest and "columndef" not in statements and not table.names and side is None:
+        notes.append(f"the first two columns are used, and {rest} more are not")
+    stated = {statements.pop(key, "") for key in ("unit", "units", "length unit")} - {""}
+    units = [table.units[k] for k in columns if table.units] + [find_length_unit(t) for t in stated]
+    known = {name for name in units if name}
+    if len(known) > 1 and unit is None:
+        raise ValueError(f"units {', '.join(sorted(known))}; allowed: one unit, or give unit")
+    if known - UNITS.keys() and unit is None:
+        raise ValueError(f"unit {known.pop()}; allowed: {', '.join(UNITS)}, or give unit")
+    name = unit or (known.pop() if known else "mm")
+    notes += [
+        f"the file states {key.capitalize()} = {text}: set mirror = true if its y points to the "
+        "track centre"
+        for key in ("rail", "side")
+        if (text := statements.pop(key, "")).lower().startswith("l")
+    ]
+    used = ("xypoints", "points", "columndef")
+    notes += _describe_unused({k: t for k, t in statements.items() if k not in used})
+    return points * UNITS[name], notes
 
-    The ends are compared with their neighbourhoods and with the mean. Sections of noses with a wide
-    foot, and of crossings with a deep flangeway, differ from the neighbourhoods by 0.16 of their
-    depth or more; a groove between two flat ends does not, whose direction is not known.
-    """
-    ends = z[0] + z[-1]
-    bend = ends - z[:50].mean() - z[-50:].mean()
-    if abs(bend) < 0.05 * np.ptp(z) or bend * (ends - 2.0 * z.mean()) < 0.0:
-        raise ValueError("which side is down is not clear; allowed: a flange, or an end on a flank")
-    return float(np.copysign(1.0, bend))
+
+def _choose_columns(
+    table: TextTable, statements: Mapping[str, str], side: Side | None
+) -> tuple[list[int], bool]:
+    """Return the columns of lateral position and height, and whether y of the side is mirrored."""
+    names = [name.strip().lower() for name in table.names]
+    if "columndef" in statements:
+        names = [name.strip().lower() for name in statements["columndef"].split(",")]
+        if len(names) > len(table.rows[0]) or not {"x", "y"} <= {*names}:
+            cure = "allowed: a name for each column, with X and Y"
+            raise ValueError(f"ColumnDef = {statements['columndef']}; {cure}")
+    width = len(table.rows[0])
+    axes = (("y", "z"), ("x", "y"), ("x", "z"), ("lateral", "height"), ("lateral", "vertical"))
+    sides = {
+        which: [names.index(f"{axis}{join}{ending}") for axis in pair]
+        for which in ("left", "right")
+        for ending in (which, which[0])
+        for join in ("_", " ", "")
+        for pair in axes
+        if all(f"{axis}{join}{ending}" in names for axis in pair)
+    }
+    pairs = [pair for pair in axes if {*pair} <= {*names}]
+    if width < 2:
+        raise ValueError("one column; allowed: lateral position and height")
+    if not sides and width == 4 and not pairs and _is_two_sided(table):
+        sides = {"left": [0, 1], "right": [2, 3]}
+    if sides:
+        if side not in sides:
+            raise ValueError(f"profiles of two sides; allowed: side = {' or '.join(sides)}")
+        y = table.numbers([columns[0] for columns in sides.values()])
+        opposite = len(sides) == 2 and np.corrcoef(y, rowvar=False)[0, 1] < 0.0
+        return sides[side], bool(side == "left" and opposite)
+    if side is not None:
+        raise ValueError(f"side = {side}, and the columns of one profile; allowed: no side")
+    if pairs:
+        return [names.index(name) for name in pairs[0]], False
+    if not names and width > 2 and _is_numbered(table):
+        return [1, 2], False
+    if names and width > 2:
+        listed = ", ".join(filter(None, table.names))
+        raise ValueError(f"columns {listed}; allowed: columns y and z, or x and y")
+    return [0, 1], False
 
 
-def _check_size(points: Array, kind: Kind) -> None:
-    """Raise a ValueError if the width of a profile is implausible in mm, and name the unit."""
-    width, limits = float(np.ptp(points[:, 0])), {"wheel": (60.0, 200.0), "rail": (25.0, 120.0)}
-    limits["section"] = 25.0, 400.0  # of a crossing, with its wing rails
-    lower, upper = limits[kind]
-    if not lower <= width <= upper:
-        units = [u for u, f in UNITS.items() if lower <= width * f <= upper]
-        hint = f"; its unit is probably {units[0]}: give unit" if units else ""
-        raise ValueError(f"a {kind} {width:.4g} mm wide; allowed: {lower:g} to {upper:g} mm{hint}")
+def _is_two_sided(table: TextTable) -> bool:
+    """Return whether four columns are the points of two profiles: both y run along the rows."""
+    y = table.numbers([0, 2])
+    widths = np.ptp(y, axis=0)
+    alike = 2.0 * widths.min() > widths.max()
+    return bool(alike and abs(np.corrcoef(y, rowvar=False)[0, 1]) > 0.98)
 
 
-def _check_crossing(points: Array) -> None:
-    """Raise a ValueError with the coordinates if a profile crosses itself."""
-    a, d = points[:-1], np.diff(points, axis=0)
-    if abs(np.sign(d[:, 0]).sum()) == len(d):
-        return  # a graph over y
-    between = a[None, :, :] - a[:, None, :]
-    cross = d[:, None, 0] * d[None, :, 1] - d[:, None, 1] * d[None, :, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t = (between[..., 0] * d[None, :, 1] - between[..., 1] * d[None, :, 0]) / cross
-        u = (between[..., 0] * d[:, None, 1] - between[..., 1] * d[:, None, 0]) / cross
-    i, j = np.nonzero((t > 0.0) & (t < 1.0) & (u > 0.0) & (u < 1.0))
-    apart = np.abs(i - j) > 1
-    if apart.any():
-        x, y = points[i[apart][0]]
-        raise ValueError(f"the profile crosses itself near ({x:.4g}, {y:.4g}) mm")
+def _is_numbered(table: TextTable) -> bool:
+    """Return whether the first column holds row numbers, from 0 or 1, and y runs in the second."""
+    first, y = table.numbers([0, 1]).T
+    counted = first[0] in (0.0, 1.0) and bool((np.diff(first) == 1.0).all())
+    return counted and abs(np.sign(np.diff(y)).mean()) > 0.9
+
+
+def _describe_unused(entries: Mapping[str, str]) -> Iterator[str]:
+    """Yield a note that lists the entries of a heading that are not used, except descriptions."""
+    unused = [
+        f"{key} = {text}"
+        for key, text in entries.items()
+        if not _DESCRIPTIONS.fullmatch(key.removeprefix("header.").lower())
+        if parse_number(text) != 0.0
+        and (parse_number(text.split()[0] if text else "") is not None or key == "approx.smooth")
+    ]
+    if unused:
+        yield f"entries of the file that are not used: {', '.join(unused[:10])}"
 
 
 def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:
     """Write a profile: .prw or .prr as SIMPACK with z upwards, others as columns, z downwards.
+
+    The file appears when it is complete, and its end is marked, so that a part of it is not read.
 
     Parameters
     ----------
@@ -224,14 +310,21 @@ def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title
         Kind of the profile.
     title : str
         A line of text about it.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written; an earlier one is unchanged.
     """
-    up = -1.0 if Path(path).suffix in (".prw", ".prr") else 1.0
+    up = -1.0 if Path(path).suffix.lower() in (".prw", ".prr") else 1.0
     lines = [f"{y:.9f} {up * z:.9f}" for y, z in profile.points]
+    title = " ".join(title.replace("'", "").replace("!", "").split())
     if up < 0.0:
         number = int(kind == "wheel")
         head = f"header.begin\n  version = 1\n  type = {number}\nheader.end\nspline.begin"
         unit = f"  comment = '{title}'\n  units.len.f = 1000.0\n  point.begin"
         lines = [head, unit, *lines, "  point.end", "spline.end"]
     else:
-        lines = [f"! {title or kind}: y and z in mm, y outward, z down", *lines]
-    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        head = f"! {title or kind}: y and z in mm, y outward, z down"
+        lines = [head, f"! points = {len(lines)}, with an end mark", *lines, "! end"]
+    write_file(path, "\n".join(lines) + "\n")

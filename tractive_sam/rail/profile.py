@@ -71,6 +71,8 @@ class Profile:
         y and z of the nodes, mm.
     tangents : ndarray, shape (n, 2)
         Unit tangents at the nodes. Between nodes the curve is a cubic in s.
+    notes : tuple of str
+        What a file states or its points show, and the profile leaves out; not kept by changes.
 
     Examples
     --------
@@ -86,6 +88,7 @@ class Profile:
     s: Array
     points: Array
     tangents: Array
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def from_pieces(cls, pieces: list[tuple[Array, Array]]) -> Profile:

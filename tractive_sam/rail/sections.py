@@ -35,6 +35,8 @@ class RailSections:
         y and z of corresponding points of the sections, mm.
     tangents : ndarray, shape (n, m, 2)
         Their derivatives by the number of the point, mm. Between points, a section is a cubic.
+    notes : tuple of str
+        Notes of the profiles of the sections (see `Profile`).
     """
 
     steepest = 0.13
@@ -43,6 +45,7 @@ class RailSections:
     x: Array
     points: Array
     tangents: Array
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def from_profiles(
@@ -69,7 +72,8 @@ class RailSections:
         s = [np.interp(place, np.arange(count + 1), along) for along in marks]
         pairs = [*zip(profiles, s, strict=True)]
         points, tangents = (np.stack([p.at(at, order) for p, at in pairs]) for order in (0, 1))
-        return cls(x, points, tangents * np.gradient(np.stack(s), axis=1)[..., None])
+        notes = tuple(dict.fromkeys(note for profile in profiles for note in profile.notes))
+        return cls(x, points, tangents * np.gradient(np.stack(s), axis=1)[..., None], notes)
 
     @cached_property
     def _sections(self) -> dict[float, Profile]:
@@ -163,7 +167,7 @@ def read_sections(path: str | PathLike[str], read: Callable[[Path], Profile]) ->
         If the file or a profile cannot be used.
     """
     try:
-        text = read_text(path, max_bytes=10**6, encoding="utf-8-sig")
+        text = read_text(path, max_bytes=10**6, encoding=None)
         lines = (re.split("[%!]", line)[0].strip() for line in text.splitlines())
         entries = [re.findall(r"'[^']*'|[^\s,]+", line) for line in lines if line]
         return _from_lines(entries, Path(path).parent, read)

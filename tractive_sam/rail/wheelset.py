@@ -92,10 +92,9 @@ class Wheel:
         Depth of the axle below its nominal height, mm.
     slope : float
         Slope of the path of the axle, positive downwards.
+    tape_line : float
+        Distance of the tread datum from the back of the wheel, mm (EN 13715).
     """
-
-    tape_line = 70.0
-    """Distance of the tread datum from the back of the wheel, mm (EN 13715)."""
 
     profile: Profile
     radius: float
@@ -105,6 +104,7 @@ class Wheel:
     roll: float = 0.0
     z: float = 0.0
     slope: float = 0.0
+    tape_line: float = 70.0
 
     def mirrored(self) -> Self:
         """Return the left wheel mirrored to a right one: y, yaw and roll change their sign."""

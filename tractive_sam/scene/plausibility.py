@@ -273,6 +273,9 @@ def scene_notes(scene: Any) -> Iterator[str]:
     """Yield a note for each implausible or unused entry of a scene."""
     yield from pair_notes(Pair.from_scene(scene))
     yield from (f"{key}: {note}" for key, note in _judge("scene", scene))
+    for name in ("wheel", "rail"):
+        if (table := getattr(scene, name)) is not None:
+            yield from (f"{name}.profile: {note}" for note in table.notes)
     yield from _unused_entries(scene)
     yield from _creepage_without_friction(scene)
 

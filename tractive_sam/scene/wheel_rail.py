@@ -68,7 +68,7 @@ class WheelRail:
         ValueError
             If a profile cannot be used, or the wheel does not rest on the rail.
         """
-        return _find(wheel.curve, wheel.radius, rail.curve, wheelset, e_star)
+        return _find(wheel.curve, wheel, rail.curve, wheelset, e_star)
 
     @classmethod
     def from_scene(cls, scene: Any) -> WheelRail:
@@ -88,7 +88,7 @@ class WheelRail:
         wheel, rail : Profile
             Wheel, and rail in the track frame.
         """
-        return _find(wheel, scene.wheel.radius, rail, scene.wheelset, scene.material.E_star)
+        return _find(wheel, scene.wheel, rail, scene.wheelset, scene.material.E_star)
 
     @property
     def equivalent_radii(self) -> tuple[float, float]:
@@ -109,14 +109,17 @@ class WheelRail:
 
 @lru_cache(maxsize=256)
 def _find(
-    profile: Profile, radius: float, rail: Rail, wheelset: WheelsetTable, e_star: float
+    profile: Profile, table: WheelTable, rail: Rail, wheelset: WheelsetTable, e_star: float
 ) -> WheelRail:
     """Place a wheel on a rail, and find its patches under the load; results are cached."""
     if rail.steepest and any(isinstance(value, str) for value in (wheelset.roll, wheelset.pitch)):
         raise ValueError("with sections of the rail, roll and pitch are numbers")
     rail = rail.seen_from(wheelset.x)
+    radius, yaw = table.radius, 1e-3 * wheelset.yaw
     placed = Wheel(
-        profile, radius, wheelset.inner, wheelset.y, 1e-3 * wheelset.yaw, slope=wheelset.slope
+        *(profile, radius, wheelset.inner, wheelset.y, yaw),
+        slope=wheelset.slope,
+        tape_line=table.tape_line,
     )
     free = wheelset.roll == "free"
     roll = free_roll(placed, rail) if free else 1e-3 * float(wheelset.roll)
@@ -157,7 +160,8 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
     if scene.wheelset is None or scene.rail.has_sections:
         raise ValueError("contact_locus: a scene with [wheelset], and one rail profile, is needed")
     wheelset = scene.wheelset
-    wheel = Wheel(scene.wheel.curve, scene.wheel.radius, wheelset.inner, yaw=1e-3 * wheelset.yaw)
+    table, yaw = scene.wheel, 1e-3 * wheelset.yaw
+    wheel = Wheel(table.curve, table.radius, wheelset.inner, yaw=yaw, tape_line=table.tape_line)
     roll = None if scene.wheelset.roll == "free" else 1e-3 * scene.wheelset.roll
     return find_locus(wheel, scene.rail.curve, positions, roll)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -18,6 +19,7 @@ from tractive_sam.rail import (
     Profile,
     Rail,
     builtin_profile,
+    check_datum,
     place_rail,
     read_profile,
     read_sections,
@@ -33,14 +35,14 @@ def _check_profile(name: str, built_in: tuple[str, ...]) -> str:
     if name in built_in:
         return name
     listed = " or ".join(built_in)
-    if Path(name).suffix not in SUFFIXES:
+    if Path(name).suffix.lower() not in SUFFIXES:
         raise ValueError(f"{listed}, or a file ending in {', '.join(SUFFIXES)}")
     path = absolute_path(Path(name), SUFFIXES)
     check_exists(path, f"{listed}, or ")
     return str(path)
 
 
-_Unit = Literal["mm", "m", "in"]
+_Unit = Literal["mm", "m", "in", "cm", "um"]
 _NameOrPath = Annotated[
     str, BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value)
 ]
@@ -58,11 +60,31 @@ class _ProfileTable(Table):
     unit: _Unit | None = entry(
         "unit of the profile file; by default, the unit in the file, or mm", default=None
     )
-    smoothing: Positive | None = entry(
-        "rms distance of a smoothing spline from the points of the file, mm; by default, the "
-        "profile interpolates the points",
+    smoothing: Annotated[float, Field(ge=0.0, allow_inf_nan=False)] | None = entry(
+        "rms distance of a smoothing spline from the points of the file, mm; 0 interpolates them. "
+        "By default they are smoothed only if they scatter by their last printed digit",
+        "a number of at least 0",
         default=None,
     )
+    mirror: bool = entry(
+        "whether y of the file runs the other way: for a rail, towards the track centre",
+        "true or false",
+        default=False,
+    )
+    side: Literal["left", "right"] | None = entry(
+        "side that is read from a file with y and z of a left and a right side", default=None
+    )
+
+    def _describe_file(self, profile: str, kind: Literal["wheel", "rail"]) -> Iterator[str]:
+        """Yield notes on what the file states and is not used, or on keys without a file."""
+        if profile in BUILTIN:
+            keys = ("unit", "smoothing", "mirror", "side")
+            yield from (
+                f"{key} is not used, as {profile} is built in" for key in keys if getattr(self, key)
+            )
+            return
+        with suppress(ValueError):  # reported as a fault of the scene
+            yield from self._read(profile, kind).notes
 
     def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Any:
         """Return a built-in profile, or a profile or sections from a file.
@@ -72,19 +94,23 @@ class _ProfileTable(Table):
         if profile in BUILTIN:
             return builtin_profile(profile)
         changed = os.stat(profile).st_mtime_ns if os.path.isfile(profile) else 0
-        return _read_once(profile, kind, self.unit, self.smoothing, changed)
+        options = (self.unit, self.smoothing), (self.mirror, self.side)
+        return _read_once(profile, kind, *options, changed)
 
 
 @lru_cache(maxsize=32)
 def _read_once(
-    path: str, kind: Any, unit: str | None, smoothing: float | None, changed: int
+    path: str, kind: Any, options: tuple[Any, Any], direction: tuple[bool, Any], changed: int
 ) -> Rail:
     """Return the profile or sections in a file, cached until the file changes (`changed`, time)."""
-    if path.endswith(SECTIONS):
-        return read_sections(
-            path, lambda section: read_profile(section, "section", unit, smoothing)
-        )
-    return read_profile(path, kind, unit, smoothing)
+    mirror, side = direction
+
+    def read(kind: Any, path: str | Path) -> Profile:
+        return read_profile(path, kind, *options, mirror=mirror, side=side)
+
+    if path.lower().endswith(SECTIONS):
+        return read_sections(path, lambda section: read("section", section))
+    return read(kind, path)
 
 
 class WheelTable(_ProfileTable):
@@ -100,15 +126,37 @@ class WheelTable(_ProfileTable):
         "wheel profile: S1002, or a file", "S1002, or the path of a file"
     )
     radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
+    tape_line: Positive = entry(
+        "distance of the tread datum, the origin of the profile, from the back of the wheel, mm",
+        default=70.0,
+    )
 
     @property
     def curve(self) -> Profile:
-        """Profile of the wheel as a curve."""
-        return self._read(self.profile, "wheel")
+        """Profile of the wheel as a curve.
+
+        Raises
+        ------
+        ValueError
+            If the file cannot be used, or its origin is not the tread datum.
+        """
+        profile = self._read(self.profile, "wheel")
+        check_datum(profile, self.tape_line)
+        return profile
+
+    @property
+    def notes(self) -> Iterator[str]:
+        """Notes on the file and its tread datum."""
+        yield from self._describe_file(self.profile, "wheel")
+        with suppress(ValueError):
+            if note := check_datum(self._read(self.profile, "wheel"), self.tape_line):
+                yield note
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield a report row with the profile and the radius of the wheel."""
-        yield Row("wheel", f"{Path(self.profile).name}, radius {self.radius:g} mm", brief=True)
+        line = f", tape line {self.tape_line:g} mm from the back" * (self.tape_line != 70.0)
+        text = f"{Path(self.profile).name}, radius {self.radius:g} mm{line}"
+        yield Row("wheel", text, brief=True)
 
 
 class RailTable(_ProfileTable):
@@ -150,7 +198,7 @@ class RailTable(_ProfileTable):
     @property
     def has_sections(self) -> bool:
         """Whether the section of the rail varies along the track."""
-        return self.profile.endswith(SECTIONS)
+        return self.profile.lower().endswith(SECTIONS)
 
     @property
     def passes_per_revolution(self) -> float:
@@ -162,10 +210,18 @@ class RailTable(_ProfileTable):
         """Profile or sections of the rail in the frame of the file, without its placement."""
         return self._read(self.profile, "rail")
 
+    @property
+    def notes(self) -> Iterator[str]:
+        """Notes on the file."""
+        return self._describe_file(self.profile, "rail")
+
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield a report row with the profile, inclination and gauge of the rail."""
         place = f"gauge {self.gauge:g} mm" if self.origin is None else f"origin {self.origin} mm"
-        yield Row("rail", f"{Path(self.profile).name}, 1:{self.inclination:g}, {place}", brief=True)
+        text = f"{Path(self.profile).name}, 1:{self.inclination:g}, {place}"
+        if self.profile not in BUILTIN:
+            text += f", gauge side at the {'largest' if self.mirror else 'smallest'} y of the file"
+        yield Row("rail", text, brief=True)
 
 
 @lru_cache(maxsize=32)
