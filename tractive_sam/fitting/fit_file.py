@@ -12,7 +12,9 @@ import numpy as np
 from tractive_sam.extras import check_extra
 from tractive_sam.fitting.results import FitResult
 from tractive_sam.optional import xarray
-from tractive_sam.store import ResultsError, netcdf_format, read_netcdf, write_netcdf
+from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.schema import SceneError
+from tractive_sam.store import DamagedError, ResultsError, netcdf_format, read_netcdf, write_netcdf
 
 FIT_FORMAT = "fit 1"
 """Attribute `format` of a file; the number is the version of the format."""
@@ -55,15 +57,91 @@ def open_fit(path: str | PathLike[str]) -> FitResult:
     """
     if not Path(path).is_file():
         raise ResultsError(f"{path} does not exist; tractive-sam fit FIT.toml -o {path} writes it")
-    dataset = read_netcdf(path)
+    dataset = read_netcdf(path, "fit again")
     kind = str(dataset.attrs.get("format", ""))
     if kind != FIT_FORMAT:
         raise ResultsError(
             f"{path} has the format {kind or 'none'}, this version reads {FIT_FORMAT}: fit again"
         )
     if missing := {"status", "message"} - dataset.attrs.keys() or {"design"} - {*dataset}:
-        raise ResultsError(f"{path} is damaged: it lacks {', '.join(missing)}; fit again")
-    return FitResult(dataset)
+        raise DamagedError(f"{path} is damaged: it lacks {', '.join(missing)}; fit again")
+    result = FitResult(dataset)
+    try:
+        _check_content(result)
+    except SceneError as error:
+        raise ResultsError(f"{path}: its fit cannot be read: {error}; fit again") from error
+    except (TypeError, ValueError) as error:
+        raise DamagedError(f"{path} is damaged ({error}); fit again") from error
+    return result
+
+
+def _check_content(result: FitResult) -> None:
+    """Raise a SceneError for the fit file, or a ValueError for variables that do not belong to it.
+
+    Tables and figures rely on types, names of columns and numbers of data sets.
+    """
+    data, fit = result.dataset, result.design.fit
+    for name, value in data.attrs.items():
+        if name not in ("format", "status", "message", "version", "checksum"):
+            float(value)
+    if not result.finished:
+        return
+    _check_variables(data)
+    if missing := {"chi2", "chi2_low", "chi2_high", "points", "solves", "rolls"} - {*data.attrs}:
+        raise ValueError(f"it lacks {', '.join(sorted(missing))}")
+    widths = {"correlation": len(fit.free), "curve": 4, "likelihood": 3}
+    if wrong := [name for name, n in widths.items() if name in data and data[name].shape[1] != n]:
+        raise ValueError(f"{wrong[0]}: another shape")
+    if [*data["parameter"].values] != [*fit.free]:
+        raise ValueError("parameter: other keys than in the fit file")
+    places = {"series": (data["series"].values, len(fit.data))}
+    if "likelihood" in data:
+        places["likelihood"] = data["likelihood"].values[:, 0], len(fit.free)
+    valid = {name: np.isin(indices, np.arange(n)) for name, (indices, n) in places.items()}
+    # Not a number is allowed: a mesh error or an interval may be unknown.
+    valid |= {name: ~(data[name].values <= 0.0) for name in ("sd", "noise")}
+    valid["band"] = ~(data["band"].values < 0.0)
+    if wrong := [name for name, values in valid.items() if not values.all()]:
+        raise ValueError(f"{wrong[0]}: numbers that a fit cannot have")
+    columns = index_by_name(COLUMNS)
+    for name in (
+        *data["observation"].values,
+        *data.get("curve_column", data["observation"]).values,
+    ):
+        if str(name).partition(" ")[0] not in columns:
+            raise ValueError(f"observation: {name!r} is no column")
+
+
+def _check_variables(data: xarray.Dataset) -> None:
+    """Raise a ValueError unless the variables of a complete fit have their dimensions and types."""
+    numbers, texts = "biuf", "OSU"
+    variables = (
+        ("value low high sd start mesh_shift", ("parameter",), numbers),
+        ("correlation", ("parameter", "other"), numbers),
+        ("series abscissa observed noise predicted residual band", ("point",), numbers),
+        ("parameter", ("parameter",), texts),
+        ("observation abscissa_name", ("point",), texts),
+    )
+    optional = (
+        ("model_error", ("point",), numbers),
+        ("position", ("position",), texts),
+        ("position_value", ("position",), numbers),
+        ("test", ("test",), texts),
+        ("test_gain", ("test",), numbers),
+        ("test_sd", ("test", "parameter"), numbers),
+        ("curve", ("curve_point", "of_curve"), numbers),
+        ("curve_column", ("curve_point",), texts),
+        ("likelihood", ("likelihood_point", "of"), numbers),
+        ("undetermined", ("undetermined_line",), texts),
+        ("notes", ("notes_line",), texts),
+    )
+    for names, dims, kinds in (*variables, *optional):
+        for name in names.split():
+            if name not in data.variables:
+                if (names, dims, kinds) in variables:
+                    raise ValueError(f"it lacks {name}")
+            elif data[name].dims != dims or data[name].dtype.kind not in kinds:
+                raise ValueError(f"{name}: another shape or type")
 
 
 def write_fit(path: str | PathLike[str], result: FitResult) -> None:

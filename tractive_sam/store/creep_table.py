@@ -9,10 +9,9 @@ from typing import Any
 import h5py
 import numpy as np
 
-from tractive_sam.output_file import describe_os_error
-from tractive_sam.store.errors import DamagedError, ResultsError
-from tractive_sam.store.hdf5_file import open_to_read
+from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
+from tractive_sam.store.netcdf import open_netcdf
 
 TABLE_FORMAT = "creep-force table 2"
 """Value of the attribute `format`, with the version of the format."""
@@ -61,22 +60,13 @@ def read_creep_table(path: Path) -> StoredTable:
     if not path.is_file():
         cure = f"write it by tractive-sam table TABLE.toml -o {path}, or use the built-in steel"
         raise ResultsError(f"{path}: this table does not exist; {cure}")
-    try:
-        file = open_to_read(path)
-    except OSError as error:
-        cure = "make it again by tractive-sam table"
-        message = f"{path} cannot be read as a table: {describe_os_error(error)}; {cure}"
-        raise DamagedError(message) from error
-    with file:
+    cure = "make it again by tractive-sam table"
+    with open_netcdf(path, cure) as file:
         kind = str(_decode_attribute(file.attrs.get("format", "")))
         if kind != TABLE_FORMAT:
             described = f"a {kind}" if kind.startswith("creep-force") else "no creep-force table"
-            cure = "make it again by tractive-sam table"
             raise ResultsError(f"{path} is {described}; this version reads {TABLE_FORMAT}: {cure}")
-        try:
-            return _read_table(file)
-        except (LookupError, OSError, TypeError, ValueError) as error:
-            raise DamagedError(f"{path} is damaged ({error}); make it again") from error
+        return _read_table(file)
 
 
 def _read_table(file: h5py.File) -> StoredTable:

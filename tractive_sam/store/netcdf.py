@@ -1,16 +1,27 @@
-"""Writes xarray datasets as netCDF files, and reads them."""
+"""Writes xarray datasets as netCDF files, and opens them, also files from other people.
 
-from collections.abc import Mapping
+Every number has a checksum of HDF5. The last line of a file is the hash of all bytes before it, so
+that texts, attributes and scalars are checked as well; HDF5 ignores this line.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
+import h5py
+
 from tractive_sam.extras import require_extra
+from tractive_sam.input_file import open_regular
 from tractive_sam.output_file import describe_os_error, write_file
 from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_file import open_to_read
-from tractive_sam.store.hdf5_guard import has_endless_heap
+from tractive_sam.store.hdf5_guard import check_claimed_size, get_member, has_endless_heap
+
+_SEAL = b"\nSHA-256 of the bytes before this line: "
 
 
 def write_netcdf(
@@ -38,10 +49,87 @@ def write_netcdf(
         import h5netcdf  # noqa: PLC0415 - of an extra
         from xarray.backends import H5NetCDFStore  # noqa: PLC0415 - of an extra
 
+    checked = {
+        name: {"fletcher32": True} | dict((encoding or {}).get(name, {}))
+        for name, variable in dataset.variables.items()
+        if variable.size and variable.ndim and variable.dtype.kind in "biuf"
+    }
     memory = BytesIO()
     with h5netcdf.File(memory, "w") as file:
-        dataset.dump_to_store(H5NetCDFStore(file), encoding=encoding)
+        sealed = dataset.assign_attrs(checksum="SHA-256 in the last line of the file")
+        sealed.dump_to_store(H5NetCDFStore(file), encoding={**(encoding or {}), **checked})
+    seal = _SEAL + hashlib.sha256(memory.getbuffer()).hexdigest().encode()
+    memory.seek(0, 2)
+    memory.write(seal)
     write_file(path, memory.getbuffer())
+
+
+@contextmanager
+def open_netcdf(path: Path, cure: str = "make it again") -> Iterator[h5py.File]:
+    """Open a netCDF file for reading within the block; all its members are checked first.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    cure : str
+        What to do about a damaged file, for the message.
+
+    Raises
+    ------
+    ResultsError
+        If the file cannot be read or is damaged: its content is not what was written, it refers to
+        other files, or it claims more data than it can contain. Also for errors of the block, which
+        reads its content.
+    """
+    try:
+        sealed = _has_seal(path)
+        if has_endless_heap(path):
+            raise ValueError("its texts")
+        with open_to_read(path) as file:
+            if "checksum" in file.attrs and not sealed:
+                raise ValueError("its end is lost, or another program has changed it")
+            _check_members(file)
+            yield file
+    except (MemoryError, ResultsError):
+        raise
+    except Exception as error:  # h5py raises many types of errors for damaged files
+        problem = describe_os_error(error) if isinstance(error, OSError) else str(error)
+        raise DamagedError(f"{path} is damaged or cannot be read: {problem}; {cure}") from error
+
+
+def _has_seal(path: Path) -> bool:
+    """Return whether a file ends with the hash of its bytes; ValueError if the hash is another."""
+    with open_regular(path) as file:
+        length = file.seek(0, 2) - len(_SEAL) - 64
+        file.seek(max(length, 0))
+        seal = file.read()
+        if not seal.startswith(_SEAL):
+            return False
+        file.seek(0)
+        found, rest = hashlib.sha256(), length
+        while block := file.read(min(rest, 2**20)):
+            found.update(block)
+            rest -= len(block)
+        if seal != _SEAL + found.hexdigest().encode():
+            raise ValueError("its content is not what was written")
+    return True
+
+
+def _check_members(file: h5py.File) -> None:
+    """Raise a ValueError unless a file contains only datasets of numbers and texts that fit it."""
+    claimed = 0
+    for name in file:
+        member = get_member(file, name)
+        if isinstance(member, h5py.Group) or not (
+            member.dtype.kind in "biufS" or h5py.check_string_dtype(member.dtype)
+        ):
+            raise ValueError(f"{name}: allowed: arrays of numbers and texts")
+        claimed += member.size * max(member.dtype.itemsize, 8)
+        try:
+            check_claimed_size(member, claimed)
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from error
 
 
 def netcdf_format(path: str | PathLike[str]) -> str:
@@ -49,18 +137,20 @@ def netcdf_format(path: str | PathLike[str]) -> str:
     try:
         with open_to_read(Path(path)) as file:
             name = file.attrs.get("format", "")
-    except (OSError, ResultsError, TypeError, ValueError):
+            return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
+    except Exception:  # h5py raises many types of errors for damaged files
         return ""
-    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
 
 
-def read_netcdf(path: str | PathLike[str]) -> Any:
+def read_netcdf(path: str | PathLike[str], cure: str = "make it again") -> Any:
     """Return the content of a netCDF file as an xarray Dataset in memory.
 
     Parameters
     ----------
     path : path-like
         The file.
+    cure : str
+        What to do about a damaged file, for the message.
 
     Returns
     -------
@@ -78,17 +168,8 @@ def read_netcdf(path: str | PathLike[str]) -> Any:
         import xarray  # noqa: PLC0415 - of an extra
 
     path = Path(path)
-    try:
-        open_to_read(path).close()
-        damaged = has_endless_heap(path)
-    except OSError as error:
-        raise DamagedError(
-            f"{path} cannot be read: {describe_os_error(error)}; make it again"
-        ) from error
-    if damaged:
-        raise DamagedError(f"{path} is damaged (its texts); make it again")
-    try:
-        with xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as file:
-            return file.load()
-    except (LookupError, OSError, TypeError, ValueError) as error:
-        raise DamagedError(f"{path} is damaged ({error}); make it again") from error
+    with (
+        open_netcdf(path, cure),
+        xarray.open_dataset(path, engine="h5netcdf", decode_times=False) as dataset,
+    ):
+        return dataset.load()
