@@ -18,7 +18,7 @@ from tractive_sam.fitting.fit_file import write_fit
 from tractive_sam.fitting.results import FitResult
 from tractive_sam.store import DamagedError, ResultsError, write_netcdf
 from tractive_sam.store.netcdf import open_netcdf
-from tractive_sam.tables.file import write_table
+from tractive_sam.tables.table_file import write_table
 
 SPHERES = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"]).replace(subsurface=None)
 
