@@ -5,11 +5,12 @@ import errno
 import os
 import stat
 import sys
+from io import BufferedReader
 from os import PathLike
 from typing import BinaryIO
 
 
-def open_regular(path: str | PathLike[str]) -> BinaryIO:
+def open_regular(path: str | PathLike[str]) -> BufferedReader:
     """Open a regular file for reading bytes; raise an OSError for pipes, devices and folders.
 
     Other files are refused: a device may have no end, and a named pipe may wait for ever.

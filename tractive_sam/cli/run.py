@@ -55,10 +55,13 @@ def run(
     if resume and overwrite:
         message = "--resume continues a results file, --overwrite replaces it: use one of them"
         raise invalid_exit(message)
-    requested = read_scene(scene, settings)
     if output is None and scene == STANDARD_INPUT:
         raise invalid_exit("-o FILE.h5 is needed for a scene from the standard input")
     path = output or Path(Path(scene).name).with_suffix(".h5")
+    from tractive_sam.run import use_stored_files
+
+    with use_stored_files(ts.open_history(path) if resume and path.exists() else None):
+        requested = read_scene(scene, settings)
     if path.exists() and not (resume or overwrite):
         raise invalid_exit(_describe_existing(path, requested))
     worn = None if start is None else ts.open_history(start)

@@ -12,6 +12,7 @@ import numpy as np
 from tractive_sam.fitting.case import Answer
 from tractive_sam.fitting.design import FitDesign
 from tractive_sam.fitting.fit_file import open_fit
+from tractive_sam.scene import describe_changes, hashes_of
 from tractive_sam.store import DamagedError, ResultsError, versions
 
 
@@ -28,12 +29,19 @@ def read_answers(
     if path is None or not Path(path).exists():
         return {}
     before = open_fit(path)
-    if before.design.fit.scene != document.fit.scene:
+    data = before.dataset
+    stored = json.loads(str(data.attrs.get("files", "{}")))
+    changed = describe_changes(hashes_of([document.fit.scene]), stored)
+    if changed or before.design.fit.scene != document.fit.scene:
         if overwrite:
             return {}
         cure = "-o FILE.nc gives this fit another file, --overwrite replaces it"
-        raise ResultsError(f"{path} holds the fit of another scene; {cure}")
-    data = before.dataset
+        reason = (
+            f"the fit of another scene: {changed} has changed"
+            if changed
+            else "the fit of another scene"
+        )
+        raise ResultsError(f"{path} holds {reason}; {cure}")
     if "answer" not in data or data.attrs.get("version") != versions()["tractive-sam"]:
         return {}  # another version may compute other numbers
     try:

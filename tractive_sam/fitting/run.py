@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,6 +34,7 @@ from tractive_sam.fitting.variables import (
     text_variables,
 )
 from tractive_sam.fitting.words import describe_undetermined, list_notes
+from tractive_sam.scene import hash_files, hashes_of
 from tractive_sam.schema import Fault, PlausibilityWarning, warn
 from tractive_sam.store import versions
 
@@ -96,7 +99,7 @@ def fit(
     """
     check_extra("xarray", "fit")
     check_extra("h5netcdf", "fit")
-    document = read_design(design)
+    document = _fix_files(read_design(design))
     table = document.fit
     if next_test and not table.test:
         raise FitError([Fault("fit.test", "nothing", "at least one [[fit.test]] to choose from")])
@@ -164,6 +167,22 @@ def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> 
     return FitDesign.from_toml(design)
 
 
+def _fix_files(document: FitDesign) -> FitDesign:
+    """Return a design whose scene has its files as they are now, for all computations."""
+    scene = document.fit.scene.with_current_files(fix=True)
+    table = document.fit.model_copy(update={"scene": scene})
+    return document.model_copy(update={"fit": table})
+
+
+def _describe_files(document: FitDesign) -> str:
+    """Return the SHA-256 of the files of a fit by path, as JSON: of its scene and of its data."""
+    data = [str(Path(table.file).absolute()) for table in document.fit.data if table.file]
+    return json.dumps(
+        {path: sha for file in data for path, sha in hash_files(file).items()}
+        | hashes_of([document.fit.scene])
+    )
+
+
 def _read_all(table: Fit) -> list[Measured]:
     """Read all data sets, and raise a FitError with the faults of all of them."""
     measured: list[Measured] = []
@@ -197,6 +216,7 @@ def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
         "status": "running",
         "message": f"computations stored: {len(done.stored)}; run the fit again to resume it",
         "version": versions()["tractive-sam"],
+        "files": _describe_files(document),
     }
     return FitResult(make_dataset({"design": design, **answer_variables(done.stored)}, attributes))
 
@@ -232,4 +252,5 @@ def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult
         **test_variables(gains),
         **answer_variables(problem.evaluations.stored),
     }
-    return FitResult(make_dataset(variables, attributes_of(best, table)))
+    attributes = attributes_of(best, table) | {"files": _describe_files(document)}
+    return FitResult(make_dataset(variables, attributes))

@@ -17,3 +17,4 @@ from .profile_wear import require_wear as require_wear
 from .profile_wear import wear_profiles as wear_profiles
 from .progress import show_roll_progress as show_roll_progress
 from .resume import describe_differences as describe_differences
+from .resume import use_stored_files as use_stored_files

@@ -89,7 +89,7 @@ def solve_many(scene: Scene, over: Values, *, jacobian: bool = False) -> "xarray
     argument_checks.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
-    scene = scene.without_blocks
+    scene = scene.with_current_files(fix=True).without_blocks
     axes = _check_values(scene, over)
     cases, noted = _CaseTable(axes), set[tuple[int, int]]()
     for place, model, contact in _solve_cases(scene, axes, jacobian):

@@ -32,6 +32,7 @@ from tractive_sam.run.resume import (
     check_observers_in_file,
     last_step,
     report_damage,
+    use_stored_files,
 )
 from tractive_sam.run.start import check_start_of_file, describe_origin, worn_bodies
 from tractive_sam.scene import Scene, pressure_notes
@@ -109,7 +110,7 @@ def solve(
     True
     """
     argument_checks.check_scene(scene)
-    scene = scene.without_blocks
+    scene = scene.with_current_files().without_blocks
     model_of = argument_checks.model_of(laws, solver)
     measured = read_measured_gap(scene)
     model = model_of(scene, measured)
@@ -240,9 +241,11 @@ def roll(
     replaced = overwrite or resume
     output = nullcontext() if file is None else results_writer(file, replaced)
     with output, show_roll_progress(scene, progress) as called:
+        before = open_history(file) if resume and file is not None and file.exists() else None
+        with use_stored_files(before):
+            scene = scene.with_current_files()
         gap, stored = read_measured_gap(scene), None
-        if resume and file is not None and file.exists():
-            before = open_history(file)
+        if before is not None and file is not None:
             if len(before):
                 worn, started = check_start_of_file(before, file, started), before.started
             stored = last_step(before, file, scene, laws, user_columns, gap)

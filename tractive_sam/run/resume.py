@@ -12,7 +12,7 @@ import numpy as np
 from tractive_sam.contact import Gap, Laws, choose_grid, describe_grid_entries, extend_to
 from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe_laws
 from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, process_type
-from tractive_sam.scene import Scene
+from tractive_sam.scene import Scene, use_contents
 from tractive_sam.schema import required
 from tractive_sam.store import DamagedError, ResultsError, read_state
 
@@ -82,6 +82,15 @@ def last_step(
 
 
 @contextmanager
+def use_stored_files(history: History | None) -> Iterator[None]:
+    """Within the block, let scenes use the content in a results file for files that are missing."""
+    inputs = {} if history is None else history.scene.inputs
+    stored = [content for _, content, _ in inputs.values() if content.is_stored]
+    with use_contents(stored, only_missing=True):
+        yield
+
+
+@contextmanager
 def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
     """Within the block, turn missing parts of a record into a DamagedError.
 
@@ -103,12 +112,9 @@ def describe_differences(before: Scene, requested: Scene) -> str:
     """List up to five differences of two scenes that prevent resuming; "" if there are none."""
     # Number of differences of two scenes that a message lists.
     most_listed = 5
-    stored, current = before.settings(), requested.settings()
-    keys = sorted(_differing_keys(stored, current))
-    listed = [
-        f"{k}: {_format_entry(stored, k)} there, {_format_entry(current, k)} now"
-        for k in keys[:most_listed]
-    ]
+    stored, current, files = before.settings(), requested.settings(), requested.inputs
+    keys = sorted(_differing_keys(stored, current), key=lambda key: (key not in files, key))
+    listed = [_describe_difference(stored, current, key) for key in keys[:most_listed]]
     more = [f"and {len(keys) - most_listed} more"] if len(keys) > most_listed else []
     return "; ".join(listed + more)
 
@@ -203,8 +209,21 @@ def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
             differing for k, pair in pairs for differing in _differing_keys(*pair, f"{key}[{k}]")
         ]
     arrays = isinstance(before, np.ndarray) or isinstance(after, np.ndarray)
-    equal = np.array_equal(before, after) if arrays else before == after
+    contents: list[Any] = [getattr(value, "content", None) for value in (before, after)]
+    if None not in contents:  # wherever the files are
+        equal = contents[0].digest == contents[1].digest
+    else:
+        equal = np.array_equal(before, after) if arrays else before == after
     return [] if equal else [key]
+
+
+def _describe_difference(stored: Any, current: Any, key: str) -> str:
+    """Describe the two values of a key, or name the changed file if the path is equal."""
+    before, now = (_find_entry(entries, key) for entries in (stored, current))
+    if str(before) == str(now) and getattr(now, "content", None) is not None:
+        changed = ", ".join(before.content.files_differing_from(now.content))
+        return f"{key}: {changed} has changed, whose earlier content was computed"
+    return f"{key}: {_format_entry(before)} there, {_format_entry(now)} now"
 
 
 def _are_tables(value: Any) -> bool:
@@ -212,11 +231,16 @@ def _are_tables(value: Any) -> bool:
     return isinstance(value, tuple) and bool(value) and isinstance(value[0], dict)
 
 
-def _format_entry(entries: dict[str, Any], key: str) -> str:
-    """Return the value of a dotted key as text: "nothing" if unset, tables by their number."""
+def _find_entry(entries: dict[str, Any], key: str) -> Any:
+    """Return the value of a dotted key; None if it is not set."""
     value: Any = entries
     for name in key.replace("[", ".").replace("]", "").split("."):
         value = value[int(name)] if isinstance(value, tuple) else (value or {}).get(name)
+    return value
+
+
+def _format_entry(value: Any) -> str:
+    """Return a value as text: "nothing" for None, tables by their number."""
     if _are_tables(value):
         return f"{len(value)} tables"
     return "nothing" if value is None else str(value)

@@ -143,8 +143,16 @@ def _entries_of_bodies(scene: Scene) -> dict[str, Any]:
     same = ("body", "gap")
     settings = {name: scene.settings().get(name, {}) for name in same}
     return {
-        key: str(value) for key, value in _flatten(settings) if key.split(".")[-1] not in of_wear
+        key: _describe_entry(value)
+        for key, value in _flatten(settings)
+        if key.split(".")[-1] not in of_wear
     }
+
+
+def _describe_entry(value: Any) -> str:
+    """Return a value as text, with the hash of its content if it is a file."""
+    content = getattr(value, "content", None)
+    return str(value) if content is None else f"{value}, SHA-256 {content.digest[:12]}"
 
 
 def _flatten(table: Mapping[str, Any], above: str = ""):

@@ -26,6 +26,11 @@ from .gap import allow_missing_files as allow_missing_files
 from .heat import Bulk as Bulk
 from .heat import Heat as Heat
 from .heat import Thermal as Thermal
+from .inputs import FileContent as FileContent
+from .inputs import describe_changes as describe_changes
+from .inputs import hash_files as hash_files
+from .inputs import hashes_of as hashes_of
+from .inputs import use_contents as use_contents
 from .load_history import Binned as Binned
 from .load_history import LoadHistory as LoadHistory
 from .load_history import blocks_of as blocks_of

@@ -9,7 +9,7 @@ import numpy as np
 
 
 def hash_settings(settings: Mapping[str, Any], without: Sequence[str] = ()) -> str:
-    """Return a hash of settings, equal for equal settings; the keys `without` do not count."""
+    """Return a hash of settings and of the content of their files; `without` do not count."""
     counting = {key: value for key, value in settings.items() if key not in without}
     text = json.dumps(_canonical(counting), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()
@@ -32,4 +32,5 @@ def _canonical(value: Any) -> Any:
             return value + 0.0  # no negative zero
         case bool() | int():
             return value
-    return str(value)
+    content = getattr(value, "content", None)
+    return str(value) if content is None else content.digest

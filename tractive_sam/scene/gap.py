@@ -28,6 +28,8 @@ from tractive_sam.schema import (
 )
 from tractive_sam.text_table import LENGTHS
 
+from .inputs import InputPath, content_of, describe_reading
+
 TEXTS = (".csv", ".txt", ".dat", ".tsv", ".xyz", ".asc")
 """Suffixes of gap files that are text."""
 
@@ -82,10 +84,14 @@ def check_exists(path: Path, other_values: str = "") -> None:
 
 
 def _check_file(path: Path) -> Path:
-    """Return the absolute path of a gap file; raise a ValueError if it does not exist."""
+    """Return the path of a gap file with its content; raise a ValueError if it does not exist."""
+    if isinstance(path, InputPath):
+        return path
     absolute = absolute_path(path, (".h5", ".npy", ".npz", *TEXTS))
-    check_exists(absolute)
-    return absolute
+    content = content_of(str(absolute))
+    if content is None:
+        check_exists(absolute)
+    return InputPath.bind(absolute, content)
 
 
 def _read_array(value: Any) -> NDArray[np.float64]:
@@ -208,6 +214,11 @@ class Gap(Table):
         _check_direction,
         _check_step,
     )
+
+    @property
+    def reading(self) -> str:
+        """Keys that influence how the file is read, see `FileContent.read`."""
+        return describe_reading(self, ("file", *_ARRAYS, "datum"))
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield a report row with the source of the separation: the file or an array."""

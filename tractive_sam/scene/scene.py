@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -35,6 +36,7 @@ from .fingerprint import hash_settings
 from .friction import Friction, without_zero_friction
 from .gap import Gap
 from .heat import STEEL, Heat, Thermal
+from .inputs import Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
 from .observer import ObserverTable
 from .override import override, parse_settings
@@ -288,10 +290,48 @@ class Scene(Document):
     def fingerprint(self) -> str:
         """Return a hash of all settings with defaults, except the title and [load_history].
 
-        The title has no influence. A gap file is represented by its name. Keys without a value do
-        not count, so that a later version with further optional keys returns an equal hash.
+        The title has no influence. A file is represented by its content, wherever it lies. Keys
+        without a value do not count, so that a later version with further optional keys returns an
+        equal hash.
         """
         return hash_settings(self.settings(), without=("title", "load_history"))
+
+    @property
+    def inputs(self) -> dict[str, Input]:
+        """Files that the scene names, with their content, by dotted key, for example "gap.file"."""
+        profiles = {} if self.transient is None else self.transient.profile.by_table
+        tables: dict[str, Any] = {"wheel.profile": self.wheel, "rail.profile": self.rail}
+        tables |= {f"{name}.file": table for name, table in ({"gap": self.gap} | profiles).items()}
+        found: dict[str, Input] = {}
+        for key, table in tables.items():
+            file = getattr(table, key.rpartition(".")[2], None)
+            if isinstance(file, InputPath | InputName) and file.content is not None:
+                found[key] = Input(file, file.content, table.reading)
+        return found
+
+    def with_current_files(self, fix: bool = False) -> Scene:
+        """Return the scene with its files as they are now; itself if they have not changed.
+
+        Parameters
+        ----------
+        fix : bool
+            Whether to fix their content, for a computation of many scenes: if a file changes in
+            the meantime, the computation is refused.
+
+        Raises
+        ------
+        SceneError
+            If a file does not exist any more, or if the scene is not valid with a changed file.
+        """
+        inputs = self.inputs.items()
+        changed = {key: str(file) for key, (file, content, _) in inputs if not content.is_current}
+        scene = self.replace(**changed) if changed else self
+        files = {
+            key: type(file).bind(file, replace(content, is_fixed=True))
+            for key, (file, content, _) in scene.inputs.items()
+            if fix and not (content.is_fixed or content.is_stored)
+        }
+        return scene.replace(**files) if files else scene
 
     def replace(self, **changes: Any) -> Scene:
         """Return a new scene with entries changed by dotted key: ``**{"load.normal": 200.0}``.

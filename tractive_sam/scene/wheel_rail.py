@@ -159,6 +159,7 @@ def contact_locus(scene: Any, positions: Any) -> ContactLocus:
     """
     if scene.wheelset is None or scene.rail.has_sections:
         raise ValueError("contact_locus: a scene with [wheelset], and one rail profile, is needed")
+    scene = scene.with_current_files()
     wheelset = scene.wheelset
     table, yaw = scene.wheel, 1e-3 * wheelset.yaw
     wheel = Wheel(table.curve, table.radius, wheelset.inner, yaw=yaw, tape_line=table.tape_line)

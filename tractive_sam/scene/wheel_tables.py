@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import Field, ValidatorFunctionWrapHandler, WrapValidator
 
 from tractive_sam.rail import (
     BUILTIN,
@@ -27,28 +26,33 @@ from tractive_sam.rail import (
 from tractive_sam.schema import Check, Positive, Real, Row, Table, entry, exactly_one, not_both
 
 from .gap import absolute_path, check_exists
+from .inputs import InputName, content_of, describe_reading
 from .schedule import PatchSchedule, Schedule
 
 
-def _check_profile(name: str, built_in: tuple[str, ...]) -> str:
-    """Return a built-in name unchanged, or the absolute path of an existing profile file."""
+def _check_profile(
+    value: Any, check_text: ValidatorFunctionWrapHandler, built_in: tuple[str, ...]
+) -> str:
+    """Return a built-in name, or the path of an existing profile file with its content."""
+    if isinstance(value, InputName):
+        return value
+    name: str = check_text(str(value) if isinstance(value, Path) else value)
     if name in built_in:
         return name
     listed = " or ".join(built_in)
     if Path(name).suffix.lower() not in SUFFIXES:
         raise ValueError(f"{listed}, or a file ending in {', '.join(SUFFIXES)}")
-    path = absolute_path(Path(name), SUFFIXES)
-    check_exists(path, f"{listed}, or ")
-    return str(path)
+    path = str(absolute_path(Path(name), SUFFIXES))
+    content = content_of(path)
+    if content is None:
+        check_exists(Path(path), f"{listed}, or ")
+    return InputName.bind(path, content)
 
 
 _Unit = Literal["mm", "m", "in", "cm", "um"]
-_NameOrPath = Annotated[
-    str, BeforeValidator(lambda value: str(value) if isinstance(value, Path) else value)
-]
-_WheelProfile = Annotated[_NameOrPath, AfterValidator(partial(_check_profile, built_in=("S1002",)))]
+_WheelProfile = Annotated[str, WrapValidator(partial(_check_profile, built_in=("S1002",)))]
 _RailProfile = Annotated[
-    _NameOrPath, AfterValidator(partial(_check_profile, built_in=("60E1", "UIC60-manchester")))
+    str, WrapValidator(partial(_check_profile, built_in=("60E1", "UIC60-manchester")))
 ]
 _FreeOrReal = Literal["free"] | Real
 _Pitch = Literal["free", "rolling-radius"] | Real
@@ -86,31 +90,30 @@ class _ProfileTable(Table):
         with suppress(ValueError):  # reported as a fault of the scene
             yield from self._read(profile, kind).notes
 
-    def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Any:
-        """Return a built-in profile, or a profile or sections from a file.
+    @property
+    def reading(self) -> str:
+        """Keys that influence how the file is read, see `FileContent.read`."""
+        return describe_reading(self, self.not_read)
 
-        A file that has changed is read again.
-        """
+    not_read: ClassVar[tuple[str, ...]] = ()
+    """Keys without influence on the reading."""
+
+    def _read(self, profile: str, kind: Literal["wheel", "rail"]) -> Any:
+        """Return a built-in profile, or the profile or sections in a file."""
         if profile in BUILTIN:
             return builtin_profile(profile)
-        changed = os.stat(profile).st_mtime_ns if os.path.isfile(profile) else 0
-        options = (self.unit, self.smoothing), (self.mirror, self.side)
-        return _read_once(profile, kind, *options, changed)
 
+        def read(kind: Any, path: str | Path) -> Profile:
+            numbers, mirror, side = (self.unit, self.smoothing), self.mirror, self.side
+            return read_profile(path, kind, *numbers, mirror=mirror, side=side)
 
-@lru_cache(maxsize=32)
-def _read_once(
-    path: str, kind: Any, options: tuple[Any, Any], direction: tuple[bool, Any], changed: int
-) -> Rail:
-    """Return the profile or sections in a file, cached until the file changes (`changed`, time)."""
-    mirror, side = direction
+        def read_file() -> Any:
+            if profile.lower().endswith(SECTIONS):
+                return read_sections(profile, partial(read, "section"))
+            return read(kind, profile)
 
-    def read(kind: Any, path: str | Path) -> Profile:
-        return read_profile(path, kind, *options, mirror=mirror, side=side)
-
-    if path.lower().endswith(SECTIONS):
-        return read_sections(path, lambda section: read("section", section))
-    return read(kind, path)
+        content = getattr(profile, "content", None)
+        return read_file() if content is None else content.read(self.reading, read_file)
 
 
 class WheelTable(_ProfileTable):
@@ -125,6 +128,7 @@ class WheelTable(_ProfileTable):
     profile: _WheelProfile = entry(
         "wheel profile: S1002, or a file", "S1002, or the path of a file"
     )
+    not_read: ClassVar[tuple[str, ...]] = ("profile", "radius", "tape_line")
     radius: Positive = entry("radius at the tread datum (tape line), mm", default=460.0)
     tape_line: Positive = entry(
         "distance of the tread datum, the origin of the profile, from the back of the wheel, mm",
@@ -189,6 +193,7 @@ class RailTable(_ProfileTable):
         default=None,
     )
     checks: ClassVar[tuple[Check, ...]] = (not_both("origin", "gauge"),)
+    not_read: ClassVar[tuple[str, ...]] = ("profile", "inclination", "gauge", "origin", "passes")
 
     @property
     def curve(self) -> Any:

@@ -73,8 +73,12 @@ def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
         If the file cannot be read, or does not hold finite numbers on a full grid.
     """
     settings = gap if isinstance(gap, scene.Gap) else scene.Gap.model_construct(file=Path(gap))
+    content = getattr(settings.file, "content", None)
     try:
-        return _read(settings)
+        if content is None:
+            return _read(settings)
+        read: Gap = content.read(settings.reading, lambda: _read(settings))
+        return read
     except GapError as error:
         raise error.for_table(table) from error.__cause__
 

@@ -6,6 +6,10 @@
                (source of the worn bodies at the start), measured (SHA-256 of the numbers of the
                measured gap and profiles), datum (datum of the approach: vertex; if it is missing,
                the nearest node)
+    /inputs    only with files that the scene names: a group for each key, for example gap.file,
+               with attributes path, hashes (JSON: SHA-256 of the file and of files that it names,
+               by path), reading (keys that influence the reading); x, y, separation of a map; s,
+               y, z, tangent_y, tangent_z of a profile; these over x and node of sections of a rail
     /grid      x, y
     /history   record, y, axis, body, block, position, wheel, rail (nodes of their profiles); a
                dataset for each column (record, further dimensions), including the coordinate,
@@ -68,6 +72,7 @@ from tractive_sam.store.datasets import (
     plane_path,
 )
 from tractive_sam.store.format_version import FORMAT, FORMAT_VERSION, versions
+from tractive_sam.store.inputs import add_inputs
 from tractive_sam.store.texts import create_text, decode_text, set_text
 
 RUNNING = ("running", "the computation has not ended yet, or was killed")
@@ -110,6 +115,7 @@ def create_layout(
     set_text(file, "format", FORMAT)
     file.attrs["format_version"] = FORMAT_VERSION
     set_scene(file, scene)
+    add_inputs(file, scene)
     set_text(file["scene"], "laws", describe_laws(laws or {}))
     set_text(file["scene"], "law_records", dump_laws(laws or {}))
     set_status(file, *RUNNING)

@@ -31,10 +31,11 @@ from tractive_sam.results import (
     load_laws,
     storable_fields,
 )
-from tractive_sam.scene import Scene, allow_missing_files
+from tractive_sam.scene import Scene, allow_missing_files, use_contents
 from tractive_sam.schema import SceneError, SceneWarning
 from tractive_sam.store import layout, legacy_format
 from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.inputs import read_inputs
 from tractive_sam.store.opening import ResultsFile, open_results
 from tractive_sam.store.stored_records import StoredCycles, StoredField, StoredStress
 
@@ -236,8 +237,9 @@ def _read_scene(file: ResultsFile) -> Scene:
     text = file.text("scene")
     if file.version > 1 and file.text("scene", "digest") != layout.digest(text):
         raise file.damage_error("scene: the text has changed since it was written")
+    contents = read_inputs(file)
     try:
-        with allow_missing_files(), warnings.catch_warnings():
+        with allow_missing_files(), use_contents(contents), warnings.catch_warnings():
             warnings.simplefilter("ignore", SceneWarning)
             if file.version == 1:
                 text = legacy_format.update_scene_text(text)

@@ -4,14 +4,13 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.description import format_setting
-from tractive_sam.scene import Gap, Scene
+from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError
 from tractive_sam.store import FORMAT_VERSION, GapError, read_gap, versions
 from tractive_sam.studies.design import Study, StudyError
@@ -82,12 +81,15 @@ def cases(study: Study) -> list[Case]:
     listed: list[Case] = []
     faults: dict[tuple[str, str], list[tuple[Fault, Case]]] = {}
     seen: dict[str, Case] = {}
-    contents = cache(_contents)
+    base = study.scene.with_current_files(fix=True)
     for number, changes in enumerate(_changes(study)):
         interrupt.raise_if_interrupted()
         try:
-            scene = study.scene.replace(**changes)
-            case = Case(number, changes, scene, _digest(scene, contents))
+            scene = base.replace(**changes).with_current_files(fix=True)
+            for key, table in {"gap": scene.gap, **scene.schedule.profiles}.items():
+                if table is not None and table.file is not None:
+                    read_gap(table, key)
+            case = Case(number, changes, scene, _digest(scene))
         except SceneError as error:
             case, new = Case(number, changes, study.scene, ""), list(error.faults)
         except GapError as error:
@@ -121,16 +123,12 @@ def _merge_faults(same: list[tuple[Fault, Case]]) -> Fault:
     return replace(fault, given=f"{fault.given} {where}")
 
 
-def _digest(scene: Scene, contents) -> str:
+def _digest(scene: Scene) -> str:
     """Return a hash of a scene, of the files it names, and of the methods' version.
 
     Results of versions with different methods or files are never mixed.
     """
-    hashed = hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode())
-    for table, gap in {"gap": scene.gap, **scene.schedule.profiles}.items():
-        if gap is not None and gap.file is not None:
-            hashed.update(contents(gap, gap.file, table))
-    return hashed.hexdigest()[:DIGEST]
+    return hashlib.sha256(f"{scene.fingerprint()} {_generation()}".encode()).hexdigest()[:DIGEST]
 
 
 @cache
@@ -138,12 +136,6 @@ def _generation() -> str:
     """Return the text "major.minor format" of the package's methods and its results format."""
     first, second, *_ = (*versions()["tractive-sam"].split("."), "")
     return f"{first}.{second} {FORMAT_VERSION}"
-
-
-def _contents(gap: Gap, file: Path, table: str) -> bytes:
-    """Return the SHA-256 hash of a gap file; GapError unless the gap is valid."""
-    read_gap(gap, table)
-    return hashlib.sha256(file.read_bytes()).digest()
 
 
 def title_of(key: str) -> str:

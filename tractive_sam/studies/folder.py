@@ -24,6 +24,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from tractive_sam.output_file import OutputError, describe_os_error, is_disk_failure, write_file
+from tractive_sam.scene import hashes_of
 from tractive_sam.store import FileInUseError, ResultsError, StorageError, hold_lock
 from tractive_sam.studies.case import DIGEST, Case
 from tractive_sam.studies.case_log import CaseLog
@@ -121,6 +122,8 @@ class Folder:
             "message": outcome.message,
             "row": outcome.row,
         }
+        if files := hashes_of([task.case.scene]):
+            entry["files"] = files
         self.log.append(entry)
         self._failure_file(task.case).unlink(missing_ok=True)
 

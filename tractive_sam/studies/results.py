@@ -4,7 +4,8 @@ import csv
 import math
 import warnings
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from io import StringIO
@@ -22,7 +23,8 @@ from tractive_sam.optional import xarray
 from tractive_sam.output_file import write_file
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, index_by_name
 from tractive_sam.safe_text import csv_cell
-from tractive_sam.schema import SceneWarning
+from tractive_sam.scene import FileContent, use_contents
+from tractive_sam.schema import SceneError, SceneWarning
 from tractive_sam.store import ResultsError, is_written, open_history, write_netcdf
 from tractive_sam.studies.case import Case, cases, title_of
 from tractive_sam.studies.design import Study
@@ -333,6 +335,13 @@ class StudyResults:
         return f"{name} [{unit}]" if unit not in ("", "1") else name
 
 
+def _stored_contents(folder: Folder) -> Iterator[FileContent]:
+    """Yield the contents of the files that scenes name, from the results files of a study."""
+    for file in folder.results().values():
+        with suppress(ResultsError):
+            yield from (given.content for given in open_history(file).scene.inputs.values())
+
+
 def open_study(directory: str | PathLike[str]) -> StudyResults:
     """Read the results in the folder of a study, which may still run.
 
@@ -346,7 +355,8 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     ResultsError
         If it is not the folder of a study.
     StudyError
-        If the study or a scene is no longer valid: the file of a measured gap is missing.
+        If the study or a scene is no longer valid: a file is missing, and no results file has its
+        content.
 
     Examples
     --------
@@ -360,8 +370,13 @@ def open_study(directory: str | PathLike[str]) -> StudyResults:
     folder = Folder(directory)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)  # printed when it was computed
-        study = folder.study()
-        all_cases = cases(study)
+        try:
+            study = folder.study()
+            all_cases = cases(study)
+        except SceneError:  # a file may be missing whose content the results files have
+            with use_contents(_stored_contents(folder), only_missing=True):
+                study = folder.study()
+                all_cases = cases(study)
     files, logged, failures = folder.results(), folder.log.read(), folder.failures()
     rows = []
     for case in all_cases:

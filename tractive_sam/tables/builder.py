@@ -1,6 +1,7 @@
 """Refine a table: add nodes near check points with too large errors."""
 
 import itertools
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -377,6 +378,7 @@ class TableBuilder:
         about = {
             "title": design.title,
             "design": design.to_toml(),
+            "files": json.dumps(design.files),
             "tolerance": design.tolerance,
             "rounds": self.contacts.round,
             "held_out": len(errors),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
@@ -27,6 +28,7 @@ from tractive_sam.tables.solving import (
     Solve,
     TableContacts,
     TableProgress,
+    check_files,
     solve_here,
     solve_on_workers,
 )
@@ -120,12 +122,14 @@ def _open_solver(
 
 
 def _read_design(table: CreepTable) -> TableDesign:
-    """Return the design that a table stores; ResultsError if it stores none."""
+    """Return the design that a table stores; ResultsError if none, SceneError for other files."""
     if "design" not in table.about:
         raise ResultsError(
             "design: the file of the table has none; build the table from a design (TOML)"
         )
-    return TableDesign.from_toml_text(str(table.about["design"]))
+    design = TableDesign.from_toml_text(str(table.about["design"]))
+    check_files(json.loads(str(table.about.get("files", "{}"))), design.files)
+    return design
 
 
 def is_design(path: str | PathLike[str]) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from tractive_sam.lookup import CONTACT, RATIO, check_axis_name
-from tractive_sam.scene import Scene, resolve_parametric_files
+from tractive_sam.scene import Scene, hashes_of, resolve_parametric_files
 from tractive_sam.schema import (
     Check,
     Document,
@@ -362,6 +362,13 @@ class TableDesign(Document):
     def closed_form(self) -> bool:
         """Whether full slip has a closed form: the design has neither a scene nor further axes."""
         return self.scene is None and not self.axis
+
+    @property
+    def files(self) -> dict[str, str]:
+        """SHA-256 of the files that its scenes name, by path."""
+        if self.scene is None:
+            return {}
+        return hashes_of([self.scene, *map(self._scene_with, self._each_entry())])
 
     def ratio(self, place: tuple[float, ...]) -> float:
         """Return a/b at a point of the axes `names`."""

@@ -1,7 +1,7 @@
 """The nodes of a table on its grid, and their contacts, solved here or on workers."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import groupby
@@ -13,7 +13,8 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.lookup import MIRROR, creepages_at, creepages_by_coordinates
 from tractive_sam.reference import full_slip_with_spin
-from tractive_sam.schema import Fault
+from tractive_sam.scene import describe_changes, hashes_of
+from tractive_sam.schema import Fault, SceneError
 from tractive_sam.studies import computed
 from tractive_sam.tables.contacts import Contacts, Solved
 from tractive_sam.tables.design import TableDesign, TableError
@@ -88,6 +89,7 @@ NODE_SHARE = 0.4
 errors along the three axes of largest curvature seldom add up."""
 
 Place = tuple[float, ...]
+Files = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -125,10 +127,25 @@ Solve = Callable[[Sequence[Job]], Iterator[tuple[int, Batch]]]
 """Solves jobs; yields batches with the number of their first job as they are complete."""
 
 
-def solve_jobs(text: str, jobs: Sequence[Job]) -> Batch:
-    """Solve jobs with equal positions, for a design given as TOML text."""
+def solve_jobs(text: str, jobs: Sequence[Job], files: Files = ()) -> Batch:
+    """Solve jobs with equal positions, for a design given as TOML text.
+
+    Parameters
+    ----------
+    text : str
+        The design.
+    jobs : sequence of Job
+        The jobs.
+    files : tuple of (str, str)
+        Path and SHA-256 of each file that the design names.
+
+    Raises
+    ------
+    SceneError
+        If a file has changed.
+    """
     began = process_time()
-    design, contacts = _contacts_at(text, jobs[0].place)
+    design, contacts = _contacts_at(text, files, jobs[0].place)
     before, wanted, solutions = contacts.solved, NODE_SHARE * design.tolerance, []
     for job in jobs:
         interrupt.raise_if_interrupted()
@@ -138,16 +155,33 @@ def solve_jobs(text: str, jobs: Sequence[Job]) -> Batch:
 
 
 @lru_cache(maxsize=1)
-def _design(text: str) -> TableDesign:
+def _design(text: str, files: Files) -> TableDesign:
     """Return the design in a TOML text, cached."""
-    return TableDesign.from_toml_text(text)
+    design = TableDesign.from_toml_text(text)
+    check_files(dict(files), design.files)
+    return design
 
 
 @lru_cache(maxsize=64)
-def _contacts_at(text: str, place: Place) -> tuple[TableDesign, Contacts]:
+def _contacts_at(text: str, files: Files, place: Place) -> tuple[TableDesign, Contacts]:
     """Return the design in a TOML text, and its solver of contacts at a position."""
-    design = _design(text)
-    return design, design.contacts(place)
+    design = _design(text, files)
+    contacts = design.contacts(place)
+    check_files(dict(files), hashes_of([contacts.scene]))
+    return design, contacts
+
+
+def check_files(before: Mapping[str, str], now: Mapping[str, str]) -> None:
+    """Raise a SceneError that names the files whose hashes, by path, differ.
+
+    Raises
+    ------
+    SceneError
+        If a file has changed since its design was read.
+    """
+    if changed := describe_changes(before, now):
+        allowed = "the content with which the table was begun; restore it, or build another table"
+        raise SceneError([Fault(Fault.FILE, f"{changed}, which has changed", allowed)])
 
 
 def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequence[Job]]]:
@@ -167,11 +201,11 @@ def divide_jobs(jobs: Sequence[Job], max_jobs: int = 20) -> list[tuple[int, Sequ
 
 def solve_here(design: TableDesign) -> Solve:
     """Return a function that solves jobs in this process and yields (first job's index, batch)."""
-    text = design.to_toml()
+    text, files = design.to_toml(), tuple(design.files.items())
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
         for first, some in divide_jobs(jobs):
-            yield first, solve_jobs(text, some)
+            yield first, solve_jobs(text, some, files)
 
     return run
 
@@ -180,11 +214,11 @@ def solve_on_workers(
     design: TableDesign, address: str, security: Any, log: Callable[[str], None]
 ) -> Solve:
     """Return a function that solves jobs on Dask workers and yields (first job's index, batch)."""
-    text = design.to_toml()
+    text, files = design.to_toml(), tuple(design.files.items())
 
     def run(jobs: Sequence[Job]) -> Iterator[tuple[int, Batch]]:
         parts = divide_jobs(jobs)
-        calls = [(solve_jobs, text, some) for _, some in parts]
+        calls = [(solve_jobs, text, some, files) for _, some in parts]
         for k, batch in computed(calls, address, log, security):
             yield parts[k][0], batch
 
