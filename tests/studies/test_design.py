@@ -78,10 +78,10 @@ def test_scene_file_next_to_the_study(written):
 
 
 def test_gap_files_next_to_the_study(written, tmp_path):
-    """They are part of the scene: another content is another case."""
+    """They are part of the scene: another content is another case, and an equal one is not."""
     gap = "x,y,separation\n" + "".join(f"{x},{y},0.001\n" for x in (-9.0, 9.0) for y in (-9.0, 9.0))
     written(gap, "one.csv")
-    written(gap, "two.csv")
+    written(gap.replace("0.001", "0.003"), "two.csv")
     axis = '[[axis]]\nkey = "gap.file"\nvalues = ["one.csv", "two.csv"]\n'
     scene = 'scene = "spheres"\n'
     path = written(scene + axis)
@@ -91,6 +91,9 @@ def test_gap_files_next_to_the_study(written, tmp_path):
     after = cases(Study.from_toml(path))
     assert before[0].digest != after[0].digest
     assert before[1].digest == after[1].digest
+    written(gap.replace("0.001", "0.003"), "one.csv")
+    with pytest.raises(StudyError, match="twice"):
+        cases(Study.from_toml(path))
     friction = {"key": "friction.mu", "values": [0.1, 0.2]}
     zipped = f"[[axis]]\n{toml.emit(friction)}{axis.replace('[[axis]]', '[[axis.zip]]')}"
     assert [case.scene.gap.file for case in cases(Study.from_toml(written(scene + zipped)))] == [
@@ -108,7 +111,7 @@ def test_profiles_that_travel_are_read_next_to_the_study_and_count(written, tmp_
     )
     file = written(text)
     monkeypatch.chdir("/")
-    written(bump, "two.csv")
+    written(bump.replace("0.001", "0.003"), "two.csv")
     before = cases(Study.from_toml(file))
     written(bump.replace("0.001", "0.002"), "two.csv")
     after = cases(Study.from_toml(file))
