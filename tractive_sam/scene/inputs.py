@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple, Self
 from weakref import WeakValueDictionary
 
 from tractive_sam.input_file import open_regular, read_text
@@ -43,6 +43,9 @@ class FileContent:
     is_stored : bool
         Whether the content comes from a results file, so that the file is not needed.
     """
+
+    known: ClassVar[WeakValueDictionary[tuple[str, str], FileContent]] = WeakValueDictionary()
+    """Contents in use, by path and hash: equal files are read once."""
 
     path: str
     hashes: Mapping[str, str]
@@ -142,7 +145,6 @@ class Input(NamedTuple):
     reading: str
 
 
-_CONTENTS: WeakValueDictionary[tuple[str, str], FileContent] = WeakValueDictionary()
 _STORED: ContextVar[tuple[Mapping[str, FileContent], bool]] = ContextVar(
     "content of results files", default=({}, False)
 )
@@ -177,7 +179,7 @@ def content_of(path: str) -> FileContent | None:
         content = FileContent(path, hash_files(path))
     except (OSError, ValueError):  # ValueError: a path with a null character
         return None
-    return _CONTENTS.setdefault((path, content.digest), content)
+    return FileContent.known.setdefault((path, content.digest), content)
 
 
 def hash_files(path: str) -> dict[str, str]:

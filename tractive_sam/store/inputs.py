@@ -16,27 +16,14 @@ from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import ResultsFile, open_results
 from tractive_sam.store.texts import set_text
 
-GROUP = "inputs"
-
-_AXES = {
-    "x": "position along the track",
-    "y": "lateral position",
-    "s": "arc length",
-    "node": "number of a point of a section",
-}
-_PARTS = {
-    "y": "lateral position",
-    "z": "height, positive downwards",
-    "tangent_y": "derivative of y",
-    "tangent_z": "derivative of z",
-}
-"""Numbers of profiles, in the order of points and tangents."""
+_PARTS = ("y", "z", "tangent_y", "tangent_z")
+"""Numbers of profiles: points and tangents."""
 
 
 def add_inputs(file: h5py.File, scene: Scene) -> None:
     """Add the content of the files that a scene names, with its hashes, to a results file."""
     for key, (_, content, reading) in scene.inputs.items():
-        group = file.require_group(GROUP).create_group(key)
+        group = file.require_group("inputs").create_group(key)
         hashes = json.dumps(content.hashes)
         for name, text in (("path", content.path), ("hashes", hashes), ("reading", reading)):
             set_text(group, name, text)
@@ -56,8 +43,8 @@ def add_inputs(file: h5py.File, scene: Scene) -> None:
 def read_inputs(file: ResultsFile) -> list[FileContent]:
     """Return the contents of the files that the scene of a results file names."""
     contents: dict[str, FileContent] = {}
-    for key in file.names(GROUP) if GROUP in file else ():
-        group = f"{GROUP}/{key}"
+    for key in file.names("inputs") if "inputs" in file else ():
+        group = f"inputs/{key}"
         path, hashes, reading = (file.text(group, name) for name in ("path", "hashes", "reading"))
         try:
             files = {str(name): str(digest) for name, digest in json.loads(hashes).items()}
@@ -81,9 +68,18 @@ def _add_arrays(
     group: h5py.Group, axes: dict[str, np.ndarray], arrays: dict[str, np.ndarray]
 ) -> None:
     """Add the axes of arrays as scales, and the arrays with checksums."""
+    about = {
+        "x": "position along the track",
+        "y": "lateral position",
+        "z": "height, positive downwards",
+        "s": "arc length",
+        "node": "number of a point of a section",
+        "tangent_y": "derivative of y",
+        "tangent_z": "derivative of z",
+        "separation": "separation added to the radii",
+    }
     for name, values in axes.items():
-        create_scale(group, name, values, Quantity(name, "mm", _AXES[name]))
-    about = _PARTS | {"separation": "separation added to the radii"}
+        create_scale(group, name, values, Quantity(name, "mm", about[name]))
     for name, values in arrays.items():
         dataset = group.create_dataset(
             name, data=values, chunks=True, fletcher32=True, **COMPRESSED
@@ -107,7 +103,7 @@ def _read_profile(file: ResultsFile, group: str) -> Profile | RailSections:
 def _read_map(path: Path, group: str, hashes: str) -> tuple[np.ndarray, ...]:
     """Return x, y and separation in a results file; ResultsError if it has been replaced."""
     with open_results(path) as file:
-        if group.partition("/")[0] not in file or file.text(group, "hashes") != hashes:
+        if "inputs" not in file or file.text(group, "hashes") != hashes:
             raise ResultsError(f"{path} has been replaced since it was opened; open it again")
         x, y, separation = (
             file.all_numbers(f"{group}/{name}") for name in ("x", "y", "separation")

@@ -89,7 +89,6 @@ NODE_SHARE = 0.4
 errors along the three axes of largest curvature seldom add up."""
 
 Place = tuple[float, ...]
-Files = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
@@ -127,7 +126,7 @@ Solve = Callable[[Sequence[Job]], Iterator[tuple[int, Batch]]]
 """Solves jobs; yields batches with the number of their first job as they are complete."""
 
 
-def solve_jobs(text: str, jobs: Sequence[Job], files: Files = ()) -> Batch:
+def solve_jobs(text: str, jobs: Sequence[Job], files: tuple[tuple[str, str], ...] = ()) -> Batch:
     """Solve jobs with equal positions, for a design given as TOML text.
 
     Parameters
@@ -155,7 +154,7 @@ def solve_jobs(text: str, jobs: Sequence[Job], files: Files = ()) -> Batch:
 
 
 @lru_cache(maxsize=1)
-def _design(text: str, files: Files) -> TableDesign:
+def _design(text: str, files: tuple[tuple[str, str], ...]) -> TableDesign:
     """Return the design in a TOML text, cached."""
     design = TableDesign.from_toml_text(text)
     check_files(dict(files), design.files)
@@ -163,7 +162,9 @@ def _design(text: str, files: Files) -> TableDesign:
 
 
 @lru_cache(maxsize=64)
-def _contacts_at(text: str, files: Files, place: Place) -> tuple[TableDesign, Contacts]:
+def _contacts_at(
+    text: str, files: tuple[tuple[str, str], ...], place: Place
+) -> tuple[TableDesign, Contacts]:
     """Return the design in a TOML text, and its solver of contacts at a position."""
     design = _design(text, files)
     contacts = design.contacts(place)
