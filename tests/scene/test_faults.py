@@ -80,7 +80,7 @@ ENTRIES = [
     ("subsurface.planes", ["w=0"], "planes like"),
     ("subsurface.planes", ["z=-1"], "depth"),
     ("subsurface.planes", ["y=0", "y=0.0"], "once"),
-    ("subsurface.loaded_bodies", 0, "above 0"),
+    ("subsurface.depth", 0, "above 0"),
     ("subsurface.elements", 1, "from 2"),
     ("subsurface.bodies", [], "list"),
     ("subsurface.bodies", ["C"], "list"),
