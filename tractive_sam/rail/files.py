@@ -93,12 +93,12 @@ def read_profile(
     try:
         parts = re.split(r"^[ \t]*point\.(?:begin|end)\b.*$", text, flags=re.MULTILINE)
         if len(parts) > 1:
-            points, notes = _read_simpack(parts, kind, unit, side)
+            points, inside, notes = _read_simpack(parts, kind, unit, side)
         else:
-            points, notes = _read_columns(parse_table(text), unit, side)
+            (points, notes), inside = _read_columns(parse_table(text), unit, side), None
         if mirror:
             points = points * (-1.0, 1.0)
-        profile = from_measurement(points, kind, smoothing)
+        profile = from_measurement(points, kind, smoothing, inside)
     except ValueError as error:
         raise ProfileError(f"{path}: {error}") from None
     return replace(profile, notes=(*notes, *profile.notes))
@@ -106,8 +106,16 @@ def read_profile(
 
 def _read_simpack(
     parts: list[str], kind: Kind, unit: str | None, side: Side | None
-) -> tuple[Array, list[str]]:
-    """Return points, mm, and notes, from the parts of a SIMPACK file around its block of points."""
+) -> tuple[Array, Array, list[str]]:
+    """Return points, mm, which of them count, and notes, from a SIMPACK file.
+
+    Parameters
+    ----------
+    parts : list of str
+        Its text before, within and after the block of points.
+    kind, unit, side
+        See `read_profile`.
+    """
     if len(parts) != 3:
         cure = "allowed: one block from point.begin to point.end; the file may be cut off"
         raise ValueError(f"{len(parts) - 1} marks point.begin and point.end; {cure}")
@@ -132,7 +140,8 @@ def _read_simpack(
     notes = [*_describe_unused(unused)]
     if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
         notes.append("the weights of the points, their third column, are not used")
-    return _apply_steps(values[:, :2], keys) * _find_simpack_unit(keys, unit), notes
+    points, inside = _apply_steps(values[:, :2], keys)
+    return points * _find_simpack_unit(keys, unit), inside, notes
 
 
 def _read_number(keys: Mapping[str, str], key: str, default: float = 0.0) -> float:
@@ -143,8 +152,8 @@ def _read_number(keys: Mapping[str, str], key: str, default: float = 0.0) -> flo
     return number
 
 
-def _apply_steps(points: Array, keys: Mapping[str, str]) -> Array:
-    """Return points after the steps in the heading of a SIMPACK file, in the order of CONTACT."""
+def _apply_steps(points: Array, keys: Mapping[str, str]) -> tuple[Array, Array]:
+    """Return points after the steps of a SIMPACK heading, and which are within its bounds."""
     if _read_number(keys, "rotate"):
         cure = "rotate the points, and set it to 0: programs disagree about its sign"
         raise ValueError(f"rotate = {keys['rotate']}; allowed: 0; {cure}")
@@ -155,14 +164,16 @@ def _apply_steps(points: Array, keys: Mapping[str, str]) -> Array:
                 kept.append(k)
         points = points[kept]
     points = points + np.array([_read_number(keys, f"shift.{axis}") for axis in "yz"])
+    within = np.ones(len(points), dtype=bool)
     for k, axis in enumerate("yz"):
         low, high = (_read_number(keys, f"bound.{axis}.{end}") for end in ("min", "max"))
         inside = (points[:, k] >= low) & (points[:, k] <= high) | (low >= high)
         if axis == "z" and not inside.all():
             cure = "remove these points: programs remove them or move them to the bound"
             raise ValueError(f"bound.z of {low:g} to {high:g} excludes {(~inside).sum()}; {cure}")
-        points = points[inside]
-    return points * [-1.0 if _read_number(keys, f"mirror.{axis}") else 1.0 for axis in "yz"]
+        within &= inside
+    signs = [-1.0 if _read_number(keys, f"mirror.{axis}") else 1.0 for axis in "yz"]
+    return points * signs, within
 
 
 def _find_simpack_unit(keys: Mapping[str, str], unit: str | None) -> float:
@@ -200,7 +211,7 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
         raise ValueError("XOffset, YOffset; allowed: numbers")
     points = (values + np.array(offsets, dtype=float)) * (-1.0 if mirrored else 1.0, 1.0)
     remarks, rest = [text for _, text in table.remarks], len(table.rows[0]) - len(columns)
-    if "the first column holds row numbers" in remarks or (columns[0] == 1 and not table.names):
+    if "the first column holds row numbers" in remarks or (columns == [1, 2] and not table.names):
         notes.append("the first column is taken for row numbers")
     elif rest and "columndef" not in statements and not table.names and side is None:
         notes.append(f"the first two columns are used, and {rest} more are not")

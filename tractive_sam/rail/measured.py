@@ -15,7 +15,9 @@ Kind = Literal["wheel", "rail", "section"]
 """Kinds of profiles; "section" is one section of a rail with sections, which may be wider."""
 
 
-def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) -> Profile:
+def from_measurement(
+    points: Array, kind: Kind, smoothing: float | None = None, inside: Array | None = None
+) -> Profile:
     """Return the profile through measured points in any orientation; near them if smoothed.
 
     Parameters
@@ -26,6 +28,8 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
         See `read_profile`.
     smoothing : float, optional
         See `read_profile`.
+    inside : ndarray of bool, shape (n,), optional
+        Points that belong to the profile; all points show its directions. By default all.
 
     Raises
     ------
@@ -51,7 +55,10 @@ def from_measurement(points: Array, kind: Kind, smoothing: float | None = None) 
         )
     _check_crossing(points)
     digit = math.hypot(*(_find_digit(column) for column in points.T))
-    return _fit_spline(_orient(points, kind), smoothing, digit)
+    points = points * _find_signs(points, kind)
+    points = points if inside is None else points[inside]
+    ordered = points if points[-1, 0] > points[0, 0] else points[::-1]
+    return _fit_spline(ordered, smoothing, digit)
 
 
 def check_datum(profile: Profile, tape_line: float) -> str:
@@ -221,16 +228,15 @@ def _smooth(points: Array, s: Array, distance: float, scatter: float) -> tuple[P
     return Profile.from_nodes(curve(nodes), curve(nodes, 1)), float(slope)
 
 
-def _orient(points: Array, kind: Kind) -> Array:
-    """Return points in the standard orientation: y outward, in increasing order, z down.
+def _find_signs(points: Array, kind: Kind) -> tuple[float, float]:
+    """Return the signs of y and z in the standard orientation: y outward, z down.
 
     A part of a profile counts by the width that it spans: the distances of the points do not
     matter, and steep faces hardly count.
     """
     across = np.concatenate(([0.0], np.cumsum(np.abs(np.diff(points[:, 0])))))
     y, z = (np.interp(np.linspace(0.0, across[-1], 1001), across, values) for values in points.T)
-    points = points * (_wheel_signs(y, z) if kind == "wheel" else (1.0, _end_direction(z)))
-    return points if points[-1, 0] > points[0, 0] else points[::-1]
+    return _wheel_signs(y, z) if kind == "wheel" else (1.0, _end_direction(z))
 
 
 def _wheel_signs(y: Array, z: Array) -> tuple[float, float]:
@@ -240,6 +246,8 @@ def _wheel_signs(y: Array, z: Array) -> tuple[float, float]:
     flange = y[np.sign(excess) * (z - tread) > 8.0]  # mm: a third of the height of a flange
     inside = y.mean() - flange.mean() if flange.size else 0.0
     if abs(excess) < 0.1 * (high - low) or abs(inside) < 0.2 * np.ptp(y):
+        if (z[0] - tread) * (z[-1] - tread) < 0.0:  # a tread without its flange
+            raise ValueError("which side is down is not clear; allowed: a wheel with its flange")
         return 1.0, -_end_direction(z)  # a roller, or flanges on both sides
     return float(np.sign(inside)), float(np.sign(excess))
 
