@@ -100,7 +100,9 @@ def step_row(seed: int, slip: str, load: float = 178.9) -> dict | None:
                 return None
         texts = (str(warning.message) for warning in caught)
         steep += [
-            float(match[1]) for text in texts if (match := re.search(r"falls (\S+) times", text))
+            float(match[1])
+            for text in texts
+            if (match := re.search(r"falls (\S+) (?:or more )?times", text))
         ]
         both.append(result.contact.traction)
     apart = float(np.abs(both[1] - both[0]).max() / np.abs(both[0]).max())

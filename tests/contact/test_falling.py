@@ -143,6 +143,19 @@ def test_gentle_slope_has_one_solution_and_a_steep_one_several():
         assert max(map(apart, (5.0, 10.0))) > 1e-4
 
 
+def test_the_warning_contains_the_forces_of_the_other_solution():
+    forces = {}
+    for start in ("rest", "sliding"):
+        scene = cylinder(**{"friction.half_speed": 10.0, "friction.start": start})
+        with pytest.warns(ts.SceneWarning, match=r"friction\.start") as caught:
+            forces[start] = ts.solve(scene).Qx
+        forces[f"text from {start}"] = str(caught[0].message)
+    assert forces["rest"] != pytest.approx(forces["sliding"], rel=1e-4)
+    for start in ("rest", "sliding"):
+        for other in ("rest", "sliding"):
+            assert f"Qx = {forces[other]:.5g}" in forces[f"text from {start}"]
+
+
 def solved_from_both_sides(slip, half_speed, creepage):
     """Q_x/P and whether it warns, from rest and from great speed."""
     steel = STEEL | {"radius_x": 1000.0, "radius_y": math.inf}

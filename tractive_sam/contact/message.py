@@ -80,7 +80,7 @@ def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
             f"other creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
         )
     if steepness >= 1.0:
-        return reached + too_steep(steepness)
+        return reached + too_steep(steepness, model.scene.transient is not None)
     if not model.friction_law.falls:
         return reached + model.method.cure
     return (
@@ -124,21 +124,33 @@ def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
     return text + f"Use {advised}; check the units of [load] (N, MPa, mm) and of the radii (mm)"
 
 
-def too_steep(steepness: float) -> str:
+def too_steep(steepness: float, in_step: bool = False) -> str:
     """Return the message for friction that falls too fast with sliding for a single solution.
 
     Parameters
     ----------
     steepness : float
-        `solvers.uniqueness.steepness`. One digit is printed, so that steps of a transient that
-        hardly differ have equal texts.
+        `solvers.uniqueness.steepness`.
+    in_step : bool
+        Whether the contact is a step of a transient. The number is then a power of ten, so that
+        the steps of a course have equal texts, and one warning.
     """
+    if in_step:
+        power = 10 ** math.floor(math.log10(max(steepness, 1.0)))
+        return (
+            f"friction.law: friction falls {power} or more times as fast with sliding as all "
+            "elements together deform, so a step may have several solutions; friction.start "
+            'selects the solution with less sliding, "rest", or with more sliding, "sliding", in '
+            "every step, and the course may lead to another solution than steady rolling with the "
+            "same values; for a single solution increase transient.step, friction.memory or "
+            "friction.half_speed"
+        )
     return (
         f"friction.law: friction falls {steepness:.1g} times as fast with sliding as an element "
-        "deforms (in a transient step: as all elements together), so several solutions may exist, "
-        "and the mesh and the step decide which one is found; for a single solution increase "
-        "friction.memory or friction.half_speed, coarsen the mesh if there is a friction.layer, or "
-        'increase transient.step in a transient; friction.start = "sliding" seeks another solution'
+        "deforms, so several solutions may exist, and the mesh decides which one is found; "
+        'friction.start selects the solution reached from friction at rest, "rest", or at high '
+        'speed, "sliding"; for a single solution increase friction.memory or friction.half_speed, '
+        "or coarsen the mesh if there is a friction.layer"
     )
 
 

@@ -4,6 +4,7 @@ The kinematics (`operators.kinematics`) define the problem; the outcome is conve
 mm, N and MPa.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -26,7 +27,11 @@ from tractive_sam.solvers import steepness as steepness_of
 
 
 def solve_problem(
-    model: Model, problem: Problem, tolerance: float, start: Start | None = None
+    model: Model,
+    problem: Problem,
+    tolerance: float,
+    start: Start | None = None,
+    sliding: bool | None = None,
 ) -> Outcome:
     """Solve a dimensionless problem of a model, with the method of its friction and materials.
 
@@ -40,23 +45,26 @@ def solve_problem(
         Residual of the solution.
     start : Start, optional
         Initial guess.
+    sliding : bool, optional
+        Whether the solution reached from high sliding speed is sought if friction falls; by default
+        `friction.start` of the scene.
     """
     normal, coupled = problem.free_pressure, model.elasticity.coupled
     if normal.load is None and normal.gap.min() >= normal.approach:
         return PRESSURE_ONLY.solve(problem, tolerance)  # the bodies do not touch
     if coupled and start is not None and not needed(start.pressure, "start.pressure").any():
         start = None  # Newton's method needs a contact area to start
-    return _solver_of(model, problem).solve(problem, tolerance, start)
+    return _solver_of(model, problem, sliding).solve(problem, tolerance, start)
 
 
-def _solver_of(model: Model, problem: Problem) -> ProblemSolver:
+def _solver_of(model: Model, problem: Problem, sliding: bool | None) -> ProblemSolver:
     """Return the solver for a problem whose bodies touch, by its friction and materials."""
     if model.laws.friction is None or not problem.has_tangential_cause:
         return PRESSURE_ONLY
     solver = model.method.dissimilar if model.elasticity.coupled else model.method.alike
     if not problem.friction.law.falls:
         return solver
-    return falling_method(solver, model.starts_sliding)
+    return falling_method(solver, model.starts_sliding if sliding is None else sliding)
 
 
 def traction_of(model: Model, scaled: np.ndarray) -> np.ndarray:
@@ -80,6 +88,7 @@ def state_of(
     creepages: tuple[float, float, float],
     depth: np.ndarray,
     resistance: float = 0.0,
+    describe_other: Callable[[], str] | None = None,
 ) -> State:
     """Return the contact, in mm, N and MPa, of the outcome of a dimensionless problem.
 
@@ -99,6 +108,9 @@ def state_of(
         Depth worn off both bodies, mm.
     resistance : float
         Rolling resistance, N.
+    describe_other : callable, optional
+        Returns text on the solution for the other `friction.start`, for the warning that several
+        solutions may exist.
     """
     units, fields = model.units, outcome.fields
     sliding, bound, steepness = _friction_state(model, problem, outcome)
@@ -124,7 +136,8 @@ def state_of(
         laws=model.laws,
     )
     if contact.converged and steepness >= 1.0:
-        warn(too_steep(steepness))
+        other = "" if describe_other is None else describe_other()
+        warn(too_steep(steepness, problem.kinematics.joint) + other)
     if contact.converged and any(contact.at_edge):
         status = Status.OFF_GRID
         contact = replace(contact, status=status, note=message(status, outcome, model))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -133,7 +134,32 @@ def _equilibrium(
     problem = model.problem(gap / model.units.gap, in_pass)
     first = None if start is None else dimensionless_start(model, start)
     outcome = solve_problem(model, problem, tolerance, first)
-    return _to_state(model, problem, outcome, depth)
+    other = None
+    # Later contacts of a process, and iterations, repeat the warning of the first one.
+    if start is None and model.wheel_rail is None and model.scene.heat is None:
+        other = partial(_describe_other_solution, model, problem, tolerance, outcome)
+    return _to_state(model, problem, outcome, depth, other)
+
+
+def _describe_other_solution(
+    model: Model, problem: Problem, tolerance: float, outcome: Outcome
+) -> str:
+    """Return text with the forces of a solution and of the one for the other `friction.start`."""
+    starts = {False: "rest", True: "sliding"}
+    sliding = model.starts_sliding
+    other, texts = solve_problem(model, problem, tolerance, sliding=not sliding), []
+    if not other.converged or len(problem.forces):
+        return ""
+    for found in (outcome, other):
+        traction = traction_of(model, found.fields.traction)
+        force = traction.sum(axis=(1, 2)) * model.grid.element_area
+        texts.append(f"Qx = {force[0]:.5g}, Qy = {force[1]:.5g} {model.scene.force_unit}")
+    if texts[0] == texts[1]:
+        return "; both values of friction.start give the same forces here"
+    return (
+        f"; this solution has {texts[0]}, and the one with friction.start = "
+        f'"{starts[not sliding]}" has {texts[1]}'
+    )
 
 
 def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
@@ -235,7 +261,11 @@ def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
 
 
 def _to_state(
-    model: Model, problem: Problem, outcome: Outcome, depth: np.ndarray | DepthInPass | None
+    model: Model,
+    problem: Problem,
+    outcome: Outcome,
+    depth: np.ndarray | DepthInPass | None,
+    describe_other: Callable[[], str] | None = None,
 ) -> State:
     """Return the contact, in mm, N and MPa, of the outcome of a steady problem."""
     units, fields = model.units, outcome.fields
@@ -249,4 +279,4 @@ def _to_state(
     creepages = model.creepages(outcome.creepage)
     resistance = _rolling_resistance(model, pressure, gap, depth)
     resistance += _work_beyond_creepage(model, traction)
-    return state_of(model, problem, outcome, slip, creepages, depth, resistance)
+    return state_of(model, problem, outcome, slip, creepages, depth, resistance, describe_other)

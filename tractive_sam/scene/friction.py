@@ -216,7 +216,8 @@ class Friction(LawTable):
     layer: NotNegative = entry("shear compliance h/G3 of an interfacial layer, mm/MPa", default=0.0)
     start: Literal["rest", "sliding"] = entry(
         "solution to compute if there are several: the one reached from friction at rest, or "
-        "from friction at high sliding speed",
+        "from friction at high sliding speed; in a transient, the solution with less or with more "
+        "sliding in every step",
         default="rest",
     )
     law_names: ClassVar[tuple[str, ...]] = get_args(FrictionName)
