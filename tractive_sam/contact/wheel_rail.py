@@ -18,7 +18,6 @@ from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.rail import Patch
 from tractive_sam.results import Cost, State, Status
-from tractive_sam.scene import WheelRail
 from tractive_sam.schema import required
 
 GROWTHS = 8
@@ -120,7 +119,9 @@ def find_pitch(
     geometry = required(model.wheel_rail, "wheel")
     wheelset = required(model.scene.wheelset, "wheelset")
     are_mirrored = wheelset.y == wheelset.yaw == 0.0 and wheelset.roll in ("free", 0.0)
-    wheels = [model] if are_mirrored else [model, _opposite(model)]
+    wheels = [model]
+    if not are_mirrored:
+        wheels.append(Model(model.scene.opposite_wheel, wheel_rail=geometry.opposite))
     pitch, starts_of = geometry.pitch, [starts, ()]
     if starts and starts[0] is not None:
         pitch = geometry.patches[0].pitch_at(starts[0].xi_x)
@@ -164,14 +165,6 @@ def find_pitch(
             step = 0.5 * (below + above) - pitch
         pitch += step
     return (solved[0][0].with_cost(cost), *solved[0][1:])
-
-
-def _opposite(model: Model) -> Model:
-    """Return the model of the other wheel of a wheelset, with the same profiles."""
-    scene, geometry = model.scene.opposite_wheel, required(model.wheel_rail, "wheel")
-    return Model(
-        scene, wheel_rail=WheelRail.of_profiles(scene, geometry.wheel.profile, geometry.rail)
-    )
 
 
 def enlarge_for(model: Model, contacts: Sequence[State]) -> Model:

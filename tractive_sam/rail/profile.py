@@ -199,6 +199,17 @@ class Profile:
         turn = rotation(angle)
         return Profile(self.s, self.points @ turn + np.asarray(shift), self.tangents @ turn)
 
+    def with_nodes(self, s: Array) -> Profile:
+        """Return the curve with nodes at arc lengths s; the same one if they contain its nodes."""
+        return Profile(s, self.at(s), self.at(s, 1))
+
+    def refined(self, spacing: float) -> Profile:
+        """Return the same curve with further nodes, at most a spacing apart, mm."""
+        parts = np.ceil(np.diff(self.s) / spacing - 1e-9).astype(int)
+        number = np.concatenate([k + np.arange(n) / n for k, n in enumerate(parts)])
+        s = np.interp(number, np.arange(self.s.size), self.s)
+        return self.with_nodes(np.append(s, self.s[-1]))
+
     def worn(self, depth: ArrayLike, outward: float) -> Profile:
         """Return the profile worn by depths normal to it; `outward` is 1 for wheels, -1 for rails.
 

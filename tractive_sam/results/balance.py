@@ -10,6 +10,8 @@ import numpy as np
 
 from tractive_sam.results.history_data import HistoryData
 from tractive_sam.results.law_record import UNNAMED
+from tractive_sam.scene import Scene
+from tractive_sam.schema import required
 
 
 class SteadyBalance:
@@ -71,11 +73,15 @@ class SteadyBalance:
         scene = self.history.scene
         changing = "friction.mu" in scene.schedule.courses
         changing = changing or scene.has("wear.temperature") or scene.has("duty")
+        return None if changing else self._wear_per_work_of(scene)
+
+    def _wear_per_work_of(self, scene: Scene) -> tuple[float, float] | None:
+        """Return the wear depth per frictional work of one block; None if not constant."""
         replaced = not {"wear", UNNAMED}.isdisjoint(self.history.law_records)
         friction, wear = scene.friction, scene.wear
-        if friction is None or wear is None or replaced or changing:
+        if friction is None or wear is None or replaced or friction.varies:
             return None
-        return None if friction.varies else wear.per_work(friction.mu)
+        return wear.per_work(friction.mu)
 
     @property
     def energy_cure(self) -> str:
@@ -146,9 +152,35 @@ class StepBalance(SteadyBalance):
         return super().wear_cure
 
 
+class ProfileBalance(SteadyBalance):
+    """Balances of worn profiles: the wear since they were new, at all positions together."""
+
+    @property
+    def wear(self) -> np.ndarray:
+        """Ratio of worn sections to those expected from frictional work, (n,); nan if unknown."""
+        scene = self.history.scene
+        share, passes = scene.wear_share, required(scene.rail, "rail").passes_per_revolution
+        sections = self.history["worn_section"].sum(axis=1) / (share["A"] + passes * share["B"])
+        return self._worn_by_work(sections, self.history["profile_work"], sections)
+
+    @property
+    def _wear_per_work(self) -> tuple[float, float] | None:
+        """Wear depth per frictional work along both axes, 1/MPa; None if positions differ."""
+        scene = self.history.scene
+        each = {self._wear_per_work_of(local) for local in scene.blocks}
+        return each.pop() if len(each) == 1 and not scene.has("wear.temperature") else None
+
+    @property
+    def wear_cure(self) -> str:
+        """Beginning of a message: remedy for an error of the wear balance."""
+        return "a smaller wear.tolerance, or more elements across the contact, bring"
+
+
 def balance_of(history: HistoryData) -> SteadyBalance:
-    """Return the balances of a history: `StepBalance` for a transient, else `SteadyBalance`."""
-    return (StepBalance if "step_work" in history.columns else SteadyBalance)(history)
+    """Return the balances of a history: of a transient, of worn profiles, or of steady rolling."""
+    if "step_work" in history.columns:
+        return StepBalance(history)
+    return (ProfileBalance if "profile_work" in history.columns else SteadyBalance)(history)
 
 
 def _ratio(over: np.ndarray, under: np.ndarray, where: np.ndarray) -> np.ndarray:

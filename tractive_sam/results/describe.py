@@ -80,10 +80,11 @@ def describe_balances(history: HistoryData, only_if_open: bool = False) -> dict[
     closed_within = 5e-3
     parts = [history.block(k) for k in range(len(history.scene.duty))] or [history]
     each = [balance_of(part) for part in parts]
+    worn = [balance_of(history)] if "profile_work" in history.columns else each
     texts: dict[str, str] = {}
     for name, balance, describe in (
         ("energy", [balance.energy for balance in each], _describe_energy),
-        ("wear", [balance.wear_overall for balance in each], _describe_wear),
+        ("wear", [balance.wear_overall for balance in worn], _describe_wear),
     ):
         values = np.concatenate(balance)
         values = values[np.isfinite(values)]
@@ -91,7 +92,7 @@ def describe_balances(history: HistoryData, only_if_open: bool = False) -> dict[
             worst = values[abs(values - 1.0).argmax()]
             closed = abs(worst - 1.0) <= closed_within
             if not (closed and only_if_open):
-                texts[name] = describe(each[0], worst, closed)
+                texts[name] = describe((worn if name == "wear" else each)[0], worst, closed)
     return texts
 
 

@@ -161,7 +161,8 @@ class History(HistoryData):
     def wear_balance(self) -> np.ndarray:
         """Worn cross section over the section expected from the frictional work, shape (n,).
 
-        For a transient, the volume worn in the step over the volume that its work wears. The exact
+        For a transient, the volume worn in the step over the volume that its work wears; for worn
+        profiles of wheel and rail, both sections since the profiles were new. The exact
         value is 1 for steps that roll, and for shifts in the limit of short steps.
 
         A unit of work wears i1/mu1 along the first tribological axis, and i2/mu2 along the second.

@@ -13,8 +13,7 @@ from tractive_sam.output_file import make_folder, write_table
 from tractive_sam.rail import Profile, write_profile
 from tractive_sam.results.history import History
 from tractive_sam.results.quantity import Quantity
-from tractive_sam.scene import Scene
-from tractive_sam.schema import required
+from tractive_sam.scene import Scene, unworn_profiles
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +47,12 @@ class WornProfiles:
             "mm2",
             "cross section worn off each body since it was new",
             dims=("body",),
+        ),
+        Quantity(
+            "wear_max_error", "mm", "error bar of wear_max due to its steps", error_of="wear_max"
+        ),
+        Quantity(
+            "profile_work", "N", "frictional work per length of track since the bodies were new"
         ),
     )
     """Columns of a history with worn profiles."""
@@ -93,8 +98,8 @@ class WornProfiles:
     @property
     def new(self) -> dict[str, Profile]:
         """Unworn profiles of "wheel" and "rail", in their own frames."""
-        wheel, rail = required(self.scene.wheel, "wheel"), required(self.scene.rail, "rail")
-        return {"wheel": wheel.curve, "rail": rail.unplaced_curve}
+        sizes = self.wheel_depth.shape[1], self.rail_depth.shape[1]
+        return dict(zip(("wheel", "rail"), unworn_profiles(self.scene, *sizes), strict=True))
 
     def write(self, folder: str | PathLike[str]) -> list[Path]:
         """Write the last profiles (.prw, .prr), and area and largest depth by step (.csv).

@@ -1,6 +1,26 @@
-"""Wear of the profiles of wheel and rail over the positions of a duty, see `profile_step`."""
+"""Wear of the profiles of wheel and rail over the positions of a duty.
 
-from collections.abc import Iterator, Mapping
+The depths worn off both profiles, along their normals and over their arc lengths, follow
+
+    dE/dN = F(E) = sum over positions of w_j D_j R_j(I_j E)
+
+with the share w_j of a position in the revolutions, the depth R_j that its patches wear in a pass,
+the depths I_j E of both bodies together at the rows of a patch, and D_j, which distributes the
+depth at rows over the nodes of the profiles so that the worn section is exactly that of the rows.
+
+Short waves of a profile decay fast (`rolling.response`). Steps are linearly implicit in the
+response J_j of R_j, so that stability does not limit them, whatever the error of J_j:
+
+    (1 - dN A) dE = dN F(E),  A = sum w_j D_j J_j I_j.
+
+A step of dN and two of dN/2 together, extrapolated, are of second order: 2 (dE_1 + dE_2) - dE (see
+Hairer and Wanner, Solving Ordinary Differential Equations II, IV.9). Rates at the beginning, the
+middle and the end are then known. The difference between Simpson's rule for them and the step,
+damped by (1 - dN A)^-1, is the error of a step, of third order.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -9,12 +29,191 @@ import numpy as np
 from tractive_sam.contact import Model, solve_patches_on_fitted_mesh, wear_law_at
 from tractive_sam.rail import Profile
 from tractive_sam.results import Grid, Record, State, WornProfiles, columns, cycle_record
+from tractive_sam.rolling.control import ErrorControl, FixedSteps, Stops
 from tractive_sam.rolling.process import Process, Recorder, Step, StepRecord, StoredStep
-from tractive_sam.rolling.profile_step import Depths, PatchWear, PositionWear, implicit_step
 from tractive_sam.rolling.response import wear_response
 from tractive_sam.rolling.wheel_rail import WHEEL_COLUMNS, describe_patch
-from tractive_sam.scene import Scene, WheelRail
+from tractive_sam.scene import Scene, WheelRail, unworn_profiles
 from tractive_sam.schema import Fault, SceneError, required
+
+Depths = tuple[np.ndarray, np.ndarray]
+"""Depths worn off the wheel and off the rail at the nodes of their profiles, mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class PatchWear:
+    """Wear rates of wheel and rail in one contact patch, and their response to the wear.
+
+    Attributes
+    ----------
+    rates : ndarray, shape (2, n_y)
+        Depth of wheel and rail at each row per revolution of the wheel, mm.
+    response : ndarray, shape (n_y, n_y)
+        Derivative of the depth of both with respect to the profile, 1/revolution.
+    places : ndarray, shape (2, n_y)
+        Arc lengths of the new wheel and of the new rail at the rows, mm.
+    width : float
+        Width of a row, mm.
+    work : float
+        Frictional work per length of track, N.
+    area : float
+        Cross-section that a single pass wears off both, mm2; it is not stored.
+    """
+
+    rates: np.ndarray
+    response: np.ndarray
+    places: np.ndarray
+    width: float
+    work: float
+    area: float = math.nan
+
+
+@dataclass(frozen=True, eq=False)
+class PositionWear:
+    """Wear of wheel and rail at one lateral position of the wheelset, patch by patch.
+
+    Attributes
+    ----------
+    share : float
+        Share of the position in the revolutions.
+    contact : State
+        Contact of the patch with most load, or one that was not solved.
+    start : State
+        Contact of the first patch, from which the next step starts.
+    worn : tuple of PatchWear
+        Wear of each patch that touches.
+    values : mapping of str to object
+        Columns of the position that the contact alone does not determine.
+    """
+
+    share: float
+    contact: State
+    start: State
+    worn: tuple[PatchWear, ...] = ()
+    values: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """Start contact and wear of each patch as arrays, by name, for `restore`."""
+        start = self.start
+        numbers = (*start.grid.half_length, start.approach)
+        state = {
+            "fields": np.stack((start.pressure, *start.traction)),
+            "numbers": np.array(numbers),
+        }
+        for name in ("rates", "response", "places", "width", "work"):
+            state[name] = np.stack([getattr(patch, name) for patch in self.worn])
+        return state
+
+    @classmethod
+    def restore(
+        cls, share: float, contact: State, state: Mapping[str, np.ndarray]
+    ) -> "PositionWear":
+        """Return the wear at a position from its stored arrays and its contact."""
+        pressure, *traction = state["fields"]
+        *half_length, approach = state["numbers"].tolist()
+        grid = Grid((half_length[0], half_length[1]), pressure.shape)
+        none = np.zeros(pressure.shape)
+        start = replace(
+            contact,
+            **{"grid": grid, "pressure": pressure, "traction": np.stack(traction)},
+            **{"slip": np.stack((none, none)), "gap": none, "wear": none, "approach": approach},
+        )
+        arrays = [state[name] for name in ("rates", "response", "places")]
+        size = np.full(len(arrays[0]), np.nan)  # files of earlier versions have no work
+        arrays += [state.get("width", size + grid.dy), state.get("work", size)]
+        worn = tuple(PatchWear(*patch) for patch in zip(*arrays, strict=True))
+        return cls(share, start, start, worn)
+
+
+PROFILE_ERROR = 3.0
+"""Largest error of a profile over the tolerated error of the wear depth: its edges are less smooth,
+and the same holds for other bodies (`rolling.adaptive`)."""
+
+
+class WearRate:
+    """Rate of wear at the nodes of both profiles, with its linear response to the wear.
+
+    Parameters
+    ----------
+    positions : sequence of PositionWear
+        All positions, solved.
+    nodes : tuple of ndarray
+        Arc lengths of the nodes of both profiles, mm.
+
+    Attributes
+    ----------
+    rate : ndarray, shape (n,)
+        Depth per revolution at the nodes of the wheel and then of the rail, mm.
+    work : float
+        Frictional work per length of track and revolution, N.
+    """
+
+    def __init__(self, positions: Sequence[PositionWear], nodes: Depths):
+        patches = [(position.share, patch) for position in positions for patch in position.worn]
+        onto = [_distribution(patch, nodes) for _, patch in patches]
+        self.rate = np.zeros(sum(at.size for at in nodes))
+        for (share, _), matrix in zip(patches, onto, strict=True):
+            self.rate += share * matrix.sum(axis=1)
+        self.work = sum(share * patch.work for share, patch in patches)
+        self._worn = np.flatnonzero(self.rate)
+        self._response = np.zeros((self._worn.size,) * 2)
+        for (share, patch), matrix in zip(patches, onto, strict=True):
+            pairs = zip(patch.places, nodes, strict=True)
+            at_rows = np.concatenate([_hats(at, s) for s, at in pairs], axis=1)[:, self._worn]
+            total = patch.rates.sum(axis=0)
+            onto_worn = matrix[self._worn] / np.where(total > 0.0, total, 1.0)
+            self._response += share * onto_worn @ patch.response @ at_rows
+
+    def damp(self, length: float, depths: np.ndarray) -> np.ndarray:
+        """Return (1 - length A)^-1 depths, shape (n,): an implicit step if depths = length rate."""
+        damped = depths.copy()
+        system = np.eye(self._worn.size) - length * self._response
+        damped[self._worn] = np.linalg.solve(system, depths[self._worn])
+        return damped
+
+
+def _distribution(patch: PatchWear, nodes: Depths) -> np.ndarray:
+    """Return the depths per revolution at all nodes that each row of a patch causes, (n, n_y).
+
+    The depth over a profile is linear between the rows. Each row has the section of its element.
+    Weighted by the hat function of a node, the section over the integral of the hat function is the
+    depth there: the trapezoidal rule for the depths gives the section of the rows exactly.
+    """
+    matrices = []
+    for rates, places, at in zip(patch.rates, patch.places, nodes, strict=True):
+        matrix = np.zeros((at.size, rates.size))
+        worn = np.flatnonzero(rates)
+        if worn.size:
+            rows = np.arange(max(worn[0] - 1, 0), min(worn[-1] + 2, rates.size))
+            first, last = np.searchsorted(at, places[rows[[0, -1]]])
+            near = slice(max(first - 1, 0), last + 1)
+            s = np.union1d(places[rows], np.clip(at[near], *places[rows[[0, -1]]]))
+            ends, middle, steps = s[:-1], 0.5 * (s[:-1] + s[1:]), np.diff(s)
+            points = np.concatenate((ends, middle, s[1:]))  # Simpson's rule is exact for them
+            weights = np.concatenate((steps, 4.0 * steps, steps)) / 6.0
+            shares = (_hats(at[near], points) * weights[:, None]).T @ _hats(places[rows], points)
+            shares *= patch.width * rates[rows] / shares.sum(axis=0)
+            matrix[near, rows[0] : rows[-1] + 1] = shares / np.gradient(at)[near, None]
+        matrices.append(matrix)
+    return np.concatenate(matrices)
+
+
+def _hats(nodes: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return the hat functions of nodes at places, (n, nodes): linear interpolation, 0 beyond."""
+    k = np.clip(np.searchsorted(nodes, at) - 1, 0, nodes.size - 2)
+    share = (at - nodes[k]) / (nodes[k + 1] - nodes[k])
+    matrix, rows = np.zeros((at.size, nodes.size)), np.arange(at.size)
+    inside = (share >= 0.0) & (share <= 1.0)
+    matrix[rows, k], matrix[rows, k + 1] = inside * (1.0 - share), inside * share
+    return matrix
+
+
+def _without_gain(depths: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return depths of at least 0 with the same integral over the nodes, shape (n,), mm."""
+    positive = np.maximum(depths, 0.0)
+    section = np.trapezoid(positive, at)
+    return positive * (np.trapezoid(depths, at) / section) if section > 0.0 else positive
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +230,14 @@ class WornStep(Step):
         Each different position of the duty.
     mesh : Grid
         Mesh of the history; the contacts have separate meshes, and their fields are not stored.
-    change : tuple of ndarray
-        Change of the depths in the next step, mm.
-    jump : int
-        Revolutions of the next step; 0 at the end.
+    work : float
+        Frictional work per length of track since the profiles were new, N.
+    error : float
+        Sum of the largest errors of all steps, mm.
+    jump : float
+        Revolutions of the next step that the error of the last one allows; 0 before the first.
+    solves : int
+        Contacts that the step took.
     """
 
     contacts: tuple[State, ...] = field(init=False)
@@ -42,28 +245,10 @@ class WornStep(Step):
     depths: Depths
     positions: tuple[PositionWear, ...]
     mesh: Grid
-    change: Depths
-    jump: int
-
-    @classmethod
-    def from_positions(
-        cls,
-        scene: Scene,
-        revolution: int,
-        depths: Depths,
-        positions: tuple[PositionWear, ...],
-        mesh: Grid,
-    ) -> "WornStep":
-        """Return the step of solved positions, with the wear depths that the next step adds."""
-        schedule = scene.schedule
-        lengths = [stop - revolution for stop in schedule.stops if stop > revolution]
-        if not lengths or not all(position.contact.converged for position in positions):
-            return cls(revolution, depths, positions, mesh, depths, 0)
-        longest = lengths[0] if schedule.adaptive or schedule.fixed else 1
-        deepest = required(scene.wear, "wear").largest_step if schedule.adaptive else np.inf
-        worn = [(position.share, patch) for position in positions for patch in position.worn]
-        change, jump = implicit_step(worn, _nodes(scene), int(longest), deepest)
-        return cls(revolution, depths, positions, mesh, change, jump)
+    work: float = 0.0
+    error: float = 0.0
+    jump: float = 0.0
+    solves: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "contacts", tuple(position.contact for position in self.positions))
@@ -120,16 +305,73 @@ class ProfileWear(Process[WornStep]):
 
     def begin(self) -> WornStep:
         """Return the first step: the contacts of the unworn profiles."""
-        wheel, rail = self._nodes
-        return self._step(0, (np.zeros(wheel.size), np.zeros(rail.size)), {})
+        wheel, rail = unworn_profiles(self.model.scene)
+        depths = np.zeros(wheel.s.size), np.zeros(rail.s.size)
+        positions = self._solve(0, depths, {})
+        solves = sum(max(1, len(position.worn)) for position in positions)
+        return WornStep(0, depths, positions, self.model.grid, solves=solves)
 
     def advance(self, last: WornStep) -> Iterator[WornStep]:
         """Yield the steps of worn profiles, to the last revolution or an unsolved contact."""
-        while last.jump:
-            depths = last.depths[0] + last.change[0], last.depths[1] + last.change[1]
-            starts = {k: position.start for k, position in enumerate(last.positions)}
-            last = self._step(last.revolution + last.jump, depths, starts)
+        schedule, wear = self.model.scene.schedule, required(self.model.scene.wear, "wear")
+        control: Stops | FixedSteps = Stops(ErrorControl(order=2), schedule.stops)
+        if schedule.fixed:
+            control = FixedSteps(schedule.stops)
+        while last.converged and last.revolution < schedule.end:
+            begin = WearRate(last.positions, self._nodes(last))
+            deepest, jump = wear.step_depth or np.inf, last.jump
+            if not jump:  # a small share of the elastic depth
+                jump = 0.02 * last.contact.approach / max(float(begin.rate.max()), 1e-300)
+            jump = max(1.0, float(int(min(jump, deepest / max(float(begin.rate.max()), 1e-300)))))
+            trial = control.first(last.revolution, jump if schedule.adaptive else 1.0, 0.0)
+            solves = 0
+            while True:
+                step, error = self._jump(last, begin, int(trial.length))
+                solves += step.solves
+                if control.accepts(error) or trial.length == 1 or not step.converged:
+                    break
+                trial = control.shorter(trial, error)
+            last = replace(step, solves=solves, jump=control.next(trial, error))
             yield last
+
+    def _jump(self, last: WornStep, begin: WearRate, jump: int) -> tuple[WornStep, float]:
+        """Return the step after some revolutions, and its error over the tolerated one.
+
+        The step of a single revolution is that of its pass.
+        """
+        wear, nodes = required(self.model.scene.wear, "wear"), self._nodes(last)
+        wheel, before = nodes[0].size, np.concatenate(last.depths)
+
+        def solve(change: np.ndarray, share: float) -> tuple[Depths, tuple[PositionWear, ...]]:
+            parts = zip(np.split(change, [wheel]), nodes, strict=True)
+            change = np.concatenate([_without_gain(part, at) for part, at in parts])
+            depths = before[:wheel] + change[:wheel], before[wheel:] + change[wheel:]
+            starts = {k: position.start for k, position in enumerate(last.positions)}
+            return depths, self._solve(last.revolution + int(share * jump), depths, starts)
+
+        change, solved = begin.damp(jump, jump * begin.rate), [last.positions]
+        if jump > 1:
+            first = begin.damp(0.5 * jump, 0.5 * jump * begin.rate)
+            solved.append(solve(first, 0.5)[1])
+            if all(position.contact.converged for position in solved[-1]):
+                middle = WearRate(solved[-1], nodes)
+                change = 2.0 * (first + middle.damp(0.5 * jump, 0.5 * jump * middle.rate)) - change
+        depths, positions = solve(change, 1.0)
+        solved.append(positions)
+        solves = sum(max(1, len(p.worn)) for positions in solved[1:] for p in positions)
+        step = WornStep(last.revolution + jump, depths, positions, last.mesh, solves=solves)
+        if not step.converged or len(solved) == 2:
+            work = last.work + jump * begin.work
+            return replace(step, work=work, error=last.error), 0.0
+        end = WearRate(positions, nodes)
+        mean = (begin.rate + 4.0 * middle.rate + end.rate) / 6.0
+        change = np.concatenate(depths) - before
+        missed = float(np.abs(begin.damp(jump, jump * mean - change)).max())
+        work = last.work + jump * (begin.work + 4.0 * middle.work + end.work) / 6.0
+        # Rates jump where a patch divides or leaves its mesh: there only short steps are accurate.
+        allowed = max(float(change.max()), 0.2 * float(before.max()))
+        error = missed / max(PROFILE_ERROR * wear.tolerance * allowed, 1e-300)
+        return replace(step, work=work, error=last.error + missed), error
 
     def state(self, step: WornStep) -> dict[str, np.ndarray]:
         """Return the arrays, by name, to resume after a step; no fields, as meshes differ.
@@ -166,15 +408,17 @@ class ProfileWear(Process[WornStep]):
     def _values(self, step: WornStep) -> dict[str, Any]:
         """Return the values of the columns that do not belong to a position, by name."""
         scene = self.model.scene
-        sections = [np.trapezoid(d, s) for d, s in zip(step.depths, self._nodes, strict=True)]
-        wheel = required(scene.wheel, "wheel")
-        around = 2.0 * np.pi * (wheel.radius + wheel.curve.points[:, 1])
-        volume = float(np.trapezoid(around * step.depths[0], self._nodes[0]))
+        profiles = unworn_profiles(scene, *(depth.size for depth in step.depths))
+        sections = [np.trapezoid(d, p.s) for d, p in zip(step.depths, profiles, strict=True)]
+        radius = required(scene.wheel, "wheel").radius + profiles[0].points[:, 1]
+        volume = float(np.trapezoid(2.0 * np.pi * radius * step.depths[0], profiles[0].s))
         return {
             "revolution": step.revolution,
-            "jump": max(1, step.jump),
-            "solves": sum(max(1, len(position.worn)) for position in step.positions),
+            "jump": max(1.0, step.jump),
+            "solves": step.solves,
             "wear_max": float(max(depth.max() for depth in step.depths)),
+            "wear_max_error": step.error,
+            "profile_work": step.work,
             "worn_volume": {"A": volume, "B": np.nan},
             "worn_mass": {"A": 1e-3 * scene.body.A.density * volume, "B": np.nan},
             "wheel_wear": step.depths[0],
@@ -199,39 +443,31 @@ class ProfileWear(Process[WornStep]):
             contact = replace(of_block.contact(row, fields | {"wear": none}), scene=local)
             state = stored.state_under(f"position{k}")
             positions.append(PositionWear.restore(share, contact, state))
-        revolution = int(history["revolution"][row])
-        return WornStep.from_positions(scene, revolution, depths, tuple(positions), history.grid)
+        work, error = (
+            float(history[name][row]) if name in history.columns else np.nan
+            for name in ("profile_work", "wear_max_error")
+        )
+        place, jump = int(history["revolution"][row]), float(history["jump"][row])
+        return WornStep(place, depths, tuple(positions), history.grid, work, error, jump)
 
     @classmethod
     def expected_records(cls, scene: Scene, dx: float) -> int:
-        """Return an estimate of the number of records, from the expected wear depth.
-
-        The number is an estimate for a contact that slides entirely and does not move.
-        """
+        """Return an estimate of the number of records, from the order of the steps."""
         schedule = scene.schedule
         if not schedule.adaptive:
             return 1 + int(len(schedule.stops) if schedule.fixed else schedule.end)
         wear = required(scene.wear, "wear")
-        per_work = scene.friction and wear.per_work(scene.friction.mu)
-        if not per_work:
-            return 50
-        depth = 0.0
-        for share, local in _positions(scene):
-            patch, motion = required(local.wheel_rail, "wheel").patches[0], local.creepage
-            load = required(local.load.normal, "load.normal")
-            mu = required(local.friction, "friction").mu[0]
-            width = 2.0 * patch.half_length[1]
-            slip = abs(motion.spin) * width / 4.0 + np.hypot(motion.longitudinal, motion.lateral)
-            depth += share * max(per_work) * mu * load * slip / width
-        return 1 + int(np.ceil(0.5 * depth * schedule.end / wear.largest_step))
+        return 2 + len(schedule.stops) + int(0.7 / np.sqrt(wear.tolerance))
 
-    @property
-    def _nodes(self) -> tuple[np.ndarray, np.ndarray]:
-        """Arc lengths of the nodes of both unworn profiles, mm."""
-        return _nodes(self.model.scene)
+    def _nodes(self, step: WornStep) -> Depths:
+        """Return the arc lengths of the nodes of both unworn profiles, mm."""
+        wheel, rail = unworn_profiles(self.model.scene, *(depth.size for depth in step.depths))
+        return wheel.s, rail.s
 
-    def _step(self, revolution: int, depths: Depths, starts: Mapping[int, State]) -> WornStep:
-        """Solve all positions with worn profiles, and return the step.
+    def _solve(
+        self, revolution: int, depths: Depths, starts: Mapping[int, State]
+    ) -> tuple[PositionWear, ...]:
+        """Solve all positions with profiles worn by depths.
 
         Raises
         ------
@@ -239,19 +475,24 @@ class ProfileWear(Process[WornStep]):
             If the worn profiles have no contact.
         """
         scene = self.model.scene
-        wheel = required(scene.wheel, "wheel").curve.worn(depths[0], 1.0)
-        rail = required(scene.rail, "rail").curve.worn(depths[1], -1.0)
+        new = unworn_profiles(scene, *(depth.size for depth in depths))
+        wheel = new[0].worn(depths[0], 1.0)
+        rail = required(scene.rail, "rail").curve.with_nodes(new[1].s).worn(depths[1], -1.0)
         try:
-            positions = tuple(
-                self._position(share, local, (wheel, rail), starts.get(k))
+            return tuple(
+                self._position(share, local, (wheel, rail), (new[0].s, new[1].s), starts.get(k))
                 for k, (share, local) in enumerate(_positions(scene))
             )
         except ValueError as error:
             raise SceneError([Fault("wear", f"revolution {revolution}", str(error))]) from error
-        return WornStep.from_positions(scene, revolution, depths, positions, self.model.grid)
 
     def _position(
-        self, share: float, scene: Scene, profiles: tuple[Profile, Profile], start: State | None
+        self,
+        share: float,
+        scene: Scene,
+        profiles: tuple[Profile, Profile],
+        nodes: Depths,
+        start: State | None,
     ) -> PositionWear:
         """Solve the patches of one position, and return the wear in them."""
         model = Model(scene, wheel_rail=WheelRail.of_profiles(scene, *profiles))
@@ -265,7 +506,7 @@ class ProfileWear(Process[WornStep]):
         if not contact.converged:
             return PositionWear(share, contact, contacts[0])
         worn = tuple(
-            self._wear_of_patch(model.of_patch(patch), state, profiles[0])
+            self._wear_of_patch(model.of_patch(patch), state, profiles[0], nodes)
             for state, patch in touching
         )
         values = describe_patch(patch, contact, len(touching))
@@ -274,27 +515,25 @@ class ProfileWear(Process[WornStep]):
         values |= {"solves": 1, "jump": 1}
         return PositionWear(share, contact, contacts[0], worn, values)
 
-    @property
-    def _passes(self) -> np.ndarray:
-        """Passes of wheel and rail through the contact per wheel revolution, shape (2, 1)."""
-        return np.array([[1.0], [required(self.model.scene.rail, "rail").passes_per_revolution]])
-
-    def _wear_of_patch(self, model: Model, contact: State, wheel: Profile) -> PatchWear:
+    def _wear_of_patch(
+        self, model: Model, contact: State, wheel: Profile, nodes: Depths
+    ) -> PatchWear:
         """Return the wear rates and the response of one solved patch."""
         law, y = required(wear_law_at(model, contact), "wear"), contact.grid.y
         patch = required(model.patch, "wheel")
         fields = contact.pressure, contact.traction, contact.slip
         rates = law.rates(model.scene.wear_share, *fields).sum(axis=1)
-        new_wheel, new_rail = self._nodes
         places = (
-            np.interp(patch.wheel_profile(y)[1], wheel.s, new_wheel),
-            np.interp(patch.rail_at(np.zeros(1), y)[2], patch.rail.section(0.0).s, new_rail),
+            np.interp(patch.wheel_profile(y)[1], wheel.s, nodes[0]),
+            np.interp(patch.rail_at(np.zeros(1), y)[2], patch.rail.section(0.0).s, nodes[1]),
         )
-        single, rates = rates.sum(axis=0), rates * self._passes
-        passes = rates.sum(axis=0) / np.where(single > 0.0, single, 1.0)  # mean of both, by wear
-        response = passes[:, None] * wear_response(model, contact)
+        passes = np.array([1.0, required(model.scene.rail, "rail").passes_per_revolution])
+        single, rates = rates.sum(axis=0), rates * passes[:, None]
+        mean = rates.sum(axis=0) / np.where(single > 0.0, single, 1.0)  # passes of both, by wear
+        response = mean[:, None] * wear_response(model, contact)
         dx, dy = contact.grid.dx, contact.grid.dy
-        return PatchWear(rates * dx, response, np.stack(places), float(single.sum() * dx * dy))
+        area = float(single.sum() * dx * dy)
+        return PatchWear(rates * dx, response, np.stack(places), dy, contact.dissipation, area)
 
 
 def _still_fits(before: Grid, chosen: Grid, least: float = 0.7, most: float = 1.08) -> bool:
@@ -306,12 +545,6 @@ def _still_fits(before: Grid, chosen: Grid, least: float = 0.7, most: float = 1.
     pairs = zip(chosen.half_length, before.half_length, strict=True)
     alike = before.elements == chosen.elements
     return alike and all(least <= new / old <= most for new, old in pairs)
-
-
-def _nodes(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """Return the arc lengths of the nodes of the unworn profiles of wheel and rail, mm."""
-    wheel, rail = required(scene.wheel, "wheel"), required(scene.rail, "rail")
-    return wheel.curve.s, rail.unplaced_curve.s
 
 
 def _positions(scene: Scene) -> list[tuple[float, Scene]]:

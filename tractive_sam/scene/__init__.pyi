@@ -65,6 +65,7 @@ from .wear_laws import Sets as Sets
 from .wear_laws import WearLaws as WearLaws
 from .wheel_rail import WheelRail as WheelRail
 from .wheel_rail import contact_locus as contact_locus
+from .wheel_rail import unworn_profiles as unworn_profiles
 from .wheel_tables import RailTable as RailTable
 from .wheel_tables import WheelsetTable as WheelsetTable
 from .wheel_tables import WheelTable as WheelTable

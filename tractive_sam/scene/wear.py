@@ -136,7 +136,7 @@ class Wear(LawTable):
     )
     step_depth: Positive | None = optional(
         "largest depth that an adaptive step removes from the profiles of wheel and rail, mm; "
-        "the default is 0.01"
+        "by default, only the tolerance limits it"
     )
     law_names: ClassVar[tuple[str, ...]] = get_args(LawName)
     law_fields: ClassVar[tuple[str, ...]] = ("set", "by", "intensity", "coefficient")
@@ -180,11 +180,6 @@ class Wear(LawTable):
             return
         yield Row("fields stored at", ", ".join(map(str, self.save)))
         yield Row("turns", describe_turns(self.turns, scene.turns.per_count), brief=True)
-
-    @property
-    def largest_step(self) -> float:
-        """Largest wear depth of an implicit step on profiles, mm: `step_depth`, or 0.01."""
-        return 0.01 if self.step_depth is None else self.step_depth
 
     def _describe_rates(self) -> str:
         """Describe the wear coefficients, and whether they apply to both bodies together."""

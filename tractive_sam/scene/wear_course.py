@@ -11,7 +11,8 @@ def describe_stepping(wear: Any, scene: Any) -> str:
     if wear.stepping == "saved":
         return f"in {len(wear.save)} jumps, without control of their error"
     if scene.has("wheel"):
-        return f"in implicit steps of at most {wear.largest_step:g} mm of wear"
+        depth = f" of at most {wear.step_depth:g} mm" if wear.step_depth else ""
+        return f"in adaptive steps{depth}, with an error of {wear.tolerance:g} of the wear depth"
     return (
         f"in adaptive jumps, with an error of {wear.tolerance:g} of the wear depth; "
         "the residual of their contacts is at most this value"

@@ -49,6 +49,8 @@ class WheelRail:
         depends on the contacts: this one, from the rolling radii, is near it.
     patches : tuple of Patch
         All patches, the one with most load first.
+    opposite : WheelRail or None
+        The other wheel with an equal load, if the pitch depends on it.
     """
 
     wheel: Wheel
@@ -56,6 +58,7 @@ class WheelRail:
     roll: float
     pitch: float
     patches: tuple[Patch, ...]
+    opposite: WheelRail | None = None
 
     @classmethod
     def from_tables(
@@ -128,12 +131,35 @@ def _find(
     sides = (placed, placed.mirrored())[:: -1 if wheelset.side == "left" else 1]
     patches = find_patches(sides[0], rail, load, e_star)
     if isinstance(wheelset.pitch, str):
-        opposite = find_patches(sides[1], rail, load, e_star)
+        others = find_patches(sides[1], rail, load, e_star)
         # Loaded patches may lie some millimetres beside the first touch.
-        pitch = 2.0 * radius / (patches[0].rolling_radius + opposite[0].rolling_radius) - 1.0
+        pitch = 2.0 * radius / (patches[0].rolling_radius + others[0].rolling_radius) - 1.0
+        opposite = WheelRail(others[0].wheel, rail, roll, pitch, tuple(others))
     else:
-        pitch = wheelset.pitch
-    return WheelRail(patches[0].wheel, rail, roll, pitch, tuple(patches))
+        pitch, opposite = wheelset.pitch, None
+    return WheelRail(patches[0].wheel, rail, roll, pitch, tuple(patches), opposite)
+
+
+def unworn_profiles(scene: Any, *sizes: int) -> tuple[Profile, Profile]:
+    """Return new wheel and rail, in their own frames, with the nodes at which wear is recorded.
+
+    The nodes are those of the profiles, and further ones between them: a twelfth of the half width
+    of the narrowest patch apart, but between 0.02 and 0.1 mm.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene with [wheel], [rail] and [wheelset].
+    *sizes : int
+        Numbers of nodes of both profiles. Histories of earlier versions have no further nodes.
+    """
+    read = scene.wheel.curve, scene.rail.unplaced_curve
+    if sizes == tuple(profile.s.size for profile in read):
+        return read
+    width = min(local.wheel_rail.patches[0].half_length[1] for local in scene.blocks)
+    # A contact is narrower than the overlap by the square root of 2.
+    spacing = min(max(width / math.sqrt(2.0) / 12.0, 0.02), 0.1)
+    return read[0].refined(spacing), read[1].refined(spacing)
 
 
 def contact_locus(scene: Any, positions: Any) -> ContactLocus:
@@ -255,10 +281,9 @@ def _check_wear_of_profiles(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("rail.passes", "without [wear]", "nothing, or a [wear] table")
     if not (wears and wheel):
         return
-    for key in ("wear.turns", "wear.tolerance"):
-        if key in entries.given:
-            cure = "nothing; wear.step_depth and rail.passes are the keys of worn profiles"
-            yield Fault(key, "with [wheel]", cure)
+    if "wear.turns" in entries.given:
+        cure = "nothing; rail.passes is the key of worn profiles"
+        yield Fault("wear.turns", "with [wheel]", cure)
     for name in ("subsurface", "fatigue"):
         if entries[name] is not None:
             cure = f"no [{name}] together with [wear]: leave [wear] out, for new or worn profiles"

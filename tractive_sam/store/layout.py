@@ -84,9 +84,9 @@ USER = "own"
 ROW = Quantity("record", "1", "row of /history")
 
 
-def package_columns() -> set[str]:
-    """Return the names of the columns that the package defines."""
-    return {column.name for column in COLUMNS}
+def package_columns() -> dict[str, Quantity]:
+    """Return the columns that the package defines, by name."""
+    return {column.name: column for column in COLUMNS}
 
 
 def create_layout(
@@ -260,11 +260,15 @@ def _create_columns(
             create_labels(history, dimension, labels, about)
         scales = tuple(history[dimension] for dimension in ("record", *column.dims))
         create_rows(history, column.name, column, scales, coordinate=coordinate)
-    # A coordinate may be a column of the package without being the coordinate of the scene.
+    # A process may compute a column that the package reads from contacts of other scenes; a
+    # coordinate may be a column of the package without being the coordinate of the scene.
+    package = package_columns()
     user_defined = [
         column
         for column in missing
-        if column.name not in package_columns() or column.role == COORDINATE
+        if column.name not in package
+        or (column.of is None) > (package[column.name].of is None)
+        or column.role == COORDINATE
     ]
     user_defined = [column for column in user_defined if column != REVOLUTION]
     if user_defined:
