@@ -103,6 +103,23 @@ def test_position_and_marks_follow_the_track(rails):
     assert "x = 40 mm" in description
 
 
+def test_a_mark_that_a_section_lacks_is_a_plain_point_there(tmp_path):
+    """Sections of one profile are one rail, whatever marks some of them do not have."""
+    write_profile(builtin_profile("60E1"), tmp_path / "a.prr", "rail")
+    head = "0 1\n3\n3 0 0\n1\n0 'a.prr'\n5 'a.prr'\n10 'a.prr'\n"
+    files = []
+    for name, middle in (("all", "5 0 60 125"), ("some", "5 0 -1 125"), ("none", "5 -1 -1 -1")):
+        files.append(tmp_path / f"{name}.slcs")
+        files[-1].write_text(f"{head}0 0 60 125\n{middle}\n10 0 60 125\n")
+    complete, *others = (scene(path).rail.unplaced_curve for path in files)
+    # The points between the marks differ: cubics between points 0.25 mm apart.
+    for rail in others:
+        y = np.linspace(-30.0, 30.0, 61)
+        assert rail.section(5.0).height(y) == pytest.approx(
+            complete.section(5.0).height(y), abs=1e-4
+        )
+
+
 @pytest.mark.parametrize(
     ("change", "key"),
     [
@@ -130,7 +147,7 @@ def test_keys_that_need_another_rail_are_faults(rails, change, key):
         ("0 1\n2\n0 0 0\n1\n0 'a.prr'\n0 'a.prr'\n", "increasing"),
         ("0 1\n2\n0 1 0\n1\n0 'a.prr'\n5 'a.prr'\n", "kinks"),
         ("0 1\n2\n0 0 0\n1\n0 'a.prr'\n5 'b.prr'\n", "b.prr"),
-        ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n5 -1 99\n", "marks"),
+        ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n5 -2 99\n", "marks"),
         ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n", "marks"),
         ("0 1\nmany\n0 0 0\n1\n", "many"),
     ],

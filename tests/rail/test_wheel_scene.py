@@ -204,6 +204,37 @@ def test_friction_dissipates_the_work_supplied():
     assert contact.work_supplied != pytest.approx(contact.t_gamma, rel=1e-5)
 
 
+def test_a_stripe_of_friction_is_a_place_on_the_rail():
+    """Both patches slide entirely: each has the friction at its place in the track."""
+    one = scene(4.92, yaw=11.8).replace(**{"creepage.lateral": 0.05})
+    y = sorted(ts.roll(one)["contact_y"])
+    middle = sum(y) / 2.0
+    wet = one.replace(**{"friction.across": ((middle - 0.5, 0.2), (middle + 0.5, 1.0))})
+    history = ts.roll(wet)
+    ratio = np.hypot(history["Qx"], history["Qy"]) / history["P"] / 0.3
+    assert ratio[np.argsort(history["contact_y"])] == pytest.approx([0.2, 1.0], abs=1e-3)
+    with pytest.raises(ts.SceneError, match="across"):
+        one.replace(**{"friction.across": ((-5.0, 0.2), (5.0, 1.0))})
+
+
+def test_a_wheel_without_a_flange_rests_on_its_rail(tmp_path):
+    """Circular profiles have the Hertz contact of their radii."""
+    for name, profile in (("wheel", arc(800.0, half=40.0)), ("rail", arc(-300.0, half=36.0))):
+        np.savetxt(tmp_path / f"{name}.txt", profile.points)
+    rail = {"profile": str(tmp_path / "rail.txt"), "inclination": math.inf, "origin": (750.0, 0.0)}
+    one = ts.Scene(
+        body=TABLES["body"],
+        wheel={"profile": str(tmp_path / "wheel.txt"), "radius": 460.0},
+        rail=rail,
+        wheelset={"load": 1e4},
+    )
+    bodies = {"A": STEEL | {"radius_x": 460.0, "radius_y": 800.0}}
+    bodies["B"] = STEEL | {"radius_x": math.inf, "radius_y": 300.0}
+    hertz = ts.solve(ts.Scene(body=bodies, load={"normal": 1e4}))
+    # The radii are measured at the depth of the contact, on other meshes.
+    assert ts.solve(one).p_max == pytest.approx(hertz.p_max, rel=2e-3)
+
+
 def test_left_and_right_are_mirrored():
     right = ts.solve(scene(3.0, yaw=5.0))
     left = ts.solve(scene(-3.0, yaw=-5.0, side="left"))

@@ -198,7 +198,7 @@ def wear_law_at(model: Model, contact: State) -> WearLaw | None:
 
     def complete(part: WearLaw) -> WearLaw:
         if isinstance(part, ArchardByWork) and part.friction:
-            friction = part.friction.on_rows(model.grid.y)
+            friction = part.friction.on_rows(model.lateral_positions)
             if required(scene.friction, "friction").temperature is not None:
                 friction = friction_at_temperature(model, required(temperature, "heat"))
             part = replace(part, friction=friction, length=model.grid.dx)

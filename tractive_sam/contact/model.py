@@ -56,7 +56,7 @@ class Model:
 
     depth_only = ("load", "approach", "undeformed_gap")
     """Cached properties that differ between the depths of a wheel."""
-    patch_only = ("rigid_slip", "scaled_rigid_slip")
+    patch_only = ("rigid_slip", "scaled_rigid_slip", "friction_law")
     """Other cached properties that differ between its patches."""
 
     def __init__(
@@ -238,7 +238,16 @@ class Model:
     @cached_property
     def friction_law(self) -> FrictionLaw:
         """Friction law on the rows of the mesh; Coulomb's with mu = 1 without friction."""
-        return (self.laws.friction or Coulomb()).on_rows(self.grid.y)
+        return (self.laws.friction or Coulomb()).on_rows(self.lateral_positions)
+
+    @property
+    def lateral_positions(self) -> np.ndarray:
+        """Positions y of the rows, mm: on a rail those in the track, outward; shape (n_y,)."""
+        if self.patch is None:
+            return self.grid.y
+        height = self.patch.rail_at(np.zeros(1), self.grid.y)[0]
+        y, normal = self.patch.lateral[1], self.patch.normal[1]
+        return np.asarray(self.patch.origin[1] + self.grid.y * y + height * normal)
 
     @property
     def starts_sliding(self) -> bool:

@@ -162,7 +162,9 @@ def free_roll(right: Wheel, rail: Rail, tolerance: float = 1e-11) -> float:
     return float(scipy.optimize.newton(difference, right.roll, x1=right.roll + 1e-5, tol=tolerance))
 
 
-def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) -> None:
+def _check_contact(
+    clearance: Clearance, wheel: Wheel, flange_top: float = 2.0, lowest_flange: float = 5.0
+) -> None:
     """Raise a NoContactError unless the wheel rests on its tread or the face of its flange.
 
     Parameters
@@ -173,15 +175,19 @@ def _check_contact(clearance: Clearance, wheel: Wheel, flange_top: float = 2.0) 
         The wheel.
     flange_top : float
         Height of the top of the flange, mm; its face ends there (EN 13715).
+    lowest_flange : float
+        Height above the tread datum up to which a profile has no flange, mm; flanges have 25 to 36.
     """
     if not np.isfinite(clearance.gap).any():
         raise NoContactError("the wheel does not meet the rail")
     k = int(np.argmin(clearance.gap))
     height = wheel.profile.at(clearance.s)[:, 1]
-    if height[k] > height.max() - flange_top or k <= np.argmax(height):
+    # Cylindrical and crowned wheels have no flange.
+    has_flange = height.max() - float(wheel.profile.height(0.0)) > lowest_flange
+    if has_flange and (height[k] > height.max() - flange_top or k <= np.argmax(height)):
         raise NoContactError("the wheel has derailed: the top of its flange is on the rail")
     measured = np.isfinite(clearance.gap[max(k - 1, 0) : k + 2])
-    if k == clearance.gap.size - 1 or not measured.all():
+    if k in (0, clearance.gap.size - 1) or not measured.all():
         raise NoContactError("the contact is at an end of a profile, which may be too short")
 
 

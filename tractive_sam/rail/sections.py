@@ -152,7 +152,8 @@ def read_sections(path: str | PathLike[str], read: Callable[[Path], Profile]) ->
     Its lines, without comments after ``%`` or ``!``: offset and scale of positions; number of
     sections; numbers of marks, kinks and accelerations; a number (the kind of spline, not used);
     position and file of each section, the file in quotes; position and marks of each section, the
-    arc lengths in mm of corresponding points from the end with the smallest y.
+    arc lengths in mm of corresponding points from the end with the smallest y, or -1 if a section
+    does not have the point.
 
     Parameters
     ----------
@@ -196,8 +197,47 @@ def _from_lines(
     table = [row[1:] for row in lines[4 + number : 4 + 2 * number]]
     if [*map(len, table)] != [marks] * number:
         raise ValueError(f"{len(table)} rows of marks; allowed: {number} rows of {marks}")
-    arcs = np.minimum(np.array(table, dtype=float), ends[:, 1:])
-    if arcs.min() < 0.0 or not (np.diff(arcs, axis=1) > 0.0).all():
-        cure = "allowed: increasing arc lengths; sections without a mark belong to another file"
+    given = np.array(table, dtype=float)
+    arcs = _with_absent_marks(np.minimum(given, ends[:, 1:]), x, ends)
+    if given[given != -1.0].min(initial=0.0) < 0.0 or not (np.diff(arcs, axis=1) > 0.0).all():
+        cure = "allowed: increasing arc lengths, and -1 for a mark that a section does not have"
         raise ValueError(f"marks from {arcs.min():g} to {arcs.max():g} mm; {cure}")
     return RailSections.from_profiles(x, profiles, arcs)
+
+
+def _with_absent_marks(arcs: Array, x: Array, ends: Array) -> Array:
+    """Return marks (n, k) with places for those that a section does not have (-1), mm.
+
+    A feature, such as an edge, that begins or ends along the track is a plain point in the sections
+    that do not have it. Between the neighbouring marks, it has the same relative place as in the
+    nearest section that has all three; without one, marks are equidistant. The outermost marks are
+    the ends of the profile.
+
+    Parameters
+    ----------
+    arcs : ndarray, shape (n, k)
+        Arc lengths of the marks in each section, -1 if absent.
+    x : ndarray, shape (n,)
+        Positions of the sections, mm.
+    ends : ndarray, shape (n, 2)
+        Arc lengths of the ends of the profiles, mm.
+    """
+    has = arcs != -1.0
+    filled = arcs.copy()
+    for column, end in ((0, ends[:, 0]), (-1, ends[:, 1])):
+        filled[~has[:, column], column] = end[~has[:, column]]
+    known = has.copy()
+    known[:, [0, -1]] = True
+    for section, mark in np.argwhere(~known):
+        left = int(np.flatnonzero(known[section, :mark])[-1])
+        right = mark + 1 + int(np.flatnonzero(known[section, mark + 1 :])[0])
+        complete = np.flatnonzero(known[:, [left, mark, right]].all(axis=1))
+        share = (mark - left) / (right - left)
+        if complete.size:
+            a, b, c = filled[complete[np.argmin(np.abs(x[complete] - x[section]))]][
+                [left, mark, right]
+            ]
+            share = (b - a) / (c - a)
+        first, last = filled[section, [left, right]]
+        filled[section, mark] = first + share * (last - first)
+    return filled

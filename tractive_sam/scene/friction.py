@@ -208,7 +208,8 @@ class Friction(LawTable):
     )
     across: LateralFactors | None = optional(
         "factor on the friction coefficients as a function of the lateral position y, mm, for "
-        "example for a wet stripe; linear between the pairs and constant beyond",
+        "example for a wet stripe; linear between the pairs and constant beyond; with [wheel], the "
+        "position on the rail in the track, outward",
         "pairs [y, factor] with ascending y and factors above 0",
         min_length=1,
     )

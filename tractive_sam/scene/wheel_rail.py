@@ -323,6 +323,12 @@ def _check_wheel_contact(entries: ValidEntries) -> Iterator[Fault]:
         given = f"y = {wheelset.y:g}, inner = {wheelset.inner:g}, rail.gauge = {rail.gauge:g} mm"
         yield Fault("wheelset", f"{given}; {error}", _describe_possible_place(entries))
         return
+    friction, y = entries["friction"], contact.rail.section(0.0).points[:, 0]
+    if friction is not None and friction.across is not None:
+        places = [place for place, _ in friction.across]
+        if places[-1] < y.min() or places[0] > y.max():
+            cure = f"places on the rail in the track, {y.min():.0f} to {y.max():.0f} mm"
+            yield Fault("friction.across", f"y from {places[0]:g} to {places[-1]:g} mm", cure)
     radii = contact.equivalent_radii
     expected = {"A": (radii[0], math.inf), "B": (math.inf, radii[1])}
     for name, pair in expected.items():
