@@ -76,6 +76,12 @@ TESTS = {
     "an empty table of noise": (fitted({"noise": {}}), "fit.data[0].noise.noise"),
     "noise by a column and a number": (fitted({"noise": {"column": "sd", "absolute": 1.0}}),
                                        "fit.data[0].noise.column"),
+    "a factor of at most 1": (fitted({"noise": {"factor": 1.0}}), "fit.data[0].noise"),
+    "a factor and a number": (fitted({"noise": {"factor": 1.2, "absolute": 1.0}}),
+                              "fit.data[0].noise.factor"),
+    "a factor of a profile": (
+        fitted({"observe": "wear_profile", "body": "A", "vary": [], "noise": {"factor": 1.2}}),
+        "fit.data[0].noise.factor"),
     "an unknown observation": (fitted({"observe": "Qx_over_Q"}), "fit.data[0].observe"),
     "a vector": (fitted({"observe": "p_max_at"}), "fit.data[0].observe"),
     "a mass of no body": (fitted({"observe": "worn_mass"}), "fit.data[0].body"),

@@ -52,6 +52,17 @@ def test_values_over_decades_have_a_logarithmic_axis():
     assert scales == ["linear", "log", "linear"]
 
 
+def test_error_bars_of_a_factor_are_equally_long_on_a_logarithmic_axis(spheres):
+    noise = {"factor": 2.0}
+    data = creep_data(spheres, {"friction.mu": 0.35}, noise=noise)
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    (_, _, figure), *_ = fit_figures(ts.fit(design | {"curve": 0}))
+    (bars,) = figure.axes[0].containers
+    ends = np.array([segment[:, 1] for segment in bars[2][0].get_segments()])
+    values = data["values"]["Qx_over_P"]
+    np.testing.assert_allclose(ends, np.stack([values / 2.0, values * 2.0], axis=1))
+
+
 def test_every_residual_is_within_its_panel():
     one = curve([1.0, 2.0, 3.0])
     one.residual[1] = 7.0

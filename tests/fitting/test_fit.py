@@ -8,8 +8,9 @@ from tests.fitting import laws
 from tests.fitting.conftest import CREEPAGES, creep_data, starts, worn_data
 from tractive_sam.fitting import log_posterior
 from tractive_sam.fitting.likelihood import ProfileLikelihood
+from tractive_sam.fitting.losses import LOSSES
 from tractive_sam.fitting.run import make_problem, read_design
-from tractive_sam.fitting.search import LOSSES, Search
+from tractive_sam.fitting.search import Search
 
 EXACT = 1e-6
 """Relative error of estimates from data without noise; the search ends at changes of 1e-7."""
@@ -249,7 +250,8 @@ def test_scatter_widens_intervals(spheres):
     }
     stated, scattered = ts.fit(design), ts.fit(design | {"scatter": True})
     ratio = scattered.sd["friction.mu"] / stated.sd["friction.mu"]
-    assert ratio == pytest.approx((stated.chi2 / 3) ** 0.5)
+    # each search ends within 0.03 of its standard deviation
+    assert ratio == pytest.approx((stated.chi2 / 3) ** 0.5, rel=5e-3)
 
 
 def test_the_next_test_is_where_a_parameter_matters(spheres):
@@ -328,5 +330,5 @@ def test_the_cost_is_half_the_sum_of_squares_of_residuals_and_priors(spheres):
     fit = read_design(design).fit
     found = Search(make_problem(fit), fit).run()
     residuals = found.problem.residuals(found.u, found.predicted)
-    assert found.cost == pytest.approx(0.5 * np.square(residuals).sum(), rel=1e-12)
+    assert found.cost() == pytest.approx(0.5 * np.square(residuals).sum(), rel=1e-12)
     assert abs(found.problem.prior_residuals(found.u)[0]) > 1.0

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from tractive_sam.fitting.design import FitError
-from tractive_sam.fitting.tables import COORDINATES, DEPTH, Data, Noise
+from tractive_sam.fitting.noise import NoiseModel
+from tractive_sam.fitting.tables import COORDINATES, DEPTH, Data
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, shorten, suggest_name
@@ -26,8 +27,10 @@ class Measured:
         Entries that are set in the scene, of each row; of a profile one for all rows.
     places : ndarray, shape (rows,)
         Revolution or distance of each row; nan stands for the last record.
-    observed, noise : ndarray, shape (rows, observations)
-        Measured values and their standard deviations.
+    observed : ndarray, shape (rows, observations)
+        Measured values.
+    noise : NoiseModel
+        Their noise, each array of the same shape.
     y : ndarray, shape (rows,)
         Lateral places of a profile, mm; empty otherwise.
     """
@@ -36,7 +39,7 @@ class Measured:
     settings: tuple[Mapping[str, float], ...]
     places: np.ndarray
     observed: np.ndarray
-    noise: np.ndarray
+    noise: NoiseModel
     y: np.ndarray
 
     @property
@@ -140,11 +143,15 @@ def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measur
     """Return the measurements from columns of numbers; FitError for invalid noise or places."""
     names = (DEPTH,) if data.profile else data.observe
     observed = np.stack([numbers[name] for name in names], axis=1)
-    noise = _noise_of(data.uncertainty, observed, numbers)
-    if not (np.isfinite(noise) & (noise > 0.0)).all():
-        row = int(np.argmin((noise > 0.0).all(axis=1))) + 1
+    name = data.uncertainty.column
+    column = None if name is None else numbers[name]
+    noise = NoiseModel.from_table(data.uncertainty, observed.shape, column)
+    deviation = noise.deviation(observed, observed)
+    if not (np.isfinite(deviation) & (deviation > 0.0)).all() or (noise.absolute < 0.0).any():
+        deviation = np.where(noise.absolute < 0.0, noise.absolute, deviation)
+        row = int(np.argmin((deviation > 0.0).all(axis=1))) + 1
         cure = "above 0; a relative noise needs measured values other than 0: { absolute = ... }"
-        raise FitError([Fault(f"{key}.noise", f"{noise.min():g} in row {row}", cure)])
+        raise FitError([Fault(f"{key}.noise", f"{deviation.min():g} in row {row}", cure)])
     rows = 1 if data.profile else len(observed)
     keys = [name for name in data.vary if name not in COORDINATES]
     settings = tuple({name: float(numbers[name][k]) for name in keys} for k in range(rows))
@@ -155,15 +162,3 @@ def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measur
         cure = "revolutions and distances of at least 0"
         raise FitError([Fault(f"{key}.vary", f"{place.min():g}", cure)])
     return Measured(data, settings, place, observed, noise, numbers.get("y", np.empty(0)))
-
-
-def _noise_of(noise: Noise, observed: np.ndarray, numbers: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Return standard deviations of measured values, from a column or by `noise_at`."""
-    if noise.column is not None:
-        return np.broadcast_to(numbers[noise.column][:, None], observed.shape)
-    return noise_at(noise, observed)
-
-
-def noise_at(noise: Noise, observed: np.ndarray) -> np.ndarray:
-    """Return standard deviations: root of the sum of squares of absolute and relative noise."""
-    return np.hypot(noise.absolute or 0.0, (noise.relative or 0.0) * np.abs(observed))

@@ -1,13 +1,16 @@
 """Estimates, their covariance, and what the data do not determine."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.stats import chi2 as chi2_distribution
 from scipy.stats import norm
+from scipy.stats import t as student
 
+from tractive_sam.fitting.losses import Loss
 from tractive_sam.fitting.problem import FitProblem
 
 
@@ -25,84 +28,192 @@ class Estimate:
         Predictions there.
     jacobian : ndarray, shape (points, size)
         Derivatives of the predictions by the coordinates.
-    weights : ndarray, shape (points,)
-        Weights by a robust loss; otherwise 1.
-    cost : float
-        Half the sum of losses, priors included.
+    loss : Loss
+        Loss of the residuals.
     iterations : int
         Iterations of the search.
     message : str
         How the search ended.
     by_scatter : bool
         Whether the scatter of the residuals scales the noise.
+    scatter : float
+        Factor on the stated noise.
     """
+
+    fewest_degrees = 0.5
+    """Degrees of freedom below which residuals say nothing about the noise or the model."""
 
     problem: FitProblem
     u: np.ndarray
     predicted: np.ndarray
     jacobian: np.ndarray
-    weights: np.ndarray
-    cost: float
+    loss: Loss
     iterations: int
     message: str
     by_scatter: bool = False
+    scatter: float = 1.0
+
+    @cached_property
+    def noise(self) -> np.ndarray:
+        """Stated standard deviations of the measured values, at the predictions, (points,)."""
+        return self.problem.deviation(self.predicted)
 
     @cached_property
     def residuals(self) -> np.ndarray:
-        """Measured less predicted, over the noise, shape (points,)."""
-        return (self.problem.observed - self.predicted) / self.problem.noise
+        """Measured less predicted, over the stated noise, shape (points,)."""
+        problem = self.problem
+        return -problem.noise.residuals(self.predicted, problem.observed, self.noise)
 
     @property
     def chi2(self) -> float:
         """Sum of the squares of the residuals, chi-square."""
         return float(np.square(self.residuals).sum())
 
+    def cost(self, deviation: np.ndarray | None = None) -> float:
+        """Return half the sum of losses, priors included, for stated standard deviations."""
+        residuals = self.problem.residuals(self.u, self.predicted, deviation, self.scatter)
+        return self.loss.cost(residuals)
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """Weights of the residuals by a robust loss, shape (points,); otherwise 1."""
+        return self.loss.weights(self.residuals / self.scatter)
+
+    @cached_property
+    def row_weights(self) -> np.ndarray:
+        """Factors of the derivatives of predictions in `weighted`, shape (points,)."""
+        return np.sqrt(self.weights / self.loss.inflation) / (self.scatter * self.noise)
+
     @cached_property
     def weighted(self) -> np.ndarray:
         """Derivatives of predictions over noise, weighted by the loss, shape (points, size)."""
-        return (np.sqrt(self.weights) / self.problem.noise)[:, None] * self.jacobian
+        return self.row_weights[:, None] * self.jacobian
+
+    @cached_property
+    def data_directions(self) -> "Directions":
+        """Directions of the coordinates, split by whether the data determine them."""
+        errors = self.problem.slope_errors(self.predicted, self.jacobian)
+        return Directions.of(self.weighted, self.row_weights[:, None] * errors, self._is_linear)
 
     @cached_property
     def directions(self) -> "Directions":
         """Directions of the coordinates, split by whether data and priors determine them."""
         prior = self.problem.prior_jacobian(self.u)
-        return Directions.of(np.concatenate([self.weighted, prior]))
+        errors = self.problem.slope_errors(self.predicted, self.jacobian)
+        return Directions.of(
+            np.concatenate([self.weighted, prior]),
+            np.concatenate([self.row_weights[:, None] * errors, 0.0 * prior]),
+            self._is_linear,
+        )
+
+    @property
+    def _is_linear(self) -> np.ndarray:
+        """Whether a coordinate is a value and no logarithm, shape (size,)."""
+        positions = self.u.size - len(self.problem.parameters)
+        return np.append(~self.problem.parameters.logarithmic, np.ones(positions, bool))
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the coordinates (size, size); inf for variances of undetermined ones."""
         return self.directions.covariance
 
-    @property
-    def degrees(self) -> int:
-        """Degrees of freedom: points and priors less determined coordinates."""
-        return len(self.residuals) + self.problem.priors - len(self.directions.sizes)
+    @cached_property
+    def degrees(self) -> float:
+        """Degrees of freedom: points less the coordinates that the data determine.
+
+        A coordinate counts by the share of the data in its information: by 1 without a prior, or
+        with a weak one, and by 0 if the prior alone determines it.
+        """
+        shares = np.square(self.weighted @ self.directions.covariance_root).sum()
+        return len(self.residuals) - float(shares)
+
+    def with_scatter(self) -> "Estimate":
+        """Return the estimate with the factor on the noise that makes chi-square its degrees.
+
+        Residuals count by their weights: a robust loss has a robust scatter (Huber, Robust
+        Statistics (1981), section 7.7).
+        """
+        estimate = self
+        for _ in range(50):
+            if not self.by_scatter or estimate.degrees < self.fewest_degrees:
+                return estimate
+            squares = float(estimate.weights @ np.square(self.residuals))
+            scatter = math.sqrt(squares / (estimate.degrees * self.loss.slope))
+            scatter, before = max(scatter, 1e-6), estimate.scatter  # above zero for exact data
+            estimate = replace(estimate, scatter=scatter)
+            if abs(scatter - before) < 1e-9 * scatter:
+                break
+        return estimate
+
+    def quantile(self, level: float) -> float:
+        """Return the half width of an interval in standard deviations: normal, or Student's t.
+
+        If the noise follows from the scatter of the residuals, it is known as well as the degrees
+        of freedom allow.
+        """
+        share = 0.5 + 0.5 * level
+        if not self.by_scatter or self.degrees < self.fewest_degrees:
+            return float(norm.ppf(share))
+        return float(student.ppf(share, self.degrees))
 
     def chi2_range(self, level: float) -> tuple[float, float]:
-        """Return the range (low, high) of chi-square for a probability; nan if degrees <= 0."""
-        if self.degrees <= 0:
+        """Return the range (low, high) of chi-square for a probability; nan without degrees."""
+        if self.degrees < self.fewest_degrees:
             return math.nan, math.nan
         low, high = chi2_distribution.interval(level, self.degrees)
         return float(low), float(high)
 
     def interval(self, level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return low ends, high ends, standard deviations; nan, nan, inf if undetermined."""
+        """Return low ends, high ends, standard deviations; nan, nan, inf if undetermined.
+
+        Predictions are linear in the values of the parameters. The noise is the one of the tested
+        value, see `ProfileLikelihood.rise`: with an absolute noise, the interval is the value and
+        multiples of its standard deviation on both sides.
+        """
         parameters = self.problem.parameters
         n = len(parameters)
-        deviation = np.sqrt(np.diag(self.covariance)[:n])
-        deviation = self.scatter * deviation
-        reach = norm.ppf(0.5 + 0.5 * level) * deviation
-        ends = [parameters.values(self.u[:n] + sign * reach) for sign in (-1.0, 1.0)]
-        low, high = (np.where(np.isfinite(reach), end, math.nan) for end in ends)
         slopes = np.abs(parameters.slopes(self.u))
-        return low, high, np.where(np.isfinite(reach), slopes * deviation, math.inf)
+        variance = np.diag(self.covariance)[:n]
+        low, high = np.full((2, n), math.nan)
+        for k in np.flatnonzero(np.isfinite(variance)):
+            ends = (self._end(int(k), sign, self.quantile(level)) for sign in (-1.0, 1.0))
+            low[k], high[k] = ends
+        return low, high, np.where(np.isfinite(variance), slopes * np.sqrt(variance), math.inf)
 
-    @property
-    def scatter(self) -> float:
-        """Factor on the noise that makes chi-square its degrees; 1 unless `by_scatter`."""
-        if not self.by_scatter or self.degrees <= 0:
-            return 1.0
-        return math.sqrt(self.chi2 / self.degrees)
+    def _end(self, k: int, sign: float, goal: float) -> float:
+        """Return the low or high end of the interval of a parameter, or its bound."""
+        problem, parameters = self.problem, self.problem.parameters
+        variance = self.covariance[k, k]
+        along = sign * np.nan_to_num(self.covariance[:, k]) / variance
+        change, prior_change = self.jacobian @ along, problem.prior_jacobian(self.u) @ along
+        prior = problem.prior_residuals(self.u)
+        prior_weights = self.loss.weights(prior)
+        weights = self.weights / self.loss.inflation
+        value = parameters.values(self.u)[k]
+        slope = sign * float(parameters.slopes(self.u)[k])
+        low, high = parameters.value_bounds
+        farthest = max(((high if slope > 0.0 else low)[k] - value) / slope, 0.0)
+
+        def excess(step: float) -> float:
+            predicted = self.predicted + step * change
+            deviation = problem.deviation(predicted)
+            there, here = (
+                problem.noise.residuals(m, problem.observed, deviation) / self.scatter
+                for m in (predicted, self.predicted)
+            )
+            priors = np.square(prior + step * prior_change) - np.square(prior)
+            rise = weights @ (np.square(there) - np.square(here)) + prior_weights @ priors
+            most = 1e3 * goal**2  # a factor has no residual at zero
+            return float(min(np.nan_to_num(rise, nan=most), most)) - goal**2
+
+        inner, step = 0.0, min(goal * math.sqrt(variance), farthest)
+        for _ in range(60):
+            if step > inner and excess(step) >= 0.0:
+                return value + slope * float(brentq(excess, inner, step, rtol=1e-9))
+            if step >= farthest:
+                return float((high if slope > 0.0 else low)[k])
+            inner, step = step, min(1.5 * step, farthest)
+        return math.nan
 
     @property
     def correlation(self) -> np.ndarray:
@@ -121,13 +232,12 @@ class Estimate:
     def spread(self, slopes: np.ndarray) -> np.ndarray:
         """Return standard deviations of numbers with derivatives `slopes` by the coordinates."""
         spread = slopes @ self.directions.covariance_root
-        return self.scatter * np.sqrt(np.square(spread).sum(axis=1))
+        return np.sqrt(np.square(spread).sum(axis=1))
 
     def shift(self, change: np.ndarray) -> np.ndarray:
         """Return the change of the fitted coordinates if the predictions change by `change`."""
-        weights = np.sqrt(self.weights) / self.problem.noise
         spread = self.directions.covariance_root
-        return -spread @ (spread.T @ (self.weighted.T @ (weights * change)))
+        return -spread @ (spread.T @ (self.weighted.T @ (self.row_weights * change)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,15 +261,27 @@ class Directions:
     UNDETERMINED = 0.3
     """Largest change of the residuals by an e-fold parameter that leaves it undetermined: a 95 %
     interval would span a factor of some 700."""
-    NOISE = 1e-4
-    """Noise of derivatives by differences, over the largest of them."""
 
     @classmethod
-    def of(cls, weighted: np.ndarray) -> "Directions":
-        """Split the coordinate space by the singular values of weighted derivatives."""
+    def of(cls, weighted: np.ndarray, errors: np.ndarray, is_linear: np.ndarray) -> "Directions":
+        """Split the coordinate space by the singular values of weighted derivatives.
+
+        A direction is determined if its singular value is above the error of the derivatives along
+        it, and above `UNDETERMINED` for its logarithmic part. Errors are those of each data set:
+        precise data of one parameter leave others determined by less precise ones.
+
+        Parameters
+        ----------
+        weighted, errors : ndarray, shape (rows, size)
+            Derivatives of the residuals, and their errors.
+        is_linear : ndarray of bool, shape (size,)
+            Whether a coordinate is a value and no logarithm.
+        """
         _, sizes, rows = np.linalg.svd(weighted, full_matrices=True)
         sizes = np.pad(sizes, (0, rows.shape[0] - sizes.size))
-        determined = sizes > max(cls.UNDETERMINED, cls.NOISE * sizes.max(initial=0.0))
+        logarithmic = np.sqrt(np.square(rows[:, ~is_linear]).sum(axis=1))
+        error = np.sqrt((np.square(errors) @ np.square(rows.T)).sum(axis=0))
+        determined = sizes > np.maximum(cls.UNDETERMINED * logarithmic, np.maximum(error, 1e-12))
         return cls(sizes[determined], rows[determined].T, rows[~determined].T)
 
     @property

@@ -93,12 +93,15 @@ def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
     body = f" of body {plain[2]}" if plain[2] else ""
     columns = {key: data[key].values[rows] for key in ("noise", "predicted", "band", "residual")}
     observed = data["observed"].values[rows]
+    number = data["series"].values[rows[0]]
+    factor = result.design.fit.data[number].uncertainty.factor
+    if factor:  # error bars of a factor are as long as each other on a logarithmic axis
+        columns["noise"] = np.abs(observed) * np.array([[1.0 - 1.0 / factor], [factor - 1.0]])
     key = str(data["abscissa_name"].values[rows[0]])
     x = Variable(key, data["abscissa"].values[rows], _meaning(key))
     label = quantity.label or plain[0].replace("_", " ")
     if quantity.symbol and not quantity.label and not body:
         label = f"${quantity.symbol}$"
-    number = data["series"].values[rows[0]]
     return FittedCurve(
         x, Variable(name, observed, label + body, quantity.unit), **columns,
         between=_curve_between(result, number, name),
@@ -128,6 +131,7 @@ def _likelihoods(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
     """Yield (name, caption, figure) of the profile likelihood of each parameter."""
     numbers, level = result.dataset["likelihood"].values, result.design.fit.level
     limit = float(result.dataset.attrs.get("scatter", 1.0) * norm.ppf(0.5 + 0.5 * level)) ** 2
+    limit = float(result.dataset.attrs.get("likelihood_limit", limit))  # absent in earlier files
     for k in np.unique(numbers[:, 0]).astype(int):
         _, values, rise = numbers[numbers[:, 0] == k].T
         key = result.keys[k]

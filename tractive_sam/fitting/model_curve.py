@@ -8,7 +8,9 @@ from tractive_sam.fitting.case import is_steady
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import Fit, FitError
 from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.noise import NoiseModel
 from tractive_sam.fitting.series import Series
+from tractive_sam.fitting.tables import Noise
 from tractive_sam.fitting.variables import Variables
 
 
@@ -36,7 +38,8 @@ def curve_variables(best: Estimate, fit: Fit) -> Variables:
         shape = (places.size, len(series.columns))
         measured = Measured(
             series.measured.data, tuple({key: float(x)} for x in places),
-            np.full(places.size, np.nan), np.ones(shape), np.ones(shape), np.empty(0),
+            np.full(places.size, np.nan), np.ones(shape), NoiseModel.from_table(Noise(absolute=1.0),
+            shape), np.empty(0),
         )  # fmt: skip
         try:
             curve = Series.of(

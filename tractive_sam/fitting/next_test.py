@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.fitting.data import Measured, noise_at
+from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import Fit, FitError
 from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.noise import NoiseModel
 from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import Gain
@@ -38,7 +39,7 @@ def rank_tests(best: Estimate, fit: Fit) -> list[Gain]:
         for label, measured in _measured_tests(test):
             problem = _problem_of(best.problem, f"fit.test[{k}]", measured, fit)
             slopes = problem.jacobian(best.u[:n])
-            noise = noise_at(test.uncertainty, problem.predict(best.u[:n], derivatives=True))
+            noise = problem.deviation(problem.predict(best.u[:n], derivatives=True))
             wide = np.zeros((len(slopes), best.u.size))
             wide[:, :n] = slopes / noise[:, None]
             after = information + wide.T @ wide
@@ -84,9 +85,10 @@ def _measured_tests(test: CandidateTest):
             values=columns, observe=test.observe, body=test.body, at=test.at, noise=1.0,
             set=test.set, vary=tuple(varied),
         )  # fmt: skip
-        ones = np.ones((1, len(test.observe)))
+        zeros = np.zeros((1, len(test.observe)))  # nothing is measured yet
+        noise = NoiseModel.from_table(test.uncertainty, zeros.shape)
         place = np.array([np.nan if test.at is None else test.at])
-        measured = Measured(data, (varied,), place, ones, ones, np.empty(0))
+        measured = Measured(data, (varied,), place, zeros, noise, np.empty(0))
         yield ": ".join(filter(None, (_describe_observation(test), label))), measured
 
 

@@ -85,6 +85,11 @@ class Parameters:
         return np.where(self.logarithmic, self.values(u), self.scale)
 
     @property
+    def value_bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the values, at least 0 for logarithmic parameters."""
+        return np.where(self.logarithmic, np.maximum(self.lower, 0.0), self.lower), self.upper
+
+    @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper bounds, in coordinates."""
         lower = np.where(self.logarithmic & (self.lower <= 0.0), 0.0, self.lower)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.fitting.design import FitDesign
+from tractive_sam.fitting.losses import Loss
 from tractive_sam.fitting.run import make_problem, read_design
-from tractive_sam.fitting.search import LOSSES
 
 
 def log_posterior(
@@ -49,7 +49,7 @@ def log_posterior(
     table = read_design(design).fit
     problem = make_problem(table)
     n = len(problem.parameters)
-    loss = LOSSES[table.loss]
+    loss = Loss(table.loss)
 
     def density(values: np.ndarray) -> float:
         values = np.asarray(values, float)
@@ -57,11 +57,14 @@ def log_posterior(
         if not (inside & ((values[:n] > 0.0) | ~problem.parameters.logarithmic)).all():
             return -np.inf
         u = np.concatenate([problem.parameters.coordinates(values[:n]), values[n:]])
-        residuals = problem.residuals(u, problem.predict(u))
+        predicted = problem.predict(u)
+        residuals = problem.residuals(u, predicted)
         problem.evaluations.stored.clear()  # samplers hardly return to earlier values
         if not np.isfinite(residuals).all():
             return -np.inf
-        return -0.5 * float(loss(np.square(residuals))[0].sum())
+        # A relative noise follows the prediction, and so does the width of its density.
+        follows = problem.noise.relative > 0.0
+        return -loss.cost(residuals) - float(np.log(problem.deviation(predicted)[follows]).sum())
 
     first = np.ones(problem.size)
     first[n:] = 0.0

@@ -12,6 +12,7 @@ from tractive_sam.fitting import prepare
 from tractive_sam.fitting.case import FitCase, Reply, is_steady, merge_cases
 from tractive_sam.fitting.design import FitError
 from tractive_sam.fitting.evaluations import Evaluations
+from tractive_sam.fitting.noise import NoiseModel
 from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.series import Series
 from tractive_sam.schema import Fault, SceneError
@@ -39,6 +40,9 @@ class FitProblem:
     """Relative step of differences of rolls. Fixed steps leave a noise of some 1e-6 of the wear, so
     that a derivative has an error of 1e-4 by it, and of about half the step by curvature."""
 
+    slope_accuracy = 1e-4
+    """Relative error of derivatives."""
+
     parameters: Parameters
     series: tuple[Series, ...]
     evaluations: Evaluations
@@ -65,9 +69,13 @@ class FitProblem:
         return np.concatenate([series.measured.observed.ravel() for series in self.series])
 
     @cached_property
-    def noise(self) -> np.ndarray:
-        """Standard deviations of all measured values, shape (points,)."""
-        return np.concatenate([series.measured.noise.ravel() for series in self.series])
+    def noise(self) -> NoiseModel:
+        """Noise of all measured values, each array of shape (points,)."""
+        return NoiseModel.join([series.measured.noise for series in self.series])
+
+    def deviation(self, predicted: np.ndarray) -> np.ndarray:
+        """Return the standard deviations of all measured values at predictions, (points,)."""
+        return self.noise.deviation(predicted, self.observed)
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -82,14 +90,58 @@ class FitProblem:
         """Number of parameters with a prior."""
         return int(np.isfinite(self.parameters.prior[:, 0]).sum())
 
-    def residuals(self, u: np.ndarray, predicted: np.ndarray) -> np.ndarray:
-        """Return (predicted - measured)/noise at all points, then the residuals of the priors."""
-        misfit = (predicted - self.observed) / self.noise
-        return np.concatenate([misfit, self.prior_residuals(u)])
+    def residuals(
+        self,
+        u: np.ndarray,
+        predicted: np.ndarray,
+        deviation: np.ndarray | None = None,
+        scatter: float = 1.0,
+    ) -> np.ndarray:
+        """Return (predicted - measured)/noise at all points, then the residuals of the priors.
 
-    def residual_slopes(self, u: np.ndarray, slopes: np.ndarray) -> np.ndarray:
-        """Return the derivatives of `residuals` by u from those of the predictions."""
-        return np.concatenate([slopes / self.noise[:, None], self.prior_jacobian(u)])
+        Parameters
+        ----------
+        u : ndarray, shape (size,)
+            Coordinates.
+        predicted : ndarray, shape (points,)
+            Predictions there.
+        deviation : ndarray, shape (points,), optional
+            Stated standard deviations of the measured values; by default those at the predictions.
+        scatter : float
+            Factor on the stated noise.
+        """
+        deviation = self.deviation(predicted) if deviation is None else deviation
+        misfit = self.noise.residuals(predicted, self.observed, deviation)
+        return np.concatenate([misfit / scatter, self.prior_residuals(u)])
+
+    def residual_slopes(
+        self,
+        u: np.ndarray,
+        predicted: np.ndarray,
+        slopes: np.ndarray,
+        deviation: np.ndarray,
+        scatter: float = 1.0,
+    ) -> np.ndarray:
+        """Return the derivatives of `residuals` by u, at constant standard deviations."""
+        is_log = self.noise.logarithmic > 0.0
+        scale = scatter * np.where(is_log, self.noise.logarithmic * predicted, deviation)
+        return np.concatenate([slopes / scale[:, None], self.prior_jacobian(u)])
+
+    def slope_errors(self, predicted: np.ndarray, slopes: np.ndarray) -> np.ndarray:
+        """Return the errors of derivatives of the predictions, shape (points, size).
+
+        They are `slope_accuracy` of the derivative, or of the prediction for those by differences,
+        of each data set separately. A value that does not depend on a parameter has none.
+        """
+        errors, n = np.abs(slopes), len(self.parameters)
+        first = 0
+        for series in self.series:
+            rows = slice(first, first + series.measured.points)
+            first = rows.stop
+            differs = np.array([key not in series.exact for key in self.parameters.keys])
+            sizes = np.abs(predicted[rows])[:, None] * (slopes[rows, :n] != 0.0) * differs
+            errors[rows, :n] = np.maximum(errors[rows, :n], sizes)
+        return self.slope_accuracy * errors
 
     def prior_residuals(self, u: np.ndarray) -> np.ndarray:
         """Return (value - mean) / standard deviation of each parameter that has a prior."""

@@ -183,6 +183,14 @@ class FitResult:
         return float(self.dataset.attrs["chi2"])
 
     @property
+    def data_chi2(self) -> list[tuple[float, int]]:
+        """Chi-square and number of measured values of each data set; empty in earlier files."""
+        if "data_chi2" not in self.dataset:
+            return []
+        counts = np.bincount(self.dataset["series"].values.astype(int))
+        return list(zip(self.dataset["data_chi2"].values.tolist(), counts.tolist(), strict=True))
+
+    @property
     def chi2_range(self) -> tuple[float, float]:
         """Range (low, high) in which `chi2` is expected; nan without degrees of freedom."""
         return float(self.dataset.attrs["chi2_low"]), float(self.dataset.attrs["chi2_high"])
@@ -248,12 +256,10 @@ class FitResult:
                 "sd": f"{sd:.2g}",
                 f"{level} from": f"{low:.4g}",
                 f"{level} to": f"{high:.4g}",
-                "finer mesh / sd": f"{shift / sd:.1g}",
+                "finer mesh / sd": f"{shift / sd:.1g}" if math.isfinite(sd) else "",
             }
-            shown = ("value",) if not math.isfinite(sd) else tuple(texts)
             rows.append({"parameter": key} | {
-                name: text if name in shown and text not in ("nan", "inf") else ""
-                for name, text in texts.items()
+                name: "" if text in ("nan", "inf") else text for name, text in texts.items()
             })  # fmt: skip
         return rows
 
@@ -297,6 +303,10 @@ class FitResult:
         low, high = self.chi2_range
         expected = "" if math.isnan(low) else f", expected {low:.3g} to {high:.3g}"
         rows["chi-square"] = f"{self.chi2:.4g} of {self.points} points{expected}"
+        if len(self.data_chi2) > 1:
+            names = [d.name or f"data set {k}" for k, d in enumerate(self.design.fit.data)]
+            parts = zip(names, self.data_chi2, strict=True)
+            rows["by data set"] = ", ".join(f"{name} {c:.3g} of {n}" for name, (c, n) in parts)
         rows["model error"] = _describe_model_error(self.dataset)
         rows["cost"] = f"{self.solves} contacts, {self.rolls} rolls"
         return {name: text for name, text in rows.items() if text}
@@ -321,6 +331,7 @@ class FitResult:
             "undetermined": self.undetermined,
             "notes": self.notes,
             "chi2": self.chi2,
+            "data_chi2": [{"chi2": value, "points": points} for value, points in self.data_chi2],
             "chi2_expected": [_number(limit) for limit in self.chi2_range],
             "positions": self.positions,
             "points": self.points,

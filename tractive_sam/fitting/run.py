@@ -33,7 +33,7 @@ from tractive_sam.fitting.variables import (
     test_variables,
     text_variables,
 )
-from tractive_sam.fitting.words import describe_undetermined, list_notes
+from tractive_sam.fitting.words import describe_undetermined, find_undetermined, list_notes
 from tractive_sam.scene import hash_files, hashes_of
 from tractive_sam.schema import Fault, PlausibilityWarning, warn
 from tractive_sam.store import versions
@@ -221,13 +221,18 @@ def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
     return FitResult(make_dataset({"design": design, **answer_variables(done.stored)}, attributes))
 
 
-def _intervals_of(best: Estimate, table: Fit) -> Intervals:
-    """Return the intervals of all parameters, linearised or by profile likelihood."""
+def find_intervals(best: Estimate, table: Fit) -> Intervals:
+    """Return the intervals of all parameters, linearised or by profile likelihood.
+
+    A parameter that is not determined at the estimate may be bounded by the data on one side.
+    """
     low, high, sd = best.interval(table.level)
+    for k in find_undetermined(best):
+        low[k], high[k] = ProfileLikelihood(best, table, k).bounds()
     curves = []
     if table.intervals == "profile":
-        for k in np.flatnonzero(np.isfinite(sd)):
-            low[k], high[k], curve = ProfileLikelihood(best, table, int(k)).interval()
+        for k in np.flatnonzero(np.isfinite(sd)).tolist():
+            low[k], high[k], curve = ProfileLikelihood(best, table, k).interval()
             curves.append(np.column_stack([np.full(len(curve), k), curve]))
     return Intervals(low, high, sd, tuple(curves))
 
@@ -236,13 +241,16 @@ def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult
     """Return the full result of an ended search: intervals, mesh error, next tests, notes."""
     table, problem = document.fit, best.problem
     n = len(problem.parameters)
-    intervals, shift = _intervals_of(best, table), np.full(n, np.nan)
+    intervals, shift = find_intervals(best, table), np.full(n, np.nan)
     finer = problem.predict_finer(best.u) if table.mesh_check else None
     if finer is not None and np.isfinite(finer).all():
         moved = problem.parameters.values((best.u + best.shift(finer - best.predicted))[:n])
         shift = moved - problem.parameters.values(best.u)
     gains = rank_tests(best, table) if next_test else []
-    texts = {"undetermined": describe_undetermined(best), "notes": list_notes(best, table)}
+    texts = {
+        "undetermined": describe_undetermined(best, intervals),
+        "notes": list_notes(best, table, intervals),
+    }
     variables = {
         "design": ((), document.to_toml(), "1", "the fit file"),
         **parameter_variables(best, intervals, shift),

@@ -66,19 +66,23 @@ Numbers = Annotated[tuple[Real, ...], BeforeValidator(_as_tuple), Field(min_leng
 Columns = Annotated[dict[str, Any], BeforeValidator(_as_lists)]
 Changes = Annotated[dict[str, Any], BeforeValidator(_flatten)]
 
-_NOISE = "a relative standard deviation, { absolute = ... }, { relative = ... } or { column = ... }"
+_NOISE = (
+    "a relative standard deviation, { absolute = ... }, { relative = ... }, { factor = ... } or "
+    "{ column = ... }"
+)
 
 
 def _check_noise(entries: ValidEntries) -> Iterator[Fault]:
-    """Yield a fault of a noise table that is empty or has "column" with other keys."""
+    """Yield a fault of a noise table that is empty, or has "column" or "factor" with other keys."""
     if not entries.given:
         yield Fault("noise", "nothing", _NOISE)
-    elif "column" in entries.given and len(entries.given) > 1:
-        yield Fault("column", "together with other keys", "column without absolute and relative")
+    for key in ("column", "factor"):
+        if key in entries.given and len(entries.given) > 1:
+            yield Fault(key, "together with other keys", f"{key} without other keys")
 
 
 class Noise(Table):
-    """Table of the standard deviation of measured values: absolute, relative or a column.
+    """Table of the standard deviation of measured values: absolute, relative, factor or a column.
 
     Examples
     --------
@@ -88,7 +92,13 @@ class Noise(Table):
     """
 
     absolute: Positive | None = optional("in units of the observation")
-    relative: Positive | None = optional("over the measured value")
+    relative: Positive | None = optional("over the predicted value")
+    factor: Real | None = optional(
+        "factor of one standard deviation of the logarithm: 1.2 for a scatter of 20 %; the "
+        "residual is one of logarithms",
+        "a number above 1",
+        gt=1.0,
+    )
     column: str | None = optional("column of the file that holds it", "a name")
     checks: ClassVar[tuple[Check, ...]] = (_check_noise,)
 
@@ -129,6 +139,9 @@ def _check_profile(entries: ValidEntries) -> Iterator[Fault]:
     if profiles and entries["vary"]:
         cure = "nothing: rows of a profile are its points; at = ... chooses the revolution"
         yield Fault("vary", shorten(entries["vary"]), cure)
+    if profiles and isinstance(entries["noise"], Noise) and entries["noise"].factor:
+        cure = "absolute = ..., as depths may be zero"
+        yield Fault("noise.factor", f"{entries['noise'].factor:g}", cure)
     if not profiles and "nuisance" in entries.given:
         yield Fault("nuisance", "without a profile", "only with a profile over y")
 

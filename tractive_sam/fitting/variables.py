@@ -85,12 +85,15 @@ def point_variables(best: Estimate, finer: np.ndarray | None) -> Variables:
         "abscissa_name": (of, names, "1", "what varies"),
         "abscissa": (of, np.array(abscissas, float), "1", "its value"),
         "observed": (of, problem.observed, "1", "measured value"),
-        "noise": (of, problem.noise, "1", "its standard deviation"),
+        "noise": (of, best.noise, "1", "its standard deviation"),
         "predicted": (of, best.predicted, "1", "prediction"),
         "residual": (of, best.residuals, "1", "measured less predicted, over the noise"),
         "band": (of, best.band, "1", "standard deviation of the prediction by the parameters"),
         "weight": (of, best.weights, "1", "weight by the loss"),
     }
+    squares = np.square(best.residuals)
+    sums = [float(squares[np.array(numbers) == k].sum()) for k in range(len(problem.series))]
+    variables["data_chi2"] = (("data",), sums, "1", "chi-square of each data set")
     if finer is not None:
         meaning = "prediction on a finer mesh less prediction"
         variables["model_error"] = (of, finer - best.predicted, "1", meaning)
@@ -118,6 +121,7 @@ def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
         "chi2_high": high,
         "degrees": best.degrees,
         "scatter": best.scatter,
+        "likelihood_limit": best.loss.rise * best.quantile(fit.level) ** 2,
         "points": best.problem.observed.size,
         "iterations": best.iterations,
         "solves": solves,

@@ -5,19 +5,32 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from tractive_sam.fitting.design import Fit
-from tractive_sam.fitting.estimate import Directions, Estimate
+from tractive_sam.fitting.estimate import Estimate
+from tractive_sam.fitting.results import Intervals
 
 
-def describe_undetermined(best: Estimate) -> list[str]:
-    """Return a sentence for each direction in which the data do not determine parameters."""
+def describe_undetermined(best: Estimate, intervals: Intervals) -> list[str]:
+    """Return a sentence for each direction in which the data do not determine parameters.
+
+    Parameters that the data bound on one side are left out, see `list_notes`.
+
+    Parameters
+    ----------
+    best : Estimate
+        The minimum.
+    intervals : Intervals
+        Intervals of the estimate.
+    """
     parameters = best.problem.parameters
-    directions = Directions.of(best.weighted)
-    rows = _sparse_rows(directions.null.T, directions.involved)
+    rows = _undetermined_rows(best)
     decided = "; the priors decide" if len(best.directions.null.T) < len(rows) else ""
     texts = []
-    for row in rows:
-        involved = np.flatnonzero(np.abs(row[: len(parameters)]) > directions.involved)
+    for row, involved in rows:
         keys = [parameters.keys[k] for k in involved]
+        if len(keys) == 1 and not decided and np.isfinite(intervals.high[involved]).all():
+            continue
+        if len(keys) == 1 and not decided and np.isfinite(intervals.low[involved]).all():
+            continue
         if not keys:
             texts.append("the position of a profile is not determined")
         elif len(keys) == 1:
@@ -27,6 +40,21 @@ def describe_undetermined(best: Estimate) -> list[str]:
         else:
             texts.append(f"only combinations of {', '.join(keys)} are determined")
     return [text + decided for text in texts]
+
+
+def find_undetermined(best: Estimate) -> list[int]:
+    """Return the parameters, by index, that data and priors do not determine at all."""
+    if len(best.directions.null.T) < len(best.data_directions.null.T):
+        return []
+    return [int(involved[0]) for _, involved in _undetermined_rows(best) if len(involved) == 1]
+
+
+def _undetermined_rows(best: Estimate) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return (direction, parameters by index) of each direction that the data do not determine."""
+    directions = best.data_directions
+    rows = _sparse_rows(directions.null.T, directions.involved)
+    n = len(best.problem.parameters)
+    return [(row, np.flatnonzero(np.abs(row[:n]) > directions.involved)) for row in rows]
 
 
 def _product(keys: Sequence[str], direction: np.ndarray) -> str:
@@ -76,9 +104,26 @@ def _opposite_signs(best: Estimate) -> Iterator[str]:
             yield f"{series.key}: {text}; {cure}"
 
 
-def list_notes(best: Estimate, table: Fit) -> list[str]:
-    """Return the caveats of a fit, as sentences."""
+def _describe_bounds(best: Estimate, intervals: Intervals, level: float) -> Iterator[str]:
+    """Yield a note for each parameter at a bound, or bounded by the data on one side only."""
     parameters = best.problem.parameters
+    lower, upper = parameters.value_bounds
+    for k, key in enumerate(parameters.keys):
+        low, high, value = intervals.low[k], intervals.high[k], parameters.values(best.u)[k]
+        data = []
+        if low <= lower[k] and np.isfinite(high):
+            data.append(f"bounded above by {high:.3g} ({level:.0%}), and by no data from below")
+        elif high >= upper[k] and np.isfinite(low):
+            data.append(f"bounded below by {low:.3g} ({level:.0%}), and by no data from above")
+        for bound, name in ((parameters.lower[k], "lower"), (parameters.upper[k], "upper")):
+            if np.isclose(value, bound, rtol=1e-6, atol=0.0):
+                data.append(f"at its {name} bound, {bound:g}; widen it unless it is a limit")
+        if data:
+            yield f"{key} is {'; '.join(reversed(data))}"
+
+
+def list_notes(best: Estimate, table: Fit, intervals: Intervals) -> list[str]:
+    """Return the caveats of a fit, as sentences."""
     notes = [note for series in best.problem.series for note in series.notes]
     notes += _opposite_signs(best)
     if best.iterations >= table.iterations:
@@ -89,16 +134,10 @@ def list_notes(best: Estimate, table: Fit) -> list[str]:
         notes.append(f"chi-square {best.chi2:.3g} is above its expected range: {cure}")
     if best.chi2 < low:
         notes.append(f"chi-square {best.chi2:.3g} is below its expected range: overstated noise")
-    if best.degrees <= 0:
-        notes.append("as many parameters as points: chi-square says nothing about the model")
-    for key, value, low_end, high_end in zip(
-        parameters.keys, parameters.values(best.u), parameters.lower, parameters.upper, strict=True
-    ):
-        for bound, name in ((low_end, "lower"), (high_end, "upper")):
-            if np.isclose(value, bound, rtol=1e-6, atol=0.0):
-                notes.append(
-                    f"{key} is at its {name} bound, {bound:g}: no valid interval; widen the bounds"
-                )
+    if best.degrees < best.fewest_degrees:
+        text = "as many parameters as points: chi-square says nothing about the model"
+        notes.append(text + (", and the scatter nothing about the noise" * table.scatter))
+    notes += _describe_bounds(best, intervals, table.level)
     if messages := best.problem.failures:
         notes.append(f"{len(messages)} computations failed during the fit: {messages[-1]}")
     return notes

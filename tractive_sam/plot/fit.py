@@ -23,7 +23,8 @@ class FittedCurve(ShortArrays):
         Measured values.
     noise, predicted, band, residual : ndarray, shape (n,)
         Standard deviation of the measurement, prediction, its standard deviation due to the
-        parameters, and residual over the noise.
+        parameters, and residual over the noise. A noise of shape (2, n) has the lengths of the
+        error bars downwards and upwards.
     between : ndarray, shape (3, m), optional
         Further values of x with the prediction and its standard deviation there.
 
@@ -91,7 +92,7 @@ def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
     lower.set(xlabel=curve.x.label, ylabel="residual / noise", ylim=(-limit, limit))
     if _spans_decades(places):
         lower.set_xscale("log")
-    if _spans_decades(points - curve.noise):
+    if _spans_decades(points - np.atleast_2d(curve.noise)[0]):
         upper.set_yscale("log")
     figure.align_ylabels()
     set_title(figure, title)

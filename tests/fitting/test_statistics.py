@@ -1,0 +1,130 @@
+"""Estimates and intervals have their closed forms: in full slip, Qx/P is the coefficient."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2, norm, t
+
+import tractive_sam as ts
+
+VALUES = np.array([0.21, 0.34, 0.42, 0.25, 0.31])
+N, Z = VALUES.size, norm.ppf(0.975)
+TINY = 1e-6
+"""Relative error: the friction of a contact in full slip, and the ends of intervals."""
+
+
+@pytest.fixture(scope="module")
+def line():
+    """A line contact in full slip."""
+    scene = ts.Scene.builtin("cylinders").replace(subsurface=None)
+    grid = {"grid.elements": 21, "grid.half_length": 1.15 * scene.hertz.a}
+    return scene.replace(**grid, **{"creepage.longitudinal": -0.05})
+
+
+def fit_mu(line, noise, values=VALUES, prior=None, **more):
+    data = {"values": {"Qx_over_P": values}, "observe": "Qx_over_P", "noise": noise}
+    entries = {"scene": line, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    if prior:
+        entries["parameter"] = [{"key": "friction.mu", "prior": prior}]
+    return ts.fit(entries | {"curve": 0} | more)
+
+
+@pytest.mark.parametrize("s", [0.05, 0.5])
+def test_relative_noise_follows_the_prediction(line, s):
+    """The estimate is the mean, and the interval that of (mean - mu) sqrt(n) = z s mu."""
+    found = fit_mu(line, s)
+    mean, reach = VALUES.mean(), Z * s / N**0.5
+    assert found.values["friction.mu"] == pytest.approx(mean, rel=TINY)
+    ends = (mean / (1.0 + reach), mean / (1.0 - reach))
+    assert found.interval("friction.mu") == pytest.approx(ends, rel=TINY)
+    assert found.sd["friction.mu"] == pytest.approx(s * mean / N**0.5, rel=TINY)
+    assert found.chi2 == pytest.approx(np.square(VALUES / mean - 1.0).sum() / s**2, rel=10.0 * TINY)
+
+
+def test_a_factor_is_the_noise_of_logarithms(line):
+    found = fit_mu(line, {"factor": 1.5})
+    mean, reach = np.log(VALUES).mean(), Z * np.log(1.5) / N**0.5
+    assert found.values["friction.mu"] == pytest.approx(np.exp(mean), rel=TINY)
+    ends = (np.exp(mean - reach), np.exp(mean + reach))
+    assert found.interval("friction.mu") == pytest.approx(ends, rel=TINY)
+    rows = np.log(VALUES / np.exp(mean)) / np.log(1.5)
+    assert found.dataset["residual"].values == pytest.approx(rows, abs=1e-5)
+
+
+def test_an_absolute_noise_gives_the_mean_and_its_deviation(line):
+    found = fit_mu(line, {"absolute": 0.1})
+    reach = Z * 0.1 / N**0.5
+    ends = (VALUES.mean() - reach, VALUES.mean() + reach)
+    assert found.interval("friction.mu") == pytest.approx(ends, rel=TINY)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_intervals_by_scatter_are_those_of_student(line, n):
+    values = VALUES[:n]
+    reach = t.ppf(0.975, n - 1) * values.std(ddof=1) / n**0.5
+    ends = np.array([max(values.mean() - reach, 0.0), values.mean() + reach])
+    found = fit_mu(line, {"absolute": 1e-3}, values, scatter=True)
+    assert found.interval("friction.mu") == pytest.approx(ends, rel=TINY)
+
+
+def test_the_profile_likelihood_by_scatter_is_that_of_f(line):
+    values = 0.3 + 0.01 * (VALUES[:4] - 0.3)
+    reach = t.ppf(0.975, 3) * values.std(ddof=1) / 4**0.5
+    found = fit_mu(line, {"absolute": 1e-3}, values, scatter=True, intervals="profile")
+    ends = (values.mean() - reach, values.mean() + reach)
+    # the root of the rise is found to 2 % of the half width
+    assert found.interval("friction.mu") == pytest.approx(ends, abs=0.02 * reach)
+    assert found.dataset.attrs["likelihood_limit"] == pytest.approx(t.ppf(0.975, 3) ** 2)
+
+
+@pytest.mark.parametrize(("width", "shares"), [(1e2, 1.0), (1e-4, 0.0), (0.1 / N**0.5, 0.5)])
+def test_a_prior_is_no_point_of_data(line, width, shares):
+    """The degrees of freedom are the points less the share of the data in the information."""
+    found = fit_mu(line, {"absolute": 0.1}, prior=[0.3, width])
+    assert found.chi2_range == pytest.approx(chi2.interval(0.95, N - shares), rel=1e-3)
+
+
+def test_the_scatter_of_the_data_does_not_widen_a_prior(line):
+    found = fit_mu(line, {"absolute": 1e-3}, prior=[0.3, 0.01], scatter=True)
+    scatter = found.dataset.attrs["scatter"]
+    information = N / (scatter * 1e-3) ** 2
+    assert found.sd["friction.mu"] == pytest.approx((information + 1e4) ** -0.5, rel=1e-4)
+    mean = (information * VALUES.mean() + 1e4 * 0.3) / (information + 1e4)
+    # the search ends within 0.03 of the standard deviation
+    assert found.values["friction.mu"] == pytest.approx(mean, abs=0.03 * found.sd["friction.mu"])
+
+
+def test_precise_data_of_one_parameter_leave_others_determined(line):
+    worn = line.replace(
+        wear={"coefficient": 1e-4, "revolutions": 2, "save": [0, 2], "stepping": "saved"}
+    )
+    area = float(ts.roll(worn, progress=False)["worn_area"][-1])
+    sets = [
+        {"values": {"Qx_over_P": [0.3]}, "observe": "Qx_over_P", "noise": {"absolute": 1e-6},
+         "at": 0},
+        {"values": {"worn_area": [area]}, "observe": "worn_area", "noise": 0.1},
+    ]  # fmt: skip
+    free = ["friction.mu", "wear.coefficient"]
+    found = ts.fit({"scene": worn, "free": free, "data": sets, "mesh_check": False, "curve": 0})
+    assert not found.undetermined
+    # derivatives of rolls are accurate to 1e-2
+    assert found.sd["wear.coefficient"] == pytest.approx(1e-5, rel=1e-2)
+    assert [points for _, points in found.data_chi2] == [1, 1]
+    assert sum(value for value, _ in found.data_chi2) == pytest.approx(found.chi2)
+
+
+def test_a_layer_that_is_too_thin_to_matter_is_bounded_above(line):
+    """In full slip any layer agrees with the data up to one that lets the contact stick."""
+    scene = line.replace(**{"creepage.longitudinal": -0.0015})
+    data = {"values": {"Qx_over_P": [ts.solve(scene).Qx / scene.normal_load]}}
+    data |= {"observe": "Qx_over_P", "noise": 0.05}
+    start = [{"key": "friction.layer", "start": 1e-6, "lower": 0.0}]
+    design = {"scene": scene, "free": ["friction.layer"], "data": [data], "parameter": start}
+    found = ts.fit(design | {"mesh_check": False, "curve": 0})
+    low, high = found.interval("friction.layer")
+    assert not found.undetermined
+    assert low == 0.0
+    assert any("friction.layer is bounded above by" in note for note in found.notes)
+    at_bound = ts.solve(scene.replace(**{"friction.layer": high})).Qx / scene.normal_load
+    measured = data["values"]["Qx_over_P"][0]
+    # the noise follows the prediction at the bound, which is found to 2 %
+    assert abs(at_bound - measured) / (0.05 * abs(at_bound)) == pytest.approx(Z, rel=0.05)
