@@ -3,8 +3,8 @@
 Page: docs/howto/fit.md
 
 Each row of the table is a kind of noise, a number of points, and settings of the fit. Its data are
-drawn 400 times. A 95 % interval should contain the true value in 92 to 98 % of the draws: the
-standard deviation of 400 draws is 1.1 %.
+random in 400 repeats. A 95 % interval should contain the true value in 92 to 98 % of the repeats:
+the standard deviation of the share is 1.1 %.
 
 Contacts would take most of the time. Predictions are those of a closed model: in full slip, Qx/P
 is the friction coefficient, and the wear of one revolution is proportional to its coefficient. All
@@ -152,7 +152,7 @@ class Case:
         return keys + (["wear.coefficient"] if columns - {"Qx_over_P"} else [])
 
     def design(self, rng: np.random.Generator) -> dict[str, Any]:
-        """Return a fit of data that are drawn once more."""
+        """Return a fit of newly randomised data."""
         data = [self._draw(rng, *entries) for entries in self.sets]
         table = {"scene": SPHERES, "free": self.keys, "data": data, "curve": 0}
         if self.prior:
@@ -179,16 +179,16 @@ class Case:
         true_noise = 3.0 * s if self.more.get("scatter") else s  # the stated one is wrong
         noise: Any = s if kind == "relative" else {kind: size * s}
         if kind == "factor":
-            noise, drawn = {"factor": np.exp(s)}, truth * np.exp(true_noise * normal)
+            noise, noisy = {"factor": np.exp(s)}, truth * np.exp(true_noise * normal)
         elif kind == "column":
             sd = size * s * rng.uniform(0.3, 2.0, n)
-            values["sd"], noise, drawn = sd, {"column": "sd"}, truth + sd * normal
+            values["sd"], noise, noisy = sd, {"column": "sd"}, truth + sd * normal
         elif kind == "both":
             noise = {"absolute": 0.5 * size * s, "relative": s}
-            drawn = truth + size * true_noise * np.hypot(0.5, 1.0) * normal
+            noisy = truth + size * true_noise * np.hypot(0.5, 1.0) * normal
         else:
-            drawn = truth + size * true_noise * normal
-        values[column_of_data] = drawn
+            noisy = truth + size * true_noise * normal
+        values[column_of_data] = noisy
         data = {"values": values, "observe": column, "noise": noise}
         data |= {"body": "B"} if column == "wear_profile" else {}
         return data | ({"at": 0} if column == "Qx_over_P" else {"at": 1})

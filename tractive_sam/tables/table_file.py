@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray
 
 from tractive_sam.lookup import CONTACT, NAMES, CreepTable, Hermite, check_axis_name
+from tractive_sam.optional import xarray
 from tractive_sam.store import TABLE_FORMAT, DamagedError, read_creep_table, versions, write_netcdf
 
 
