@@ -82,7 +82,7 @@ def _check_content(result: FitResult) -> None:
     """
     data, fit = result.dataset, result.design.fit
     for name, value in data.attrs.items():
-        if name not in ("format", "status", "message", "version", "checksum"):
+        if name not in ("format", "status", "message", "version", "checksum", "files"):
             float(value)
     if not result.finished:
         return
@@ -134,6 +134,7 @@ def _check_variables(data: xarray.Dataset) -> None:
         ("likelihood", ("likelihood_point", "of"), numbers),
         ("undetermined", ("undetermined_line",), texts),
         ("notes", ("notes_line",), texts),
+        ("data_chi2", ("data",), numbers),
     )
     for names, dims, kinds in (*variables, *optional):
         for name in names.split():
