@@ -36,7 +36,10 @@ class FitCase:
     derivatives : tuple of str
         Requested columns of the Jacobian, if the scene is one contact.
     seat : tuple of int
-        Cases of one seat are similar: the contact of one is the initial guess of the next.
+        Cases of one seat are similar.
+    near : FitCase, optional
+        Case whose contact is the initial guess, if it is steady; it has none itself, so that the
+        answer does not depend on the cases that were computed before.
     """
 
     scene: Scene
@@ -44,6 +47,7 @@ class FitCase:
     places: tuple[float, ...] = (math.nan,)
     derivatives: tuple[str, ...] = ()
     seat: tuple[int, ...] = ()
+    near: "FitCase | None" = None
 
     @property
     def is_steady(self) -> bool:
@@ -119,6 +123,7 @@ def merge_cases(cases: Iterable[FitCase]) -> dict[str, FitCase]:
             tuple(places.values()),
             tuple(dict.fromkeys((*earlier.derivatives, *case.derivatives))),
             earlier.seat,
+            earlier.near,
         )
     return by_fingerprint
 

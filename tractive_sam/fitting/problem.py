@@ -3,7 +3,7 @@
 import math
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -276,7 +276,15 @@ class FitProblem:
             self.failures.append(str(error.faults[0]))
             return None
         order = sorted(cases, key=lambda name: (name[0], name[2], name[1]))  # neighbours in turn
-        return self._replies_of({name: cases[name] for name in order})
+        near = {(n, k): case for (n, point, k), case in cases.items() if not point}
+        return self._replies_of(
+            {
+                name: replace(cases[name], near=near.get((name[0], name[2])))
+                if name[1]
+                else cases[name]
+                for name in order
+            }
+        )
 
     def _replies_of(self, cases: Mapping[tuple, FitCase]) -> dict[tuple, Reply]:
         """Return the replies of cases by name; cases of the same scene are computed once."""
