@@ -11,8 +11,10 @@ import tractive_sam as ts
 from tests.fitting.conftest import creep_data
 from tractive_sam.cli import app
 from tractive_sam.fitting import evaluations
+from tractive_sam.fitting.answer_file import read_answers
 from tractive_sam.fitting.fit_file import write_fit
 from tractive_sam.fitting.results import FitResult
+from tractive_sam.fitting.run import _unfinished, read_design
 
 FIT = """
 [fit]
@@ -209,3 +211,22 @@ def test_processes_find_the_same(rig, fitted, tmp_path, monkeypatch):
     expected = ts.open_fit(fitted).values["friction.mu"]
     assert found.values["friction.mu"] == pytest.approx(expected, rel=1e-6)
     assert np.isfinite(found.dataset["predicted"]).all()
+
+
+def test_a_fit_that_was_killed_ends_bit_by_bit_as_another(tmp_path):
+    """Finite differences see the initial guess of a contact: it must not depend on the past."""
+    scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]", "friction.layer=1e-5"])
+    values = {"creepage.longitudinal": [-1e-3, -4e-3, -8e-3], "Qx_over_P": [0.16, 0.28, 0.3]}
+    data = {"values": values, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
+    free, path = ["friction.mu", "friction.layer"], tmp_path / "fit.nc"
+    design = read_design(
+        {"scene": scene, "free": free, "data": [data | {"noise": 0.05}], "mesh_check": False}
+    )
+    whole = ts.fit(design, path).dataset
+    answers = read_answers(design, path, overwrite=False)
+    for kept in (1, len(answers) // 2, len(answers) - 1):
+        done = evaluations.Evaluations(evaluations.InProcess(), dict([*answers.items()][:kept]))
+        write_fit(path, _unfinished(design, done))
+        resumed = ts.fit(design, path).dataset
+        for name in ("value", "low", "high", "sd", "predicted", "answer", "answer_numbers"):
+            np.testing.assert_array_equal(resumed[name], whole[name])
