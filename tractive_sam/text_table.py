@@ -5,7 +5,7 @@ import math
 import operator
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -74,6 +74,12 @@ def find_length_unit(text: str) -> str | None:
     unit = unit if unit in ("M", "Nm") else unit.casefold()  # mega, newton metre
     unit = synonyms.get(unit, synonyms.get(unit.removesuffix("s"), unit))
     return unit if unit in LENGTHS else None
+
+
+def split_statement(text: str) -> tuple[str, str]:
+    """Return key, in lower case, and value of "key: value" or "key = value"; else "" and text."""
+    match = _STATEMENT.match(text)
+    return (match[1].lower(), match[2]) if match else ("", text)
 
 
 def find_scale(unit: str, meaning: str) -> float | None:
@@ -171,15 +177,17 @@ class TextTable:
         if self.decimal == "." and not any("_" in "".join(row) for row in rows):
             with suppress(ValueError):
                 values = np.array(rows, float)
-                if np.isfinite(values).all():
+                if np.isfinite(values).all() and values.min() > -999.0:
                     return values
         numbers = [[parse_number(cell, self.decimal) for cell in row] for row in rows]
+        marks = _find_marks(numbers)
+        numbers = [[None if number in marks else number for number in row] for row in numbers]
         wrong = [
             (i, k)
             for i, row in enumerate(numbers)
             for k, number in enumerate(row)
             if number is None or not math.isfinite(number)
-            if not (missing and rows[i][k].lower() in _MISSING)
+            if not (missing and (rows[i][k].lower() in _MISSING or _is_mark(rows[i][k])))
         ]
         if not wrong:
             filled = [[math.nan if number is None else number for number in row] for row in numbers]
@@ -195,10 +203,42 @@ class TextTable:
             allowed += ", without separators of thousands"
         raise TextError(place, allowed)
 
+    def check_remark(self, line: int, text: str, units: Collection[str]) -> None:
+        """Raise a TextError for a remark that states a scale, an offset, or other units or rows.
+
+        Parameters
+        ----------
+        line, text : int, str
+            The remark.
+        units : collection of str
+            Units that are used.
+        """
+        key, value = split_statement(text)
+        place = f"line {line}, {text[:60]!r}"
+        cure = "the file without this line, if it does not apply"
+        if key in ("points", "number of points", "data points", "rows") and value.isdigit():
+            rows, columns = len(self.rows), len(self.rows[0])
+            if int(value) not in (rows, columns, rows * columns):
+                raise TextError(f"{place}, but {rows} rows", "a complete file; or " + cure)
+        scales = r"\b(scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+)\b"
+        if re.search(scales, key) and value.lower() not in ("1", "1.0", "0", "0.0", "no", "off"):
+            raise TextError(f"{place}, which is not applied", f"numbers to which it is; or {cure}")
+        words = re.split(r"[\s,;:=]+", value)
+        for before, word in zip(["", *words], words, strict=False):
+            inner = word.strip("[](){}<>.")
+            stated = inner if key or inner != word or before in ("in", "unit", "units") else ""
+            stated = stated if inner not in ("in", "mil") or inner != word else ""
+            unit = _read_unit(f"[{stated}]") if stated.casefold() in _SCALES else None
+            unit = find_length_unit(stated) or unit
+            if unit and parse_number(before) is None and unit not in units:
+                raise TextError(
+                    f"{place}, with the unit {stated}", f"units in the header; or {cure}"
+                )
+
     def statements(self) -> dict[str, tuple[int, str]]:
         """Return (line, value) by lower-case key of remarks "key: value" or "key = value"."""
-        parts = [(line, _STATEMENT.match(text)) for line, text in self.remarks]
-        return {part[1].lower(): (line, part[2]) for line, part in parts if part}
+        parts = ((line, *split_statement(text)) for line, text in self.remarks)
+        return {key: (line, value) for line, key, value in parts if key}
 
     def without_row_numbers(self) -> Self:
         """Return the table without a first column that a header marks as row numbers."""
@@ -291,7 +331,7 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
     trailing = separator != " " and all(not row[-1] for row in rows[first:])
     header, start = _find_header(body[: first + 1], remarks, separator, width, trailing)
     for k in range(start):
-        if parse_number(rows[k][0], decimal) is not None:
+        if parse_number(rows[k][0], decimal) is not None and rows[k] != [str(len(rows) - first)]:
             value = f"line {lines[k]}, {body[k][1].strip()[:40]!r}, before the table"
             allowed = f"rows of {width} cells; headings that begin with a letter or #"
             raise TextError(value, allowed)
@@ -314,13 +354,26 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
     return table.without_row_numbers()
 
 
+def _is_mark(cell: str) -> bool:
+    """Return whether instruments write a number, such as -9999, for missing points."""
+    return bool(re.fullmatch(r"-(9{3,}([.,][90]*)?|32768(\.0*)?)", cell.strip()))
+
+
+def _find_marks(numbers: Sequence[Sequence[float | None]]) -> set[float]:
+    """Return numbers such as -9999 that mark missing points: far larger than all others."""
+    values = {number for row in numbers for number in row if number is not None}
+    marks = {value for value in values if value <= -999.0 and _is_mark(f"{value:.10g}")}
+    largest = max((abs(value) for value in values - marks if math.isfinite(value)), default=0.0)
+    return {mark for mark in marks if abs(mark) > 1.5 * largest}
+
+
 def _separate_comments(
     text: str, first_line: int
 ) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
     """Return (line, text) of the lines with content, and of comments."""
     # Largest length of a line, characters.
     longest = 1_000_000
-    comment = re.compile(r"#|!|%(?!\s*(?:[;,\t]|$))")  # but "50 %" is no comment
+    comment = re.compile(r"#|!|%(?!\s*(?:[;,\t#!]|$))")  # but "50 %" is no comment
     body, remarks = [], []
     for number, line in enumerate(text.split("\n"), first_line):
         content = line.strip()
@@ -328,7 +381,7 @@ def _separate_comments(
             raise TextError(
                 f"line {number} longer than {longest} characters", "a line for each row"
             )
-        if content[:1] in ("#", "%", "!"):
+        if content[:1] in ("#", "!") or re.match(r"%(?!\s*[;,\t])", content):
             remarks.append((number, content.lstrip("#%! ")))
         elif content:
             mark = comment.search(line) if _NUMBER_LIKE.match(line) else None
@@ -355,7 +408,7 @@ def _find_dialect(lines: Sequence[tuple[int, str]]) -> tuple[str, str, int]:
     width = Counter(len(_split(line, separator)) for line in sample).most_common(1)[0][0]
     cells = [_split(line, separator) for _, line in lines]
     with_comma = any(re.search(r"^\s*[-+]?\d*,\d", cell) for row in cells for cell in row)
-    if separator == "," and not with_comma and width % 2 == 0 and width > 2:
+    if separator == "," and not with_comma:
         _check_comma(lines, [row for row in cells if len(row) == width])
     for column in zip(*(row for row in cells if with_comma and len(row) == width), strict=True):
         grouped = [bool(re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", cell)) for cell in column]
@@ -371,9 +424,12 @@ def _find_dialect(lines: Sequence[tuple[int, str]]) -> tuple[str, str, int]:
 
 def _check_comma(lines: Sequence[tuple[int, str]], cells: Sequence[list[str]]) -> None:
     """Raise a TextError if commas between whole numbers look like decimal commas."""
-    decimals = [cell for row in cells for cell in row[1::2]]
-    alike = len({len(cell) for cell in decimals}) == 1 and all(map(str.isdigit, decimals))
-    if alike and len(decimals[0]) > 1 and not any("." in cell for row in cells for cell in row):
+    if any("." in line for _, line in lines):
+        return
+    matches = [re.fullmatch(r"(\d\d+)([eEdD][-+]?\d+)?", c) for row in cells for c in row[1::2]]
+    alike = all(matches) and len({len(match[1]) for match in matches if match}) == 1
+    spaced = all(re.search(r",\s", line) and re.search(r"\d,\d", line) for _, line in lines)
+    if spaced or (alike and len(cells[0]) % 2 == 0 and len(cells[0]) > 2):
         number, line = lines[0]
         value = f"line {number}, {line.strip()[:40]!r}: commas between columns and in numbers"
         raise TextError(value, "semicolons or tabs between columns, or decimal points")
@@ -391,7 +447,7 @@ def _classify(row: Sequence[str], decimal: str) -> str:
     """Return "numbers" of a row without other words, "mixed" of one with both, else "words"."""
     numbers = sum(parse_number(cell, decimal) is not None for cell in row)
     missing = sum(cell.lower() in _MISSING for cell in row if cell.lower() != "nan")
-    if numbers + missing == len(row) and any(row):
+    if numbers + missing == len(row) and (numbers or any(cell not in ("", "-") for cell in row)):
         return "numbers"
     return "mixed" if numbers else "words"
 
@@ -488,7 +544,7 @@ def _parse_label(label: str, unit: str = "") -> tuple[str, str]:
     brackets, last_word = r"(.+?)[\s_]*[\[({<](.*)[\])}>]", r"(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)"
     match = re.fullmatch(f"{brackets}|{last_word}", name)
     if match and match[1]:
-        name, stated = match[1], find_length_unit(match[2]) or match[2].strip() or "-"
+        name, stated = match[1], find_length_unit(match[2]) or match[2].strip()
     elif match and find_length_unit(match[4]):
         name, stated = match[3], find_length_unit(match[4]) or ""
     elif short := re.fullmatch(r"([^\W\d_]+)_([^\W_]+)", name):

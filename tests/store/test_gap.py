@@ -94,7 +94,7 @@ FAULTS = {
     "fields.npy": (lambda path: np.save(path, np.zeros(3, [("x", float)])), "no field y"),
     "hole.npy": (lambda path: np.save(path, POINTS[1:]), "11 points"),
     "twice.npy": (lambda path: np.save(path, POINTS[[0, *range(11)]]), "11 distinct"),
-    "nan.npy": (lambda path: np.save(path, with_nan()), r"nan in array\[5, 2\];"),
+    "nan.npy": (lambda path: np.save(path, with_nan()), "1 of 12 points are missing"),
     "nan-x.npy": (lambda path: np.save(path, POINTS * [np.nan, 1, 1]), "gap.file"),
     "empty.npy": (lambda path: path.write_bytes(b""), "unreadable"),
     "archive.npy": (write_archive, "an archive of arrays"),
@@ -107,10 +107,13 @@ FAULTS = {
     "empty.csv": (lambda path: path.write_text(""), "no rows"),
     "ragged.csv": (lambda path: path.write_text("x,y,separation\n1,2\n"), "line 1.* of 3 cells"),
     "header.csv": (lambda path: path.write_text("x,y,separation\n"), "no rows below"),
-    "units.csv": (lambda path: path.write_text("y [mm];z\n0;1\n"), "the unit of z"),
-    "order.csv": (lambda path: path.write_text("z,x,y\n1,2,3\n"), "columns z, x, y"),
+    "units.csv": (lambda path: path.write_text("y [mm];separation\n0;1\n"), "the unit of sep"),
+    "order.csv": (lambda path: path.write_text("z,x,v\n1,2,3\n"), "columns z, x, v"),
     "words.csv": (lambda path: path.write_text("x,y,separation\na,b,c\n"), "no rows below"),
-    "nan.csv": (lambda path: path.write_text("# y z\n0 1\n\n1 nan\n"), "line 4, 'nan' in column z"),
+    "nan.csv": (
+        lambda path: path.write_text("# y separation\n0 1\n\n1 nan\n"),
+        "line 4, 'nan' in column sep",
+    ),
     "falling.csv": (
         lambda path: path.write_text("y,separation\n0,1\n2,1\n1,1\n"),
         "increase, 1 after 2;",
@@ -141,8 +144,8 @@ def test_units_are_those_of_the_file(tmp_path):
         file["separation"].attrs["units"] = "um"
     np.testing.assert_allclose(read_gap(path)[2], SEPARATION, rtol=1e-15)  # one product
     with h5py.File(path, "r+") as file:
-        file["separation"].attrs["units"] = "inch"
-    with pytest.raises(GapError, match=r"separation.*inch"):
+        file["separation"].attrs["units"] = "furlong"
+    with pytest.raises(GapError, match=r"separation.*furlong"):
         read_gap(path)
 
 
@@ -243,3 +246,106 @@ def test_a_fault_names_the_table_that_requested_the_file(tmp_path):
         assert "transient.profile.B.body" in error.allowed
     with pytest.raises(GapError, match=r"gap\.body"):
         read_gap(Gap(file=path))
+
+
+def write_text(path, text):
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+MATRIX = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in 1e-3 * SEPARATION) + "\n"
+
+
+def test_a_matrix_uses_its_heading(tmp_path):
+    """Rows lie along x; a size is that of all points, each in the middle of its share."""
+    heading = "# Channel: Height\n# Width: 8.00 mm\n# Height: 1.5 mm\n# Value units: m\n"
+    path = write_text(tmp_path / "map.txt", heading + MATRIX)
+    with pytest.warns(ts.SceneWarning, match=r"0\.5 and 2 mm"):
+        x, y, separation = read_gap(ts.Gap(file=path))
+    np.testing.assert_allclose(x, [-0.5, 0.0, 0.5])
+    np.testing.assert_allclose(y, [-3.0, -1.0, 1.0, 3.0])
+    np.testing.assert_allclose(separation, SEPARATION, rtol=1e-8)  # printed digits
+    with pytest.raises(GapError, match=r"gap\.step = 2 mm along y"):
+        read_gap(ts.Gap(file=path, step=[0.5, 0.5]))
+
+
+@pytest.mark.parametrize("corner", ["0.2", "0"])
+def test_a_matrix_of_numbers_is_not_guessed_to_contain_coordinates(tmp_path, corner):
+    """A plane that rises in both directions: the map was not levelled."""
+    plane = 0.2 * np.arange(6)[:, None] + 0.3 * np.arange(5)
+    rows = [" ".join(f"{v:.3f}" for v in row) for row in plane]
+    path = write_text(tmp_path / "tilted.txt", "\n".join([corner + rows[0][5:], *rows[1:]]))
+    with pytest.raises(GapError, match=r"gap\.step"):
+        read_gap(path)
+    assert read_gap(ts.Gap(file=path, step=[1.0, 1.0]))[2].shape == plane.shape
+
+
+def test_missing_points_are_filled_up_to_a_width(tmp_path):
+    x, y = np.arange(5.0), np.arange(6.0)
+    plane = 1e-3 * (x[:, None] + 2.0 * y)
+    holed = plane.copy()
+    holed[2, 2:4] = np.nan
+    points = np.array([[a, b, z] for a, row in zip(x, holed, strict=True)
+                       for b, z in zip(y, row, strict=True)])  # fmt: skip
+    for name, values in (("map.npy", points), ("absent.npy", points[np.isfinite(points[:, 2])])):
+        np.save(tmp_path / name, values)
+        with pytest.raises(GapError, match=r"gap\.missing"):
+            read_gap(tmp_path / name)
+        with pytest.warns(ts.SceneWarning, match="2 of 30 points"):
+            filled = read_gap(ts.Gap(file=tmp_path / name, missing="interpolate"))[2]
+        np.testing.assert_allclose(filled, plane, rtol=1e-12)  # a plane is interpolated exactly
+        with pytest.raises(GapError, match="missing_width"):
+            read_gap(ts.Gap(file=tmp_path / name, missing="interpolate", missing_width=1.0))
+    points[0, 2] = np.nan
+    np.save(tmp_path / "corner.npy", points)
+    with pytest.raises(GapError, match="edge"):
+        read_gap(ts.Gap(file=tmp_path / "corner.npy", missing="interpolate"))
+
+
+def test_marks_of_missing_points(tmp_path):
+    values = SEPARATION.copy()
+    values[1, 1] = -9999.0
+    np.save(tmp_path / "map.npy", values)
+    table = {"file": tmp_path / "map.npy", "step": [1.0, 1.0]}
+    with pytest.raises(GapError, match="-9999 at 1 points"):
+        read_gap(ts.Gap(**table))
+    with pytest.warns(ts.SceneWarning, match="1 of 12"):
+        assert abs(read_gap(ts.Gap(**table, missing="interpolate"))[2]).max() < 1.0
+    values[1, 1] = 12.5
+    np.save(tmp_path / "map.npy", values)
+    with pytest.warns(ts.SceneWarning, match="outliers"):
+        read_gap(ts.Gap(**table))
+
+
+@pytest.mark.parametrize("dims", [("x", "y"), ("y", "x")])
+@pytest.mark.parametrize(("name", "engine"), [("a.h5", "h5netcdf"), ("a.nc", "scipy")])
+def test_named_dimensions_have_any_order(tmp_path, dims, name, engine):
+    xarray = pytest.importorskip("xarray")
+    values = xarray.DataArray(SEPARATION, {"x": X, "y": Y}, ("x", "y"))
+    data = xarray.Dataset({"separation": values.transpose(*dims)})
+    packed = {"dtype": "i4", "scale_factor": 1e-9, "_FillValue": -(2**31)}
+    data.to_netcdf(tmp_path / name, engine=engine, encoding={"separation": packed})
+    np.testing.assert_allclose(read_gap(tmp_path / name)[2], SEPARATION, atol=1e-9)  # as packed
+
+
+def test_other_dimensions_are_refused(tmp_path):
+    path = tmp_path / "a.h5"
+    write_hdf5(path, x=X, y=Y, separation=SEPARATION)
+    with h5py.File(path, "r+") as file:
+        file["separation"].dims[0].label = "time"
+    with pytest.raises(GapError, match="dimensions time"):
+        read_gap(path)
+
+
+def test_names_choose_the_columns(tmp_path):
+    """A column of heights needs its body, and a column of depths its direction."""
+    rows = "\n".join(f"{z};{y}" for y, z in ROWS)
+    path = write_text(tmp_path / "trace.csv", f"Height [um];Lateral_(mm)\n{rows}\n")
+    _, y, separation = read_gap(ts.Gap(file=path, body="A"))
+    np.testing.assert_array_equal(y, Y)
+    np.testing.assert_allclose(separation[0], -1e-3 * HEIGHT, rtol=1e-15)
+    write_text(path, f"depth [um];y [mm]\n{rows}\n")
+    with pytest.raises(GapError, match=r"gap\.positive"):
+        read_gap(ts.Gap(file=path, body="A"))
+    inward = read_gap(ts.Gap(file=path, body="A", positive="inward"))[2]
+    np.testing.assert_allclose(inward, -separation, rtol=1e-15)

@@ -114,6 +114,8 @@ def _table_of(data: Data) -> TextTable:
         table = read_table(str(data.file))
         if not table.names:
             raise TextError("no header row", "a row of column names above the numbers")
+        for line, text in table.remarks:
+            table.check_remark(line, text, table.units)
         return table
     columns = {
         name: [str(value) for value in np.atleast_1d(np.asarray(values, dtype=object))]

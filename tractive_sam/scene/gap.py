@@ -19,6 +19,7 @@ from tractive_sam.schema import (
     Check,
     Fault,
     FilePath,
+    Positive,
     PositivePair,
     Row,
     Table,
@@ -87,7 +88,7 @@ def _check_file(path: Path) -> Path:
     """Return the path of a gap file with its content; raise a ValueError if it does not exist."""
     if isinstance(path, InputPath):
         return path
-    absolute = absolute_path(path, (".h5", ".npy", ".npz", *TEXTS))
+    absolute = absolute_path(path, (".h5", ".nc", ".npy", ".npz", *TEXTS))
     content = content_of(str(absolute))
     if content is None:
         check_exists(absolute)
@@ -147,9 +148,14 @@ def _check_direction(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_step(entries: ValidEntries) -> Iterator[Fault]:
-    """Report a spacing of points together with arrays."""
+    """Report a spacing of points, or missing points, together with arrays."""
     if "step" in entries.given and "file" not in entries.given:
         yield Fault("step", entries["step"], "a file; the arrays x and y give the spacing")
+    if "missing" in entries.given and "file" not in entries.given:
+        yield Fault("missing", entries["missing"], "a file; arrays have all their points")
+    if "missing_width" in entries.given and "missing" not in entries.given:
+        cure = 'gap.missing = "interpolate" with this width'
+        yield Fault("missing_width", entries["missing_width"], cure)
 
 
 _Unit = Literal["m", "cm", "mm", "um", "nm", "angstrom", "in", "mil", "uin"]
@@ -202,6 +208,13 @@ class Gap(Table):
         "direction of a profile with two columns, or of arrays with a single coordinate: across "
         "the track (y) or along it (x); with x, a line contact remains one",
         default="y",
+    )
+    missing: Literal["interpolate"] | None = optional(
+        "treatment of points without a value in the file; by default, they are refused"
+    )
+    missing_width: Positive | None = optional(
+        "largest distance of the points beside interpolated ones, in the unit of x and y; by "
+        "default, six sampling intervals"
     )
     datum: Literal["touch", "separation"] = entry(
         "zero of the approach: the first touch of the bodies, or the zero of the separation; in "

@@ -383,6 +383,8 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         used = {name: k for k, name in enumerate(table.names) if name not in unused}
         if len(used) + len(unused) < len(table.names):
             raise TextError(f"columns {', '.join(table.names)}", "each column once")
+        for line, text in table.remarks:
+            table.check_remark(line, text, table.units)
         _check_names(used)
         for name, place in used.items():
             table_name, _, key = _COLUMNS[name].rpartition(".")

@@ -1,20 +1,33 @@
 """Reads measured or worn separations, and profiles as instruments write them."""
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
+import scipy  # its parts are loaded when first used
 from numpy.typing import ArrayLike
 
 from tractive_sam import scene
+from tractive_sam.input_file import open_regular
 from tractive_sam.scene import ALONG, TEXTS
+from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
 from tractive_sam.store.numpy_guard import read_archive, read_array
-from tractive_sam.text_table import LENGTHS, TextError, find_length_unit, parse_number, read_table
+from tractive_sam.text_table import (
+    LENGTHS,
+    TextError,
+    TextTable,
+    find_length_unit,
+    parse_number,
+    read_table,
+    split_statement,
+)
 
 NAMES = ("x", "y", "separation")
 LARGEST = 1e30
@@ -23,10 +36,13 @@ limit in `scene.quantities`, which would load the scene reader."""
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
+_HEIGHTS = ("separation", "gap", "z", "height", "heights", "depth", "profile", "elevation", "raw")
+"""Names of the measured quantity in files, in lower case."""
+
 
 @dataclass(frozen=True, eq=False)
 class _GapData:
-    """Raw content of a gap file: x, y, values, and their units."""
+    """Raw content of a gap file: x, y, values (nan: missing), and their units."""
 
     x: np.ndarray
     y: np.ndarray
@@ -38,8 +54,9 @@ def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
     """Read a gap from a file or its arrays, and return the separation on a grid in mm.
 
     ===============  ==============================================================
-    .h5              datasets x (n_x,), y (n_y,) and separation (n_x, n_y), in the
-                     units of their attribute `units`
+    .h5 .nc          datasets x (n_x,), y (n_y,) and separation (n_x, n_y), in the
+                     units of their attribute `units`; if its dimensions have names,
+                     as in netCDF, they may have any order
     .npy             a structured array with the fields x, y, separation; an array
                      (n, 3) of these columns: every point of the grid once, in any
                      order; an array (n, 2) of y and height, a profile across the
@@ -50,7 +67,8 @@ def read_gap(gap: scene.Gap | str | Path, table: str = "gap") -> Gap:
                      (of two y with a word in the corner), without both with gap.step.
                      Separators: comma, semicolon, tab or space; decimal points or
                      commas. A header may state names and units: ``y [mm]; z [um]``.
-                     Lines that begin with # or % are skipped
+                     A heading may state the size and the unit of a matrix, as the
+                     export of Gwyddion does; other lengths and scales are refused
     ===============  ==============================================================
 
     Parameters
@@ -88,13 +106,16 @@ def _read(settings: scene.Gap) -> Gap:
     if settings.file is None:
         return settings.in_mm(settings.x, settings.y, settings.separation)
     path = settings.file
-    if path.suffix.lower() not in _READERS:
+    suffix = path.suffix.lower()
+    if suffix not in _READERS:
         raise GapError(path, f"the suffix {path.suffix!r}", f"one of {', '.join(_READERS)}")
     try:
-        data = _READERS[path.suffix.lower()](path, settings)
+        data = _READERS[suffix](path, settings)
+        _check_grid(path, data)
+        data = replace(data, values=_fill(path, settings, data))
     except FileNotFoundError:
         raise GapError(path, "no such file", "an existing file") from None
-    except GapError:
+    except (GapError, Warning):
         raise
     except TextError as error:
         raise GapError(path, error.value, error.allowed) from None
@@ -105,8 +126,84 @@ def _read(settings: scene.Gap) -> Gap:
         ) from error
     except Exception as error:  # for damaged files the libraries raise many types of errors
         raise GapError(path, f"unreadable ({error})", "numbers for x, y and separation") from error
-    _check_grid(path, data)
     return settings.in_mm(data.x, data.y, data.values, data.units)
+
+
+def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
+    """Return values with interpolated missing points; GapError if the scene does not allow it.
+
+    Numbers such as -9999, with which instruments mark missing points, are missing values.
+    """
+    values = data.values.copy()
+    finite = values[np.isfinite(values)]
+    lines = [v for v in (values, values.T) if len(v) == 2 and np.array_equal(v[0], v[1], True)]
+    repeats = 1 + bool(lines)  # a profile
+    extremes = {float(v) for v in (finite.min(), finite.max())} if finite.size else set()
+    marks = {v for v in extremes if re.fullmatch(r"-?(9{3,}(\.9+)?|3276[78])", f"{v:.10g}")}
+    others = finite[~np.isin(finite, [*(marks or extremes)])]
+    largest = float(np.abs(others).max()) if others.size else 0.0
+    for extreme in extremes if largest else ():
+        factor = abs(extreme) / largest
+        text = (
+            f"{extreme:g} at {(finite == extreme).sum() // repeats} points, {factor:.3g} times the "
+        )
+        text += "largest of the other values"
+        if extreme in marks and factor > 1.5:
+            if settings.missing is None:
+                cure = 'values at all points; gap.missing = "interpolate" replaces such marks'
+                raise GapError(path, text, cure)
+            values[values == extreme] = np.nan
+        elif factor > 1000.0:
+            warn(f"gap: {path.name}: {text}; remove outliers")
+    missing = np.isnan(values)
+    if not missing.any():
+        return values
+    i, j = np.argwhere(missing)[0]
+    axes = [("x", data.x[i], data.x.size), ("y", data.y[j], data.y.size)]
+    place = ", ".join(f"{name} = {at:g}" for name, at, n in axes if n > 2 or not lines)
+    text = f"{missing.sum() // repeats} of {missing.size // repeats} points are missing, the first "
+    text += f"at {place}"
+    if settings.missing is None:
+        cure = 'finite numbers; gap.missing = "interpolate" replaces missing points'
+        raise GapError(path, text, cure)
+    across, width_across = _interpolate_rows(data.y, values)
+    along, width_along = (array.T for array in _interpolate_rows(data.x, values.T))
+    width = np.minimum(width_across, width_along)
+    widest = float(width[missing].max())
+    steps = [float(np.median(np.diff(axis))) for axis in (data.y, data.x) if axis.size > 2]
+    limit = settings.missing_width or 6.0 * max(steps, default=0.0)
+    if widest > limit * (1.0 + 1e-9):
+        where = (
+            f"the widest hole is {widest:.4g} wide" if np.isfinite(widest) else "also at an edge"
+        )
+        cure = (
+            f"holes up to {limit:.4g}; gap.missing_width for wider ones, or a map without its edge"
+        )
+        raise GapError(path, f"{text}; {where}", cure)
+    weights = 1.0 / width_across, 1.0 / width_along
+    filled = (weights[0] * across + weights[1] * along) / np.maximum(sum(weights), 1e-300)
+    values[missing] = filled[missing]
+    warn(f"gap: {path.name}: {text}; interpolated, the widest hole is {widest:.3g} wide")
+    return values
+
+
+def _interpolate_rows(places: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return rows with linearly interpolated nan, and the distance of the neighbours of each point.
+
+    At the ends of a row, values are 0 and the distance is infinite.
+    """
+    filled, width = np.nan_to_num(values), np.full(values.shape, np.inf)
+    count = np.arange(places.size)
+    for row in np.flatnonzero(np.isnan(values).any(axis=1)):
+        valid = np.isfinite(values[row])
+        if not valid.any():
+            continue
+        before = np.maximum.accumulate(np.where(valid, count, -1))
+        after = np.minimum.accumulate(np.where(valid, count, places.size)[::-1])[::-1]
+        inside = ~valid & (before >= 0) & (after < places.size)
+        width[row, inside] = places[after[inside]] - places[before[inside]]
+        filled[row, inside] = np.interp(places[inside], places[valid], values[row, valid])
+    return filled, width
 
 
 def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
@@ -116,20 +213,89 @@ def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
         if missing:
             raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")
         datasets = {name: numeric_dataset(get_member(file, name)) for name in NAMES}
-        units = {name: _read_unit(path, name, dataset) for name, dataset in datasets.items()}
+        units = {
+            name: _known_unit(path, name, dataset.attrs.get("units", "mm"))
+            for name, dataset in datasets.items()
+        }
         if units["x"] != units["y"]:
             raise GapError(path, f"x in {units['x']}, y in {units['y']}", "one unit for x and y")
-        x, y, values = (_finite(path, datasets[name], name) for name in NAMES)
-    return _GapData(x, y, values, (units["x"], units["separation"]))
+        x, y, values = (_unpack(dataset[()], dataset.attrs) for dataset in datasets.values())
+        names = [
+            {
+                dimension.label,
+                *(h5py.h5i.get_name(scale.id).decode().strip("/") for scale in scales),
+            }
+            for dimension in datasets["separation"].dims
+            for scales in (dimension.values(),)
+        ]
+    return _order(
+        path, x, y, values, [name - {""} for name in names], (units["x"], units["separation"])
+    )
 
 
-def _read_unit(path: Path, name: str, dataset: h5py.Dataset) -> str:
-    """Return the unit of a dataset, mm by default; GapError unless it is a known length."""
-    unit = dataset.attrs.get("units", "mm")
-    unit = unit.decode() if isinstance(unit, bytes) else str(unit)
-    if unit not in LENGTHS:
-        raise GapError(path, f"{name} in {unit}", f"units of {', '.join(LENGTHS)}")
-    return unit
+def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
+    """Return the gap in a netCDF file, of version 4 (HDF5) or of the classic format."""
+    with open_regular(path) as opened:
+        if opened.read(3) != b"CDF":
+            return _read_hdf5(path, settings)
+        opened.seek(0)
+        with scipy.io.netcdf_file(opened, mmap=False) as file:
+            missing = [name for name in NAMES if name not in file.variables]
+            if missing:
+                raise GapError(path, f"no {', '.join(missing)}", f"variables {', '.join(NAMES)}")
+            variables = [file.variables[name] for name in NAMES]
+            attributes = [vars(variable)["_attributes"] for variable in variables]
+            x, y, values = (
+                _unpack(variable.data, attribute)
+                for variable, attribute in zip(variables, attributes, strict=True)
+            )
+            names = [{name} for name in variables[2].dimensions]
+            units = [
+                _known_unit(path, name, attribute.get("units", "mm"))
+                for name, attribute in zip(NAMES, attributes, strict=True)
+            ]
+    if units[0] != units[1]:
+        raise GapError(path, f"x in {units[0]}, y in {units[1]}", "one unit for x and y")
+    return _order(path, x, y, values, names, (units[0], units[2]))
+
+
+def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
+    """Return the numbers of a netCDF variable: fill values as nan, scale and offset applied."""
+    values = np.asarray(stored, float)
+    for name in ("_FillValue", "missing_value"):
+        if name in attributes:
+            values = np.where(values == np.ravel(attributes[name])[0], np.nan, values)
+    scale, offset = (
+        float(np.ravel(attributes.get(name, default))[0])
+        for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
+    )
+    return values if (scale, offset) == (1.0, 0.0) else scale * values + offset
+
+
+def _order(
+    path: Path,
+    x: np.ndarray,
+    y: np.ndarray,
+    values: np.ndarray,
+    names: Sequence[set[str]],
+    units: tuple[str, str],
+) -> _GapData:
+    """Return a gap whose values are ordered by x and y, according to the names of dimensions."""
+    if names == [{"y"}, {"x"}]:
+        values = values.T
+    elif any(names) and names != [{"x"}, {"y"}]:
+        stated = ", ".join("/".join(sorted(name)) or "without a name" for name in names)
+        raise GapError(path, f"separation with the dimensions {stated}", "the dimensions x and y")
+    return _GapData(_finite(path, x, "x"), _finite(path, y, "y"), values, units)
+
+
+def _known_unit(path: Path, name: str, unit: Any) -> str:
+    """Return a stated unit as in `LENGTHS`; GapError if it is no length."""
+    text = unit.decode() if isinstance(unit, bytes) else str(unit)
+    known = find_length_unit(text)
+    if known is None:
+        raise GapError(path, f"{name} in {text}", f"units of {', '.join(LENGTHS)}")
+    return known
 
 
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
@@ -139,21 +305,17 @@ def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
 
 def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in an .npz file: x, y and separation (or height, z), or a single array."""
-    # Names of the measured quantity in files.
-    value_names = ("separation", "height", "z")
     arrays = read_archive(path)
     if len(arrays) == 1:
         return _gap_from_array(path, settings, *arrays.values())
-    measured = [arrays[name] for name in value_names if name in arrays]
+    measured = [name for name in _HEIGHTS if name in arrays]
     if len(measured) != 1 or "y" not in arrays:
-        needed = (
-            f"y, one of {', '.join(value_names)}, and x except for a profile; or a single array"
-        )
+        needed = f"y, one of {', '.join(_HEIGHTS)}, and x except for a profile; or a single array"
         raise GapError(path, f"arrays {', '.join(arrays)}", needed)
-    y, values = _finite(path, arrays["y"], "y"), _finite(path, measured[0], "separation")
+    y, values = _finite(path, arrays["y"], "y"), np.asarray(arrays[measured[0]], float)
+    _check_meaning(path, settings, measured[0], "x" not in arrays)
     if "x" in arrays:
         return _GapData(_finite(path, arrays["x"], "x"), y, values)
-    _check_body(path, settings, () if "separation" not in arrays else ("y", "separation"))
     return _gap_from_profile(settings, y, values)
 
 
@@ -164,7 +326,7 @@ def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapD
         if missing:
             raise GapError(path, f"no field {', '.join(missing)}", f"fields {', '.join(NAMES)}")
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
-    return _gap_from_matrix(path, settings, _finite(path, array, "array"))
+    return _gap_from_matrix(path, settings, np.asarray(array, float))
 
 
 def first_place(places: Sequence[str]) -> str:
@@ -185,92 +347,240 @@ def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in a text file: points, a profile, heights, or a matrix with x and y."""
     table = read_table(path, 2**30)  # about 5000 x 5000 numbers
-    names = tuple(name.lower() for name in table.names)
-    units = [find_length_unit(unit) or unit for unit in table.units]
+    heading = _read_heading(path, settings, table)
+    if table.names:
+        return _gap_from_columns(path, settings, table)
+    shape = len(table.rows), len(table.rows[0])
+    unit = heading.get("unit", "mm")
+    sizes = [heading.get(key, 0.0) for key in ("height", "width")]  # rows: x; columns: y
+    if settings.step is None and all(sizes):
+        step = sizes[0] / shape[0], sizes[1] / shape[1]
+        text = f"a matrix of {shape[0]} x {shape[1]} points, {sizes[0]:g} x {sizes[1]:g} mm by its "
+        warn(f"gap: {path.name}: {text}heading: {step[0]:.6g} and {step[1]:.6g} mm between points")
+        values = _read_cells(path, settings, table)
+        scale = LENGTHS[settings.length_unit or "mm"]
+        return _centre(values, (step[0] / scale, step[1] / scale), ("mm", unit))
+    if settings.step is not None:
+        lengths = [LENGTHS[settings.length_unit or "mm"] * step for step in settings.step]
+        for name, size, n, length in zip("xy", sizes, shape, lengths, strict=True):
+            if size and not 0.99 * size <= length * n <= 1.01 * size * n / (n - 1):
+                value = f"{size:g} mm along {name} in its heading, and {n} points"
+                cure = f"gap.step = {size / n:.4g} mm along {name} for rows along x"
+                raise GapError(path, value, cure)
+    corner = parse_number(table.rows[0][0], table.decimal)
+    plain = corner is not None and (shape[1] <= len(NAMES) or settings.step is not None)
+    if plain or settings.step is not None:
+        data = _gap_from_matrix(path, settings, _read_cells(path, settings, table))
+        return replace(data, units=(data.units[0], unit))
+    if corner:
+        value = "a matrix without coordinates"
+        cure = "gap.step = [dx, dy]; or y in the first row, x in the first column and text or 0 in "
+        raise GapError(path, value, cure + "the corner; or columns x, y, separation")
+    table.rows[0][0] = "0"  # the corner may contain any text
+    matrix = _read_cells(path, settings, table)
+    data = _GapData(matrix[1:, 0], matrix[0, 1:], matrix[1:, 1:], ("mm", unit))
+    if corner is not None:
+        _check_corner(path, data)
+    return data
+
+
+def _check_corner(path: Path, data: _GapData) -> None:
+    """Raise a GapError unless a matrix with 0 in its corner certainly contains coordinates."""
+    for axis in (data.x, data.y):
+        steps = np.diff(axis)
+        if axis.size < 3 or not np.allclose(steps, steps.mean(), rtol=1e-3) or steps.mean() <= 0.0:
+            break
+    else:
+        sums = data.x[:, None] + data.y
+        if not np.allclose(data.values, sums, atol=0.05 * np.ptp(sums)):
+            return
+    value = "a matrix whose first row and column may be coordinates or heights"
+    raise GapError(path, value, "gap.step = [dx, dy]; or a word in the corner between x and y")
+
+
+def _read_cells(
+    path: Path, settings: scene.Gap, table: TextTable, columns: Sequence[int] | None = None
+) -> np.ndarray:
+    """Return numbers of a table; GapError for missing ones, unless the scene fills them."""
+    try:
+        return table.numbers(columns)
+    except TextError as error:
+        values = table.numbers(columns, missing=True)  # an error if any cell is no number
+        if settings.missing is None:
+            cure = f'{error.allowed}; gap.missing = "interpolate" replaces missing points'
+            raise GapError(path, error.value, cure) from None
+        return values
+
+
+def _read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str, Any]:
+    """Return the unit and the size of a matrix in a heading; GapError for what is not used.
+
+    Returns
+    -------
+    dict
+        "unit" of the values; "width" and "height", mm.
+    """
+    stated: dict[str, Any] = {}
+    has_units = bool(table.units) and all(table.units)
+    lengths = has_units or settings.length_unit is not None or settings.step is not None
+    heights = has_units or settings.unit is not None
+    spacings = r"unit|step|spacing|pixel|resolution|pitch|increment|sampling|\bd[xyz]\b"
+    used = [*table.units, settings.unit or "", settings.length_unit or ""]
+    for line, text in table.remarks:
+        key, value = split_statement(text)
+        words = re.split(r"[\s\[\](){},;:=]+", value)
+        found = (find_length_unit(word) for word in words if word not in ("in", "mil"))
+        units = [unit for unit in found if unit]
+        size = re.fullmatch(r"([\d.eE+-]+)\s*(\S+)", value)
+        if units and not table.names and re.search(r"^(?!.*(\b[xy]\b|lateral)).*\bunits?\b", key):
+            stated["unit"] = units[0]
+            continue
+        if key in ("width", "height") and size and units:
+            stated[key] = float(size[1]) * LENGTHS[units[0]]
+            continue
+        table.check_remark(
+            line, text, (*LENGTHS, *table.units) if heights and not has_units else used
+        )
+        if (units or re.search(spacings, key)) and not (heights and lengths):
+            keys = "gap.unit, gap.length_unit" + ("" if table.names else " and gap.step")
+            value = f"line {line}, {text[:60]!r}, which is not read"
+            raise GapError(path, value, f"{keys}, which state it; or the file without this line")
+    return stated
+
+
+def _gap_from_columns(path: Path, settings: scene.Gap, table: TextTable) -> _GapData:
+    """Return the gap of a profile or of points in named columns."""
+    names = [re.sub(r"[\s_\d]+$", "", name.lower()) for name in table.names]
+    order = _find_columns(names)
+    if order is None or settings.step is not None:
+        value = f"columns {', '.join(table.labels)}" + (" and gap.step" if order else "")
+        cure = f"x, y and one of {', '.join(_HEIGHTS)}; or a coordinate and one of these"
+        raise GapError(path, value, cure)
+    _check_meaning(path, settings, names[order[-1]], len(order) == 2)
+    units = [find_length_unit(table.units[k]) or table.units[k] for k in order]
+    units = [settings.length_unit or unit for unit in units[:-1]] + [settings.unit or units[-1]]
     if any(units) and not all(units):
-        bare = ", ".join(name for name, unit in zip(names, units, strict=True) if not unit)
-        raise GapError(path, f"a header without the unit of {bare}", "units of all columns or none")
-    lateral = {unit for unit in units[:-1] if unit}
-    if len(lateral) > 1:
-        raise GapError(path, f"x and y in {', '.join(sorted(lateral))}", "one unit for x and y")
+        bare = ", ".join(table.labels[k] for k, unit in zip(order, units, strict=True) if not unit)
+        cure = "units of all columns or none; gap.unit and gap.length_unit state them, too"
+        raise GapError(path, f"a header without the unit of {bare}", cure)
     unknown = [unit for unit in units if unit and unit not in LENGTHS]
     if unknown:
         raise GapError(path, f"the unit {unknown[0]}", f"units of {', '.join(LENGTHS)}")
-    stated = next(iter(lateral), "mm"), units[-1] if any(units) else "mm"
-    corner = parse_number(table.rows[0][0], table.decimal)
-    if (
-        names
-        or settings.step is not None
-        or (len(table.rows[0]) <= len(NAMES) and corner is not None)
-    ):
-        return replace(_gap_from_matrix(path, settings, table.numbers(), names), units=stated)
-    table.rows[0][0] = "0"  # the corner may contain any text
-    matrix = table.numbers()
-    return _GapData(matrix[1:, 0], matrix[0, 1:], matrix[1:, 1:])
+    if len({*units[:-1]}) > 1:
+        raise GapError(path, f"x and y in {' and '.join(units[:-1])}", "one unit for x and y")
+    places = table.numbers(order[:-1])
+    points = np.column_stack([places, _read_cells(path, settings, table, order[-1:])])
+    stated = units[0] or "mm", units[-1] or "mm"
+    if len(order) == 2:
+        return _gap_from_profile(settings, points[:, 0], points[:, 1], stated)
+    return replace(_gap_from_points(path, settings, points), units=stated)
 
 
-def _gap_from_matrix(
-    path: Path, settings: scene.Gap, array: np.ndarray, names: tuple[str, ...] = ()
-) -> _GapData:
+def _find_columns(names: Sequence[str]) -> list[int] | None:
+    """Return the indices of the place and the height, or of x, y and height; None if not clear."""
+    places = ("x", "y", "s", "lateral", "longitudinal", "position", "distance", "length", "along")
+    if len(names) == 3 and {"x", "y"} < {*names}:
+        k = ({0, 1, 2} - {names.index("x"), names.index("y")}).pop()
+        return [names.index("x"), names.index("y"), k] if names[k] in _HEIGHTS else None
+    kinds = ["place" if n in places else "height" if n in _HEIGHTS else "" for n in names]
+    if len(names) != 2 or kinds in (["", ""], ["height", "height"]):
+        return None
+    if kinds == ["place", "place"]:
+        return [0, 1] if names == ["x", "y"] else None
+    return [0, 1] if kinds[0] == "place" or kinds[1] == "height" else [1, 0]
+
+
+def _gap_from_matrix(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
     """Return the gap in a matrix: heights over a grid, a profile, or points (x, y, z)."""
     if array.ndim == 2 and settings.step is not None:
-        x, y = (
-            step * (np.arange(n) - 0.5 * (n - 1))
-            for step, n in zip(settings.step, array.shape, strict=True)
-        )
-        return _GapData(x, y, array)
+        for name, lines in (("column", array.T), ("row", array)):
+            steps = np.diff(lines)
+            even = np.all(np.isclose(steps, steps[:, :1], rtol=1e-3, atol=0.0), axis=1)
+            if steps.shape[1] > 2 and steps[0, 0] and even[0] and not even.all():
+                value = f"a first {name} of evenly spaced numbers, and gap.step"
+                cure = "heights alone, without coordinates or row numbers; or no gap.step"
+                raise GapError(path, value, cure)
+        return _centre(array, settings.step)
     if array.ndim == 2 and array.shape[1] == 2:
-        _check_body(path, settings, names)
-        return _gap_from_profile(settings, array[:, 0], array[:, 1])
-    if names and names[:2] not in (("x", "y"), ()):
-        raise GapError(path, f"columns {', '.join(names)}", "x, y and separation in this order")
-    return _gap_from_points(path, array)
+        _check_meaning(path, settings, "", True)
+        return _gap_from_profile(settings, _finite(path, array[:, 0], "y"), array[:, 1])
+    return _gap_from_points(path, settings, array)
 
 
-def _check_body(path: Path, settings: scene.Gap, names: tuple[str, ...]) -> None:
-    """Raise a GapError if a profile of heights has no body and no name of a separation."""
-    if settings.body is None and names[-1:] != ("separation",):
+def _centre(
+    values: np.ndarray, step: tuple[float, float], units: tuple[str, str] = ("mm", "mm")
+) -> _GapData:
+    """Return the gap in a matrix of points at steps along x and y, with its centre at 0."""
+    x, y = (
+        step * (np.arange(n) - 0.5 * (n - 1)) for step, n in zip(step, values.shape, strict=True)
+    )
+    return _GapData(x, y, values, units)
+
+
+def _check_meaning(path: Path, settings: scene.Gap, name: str, is_profile: bool) -> None:
+    """Raise a GapError if it is not clear whether values are a separation or heights of a body."""
+    separations = ("separation", "gap") if is_profile else ("separation", "gap", "z", "")
+    if settings.body is None and name not in separations:
         cure = 'gap.body = "A" or "B" for heights of this body; or the header y, separation'
-        raise GapError(path, "a profile without a body or the header separation", cure)
+        value = f"a column {name} without a body" if name else "a profile without a body"
+        raise GapError(path, f"{value} or the header separation", cure)
+    if name == "depth" and "positive" not in settings.model_fields_set:
+        cure = 'gap.positive = "inward" for depths below the surface, or "outward"'
+        raise GapError(path, "a column depth", cure)
 
 
-def _gap_from_profile(settings: scene.Gap, place: np.ndarray, values: np.ndarray) -> _GapData:
+def _gap_from_profile(
+    settings: scene.Gap,
+    place: np.ndarray,
+    values: np.ndarray,
+    units: tuple[str, str] = ("mm", "mm"),
+) -> _GapData:
     """Return the gap of a profile over x or y that is constant in the other direction."""
     if place.ndim == 1 and place.size > 1 and place[0] > place[-1]:
         place, values = place[::-1], values[::-1]
-    ends, both = np.array([-ALONG, ALONG]), np.stack([values, values])
+    end = ALONG / LENGTHS[settings.length_unit or units[0]]
+    ends, both = np.array([-end, end]), np.stack([values, values])
     if settings.profile == "x":
-        return _GapData(place, ends, both.T)
-    return _GapData(ends, place, both)
+        return _GapData(place, ends, both.T, units)
+    return _GapData(ends, place, both, units)
 
 
 _READERS = {
     ".h5": _read_hdf5,
+    ".nc": _read_netcdf,
     ".npy": _read_npy,
     ".npz": _read_npz,
     **dict.fromkeys(TEXTS, _read_text),
 }
 
 
-def _gap_from_points(path: Path, points: np.ndarray) -> _GapData:
-    """Return the gap of points (n, 3) in any order; GapError unless they fill a grid once."""
+def _gap_from_points(path: Path, settings: scene.Gap, points: np.ndarray) -> _GapData:
+    """Return the gap of points (n, 3) in any order; GapError unless they fill a grid once.
+
+    With gap.missing, up to half of the points may be absent.
+    """
     if points.ndim != 2 or points.shape[1] != len(NAMES):
         cure = (
             "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a matrix"
         )
         raise GapError(path, f"an array of shape {points.shape}", cure)
+    _finite(path, points[:, :2], "array")
     x, i = np.unique(points[:, 0], return_inverse=True)
     y, j = np.unique(points[:, 1], return_inverse=True)
     size = len(x) * len(y)  # n² for n scattered points: do not allocate the grid before the check
     indices, counts = np.unique(np.stack((i, j)), axis=1, return_counts=True)
     filled = len(counts)
-    if not len(points) == filled == size:
+    allowed = size if settings.missing is None else size // 2
+    if not len(points) == filled >= allowed:
         value = f"{len(points)} points ({filled} distinct) of {len(x)} x and {len(y)} y"
         if filled < len(points):
             k, m = indices[:, counts > 1][:, 0]
             value += f"; x = {x[k]:g}, y = {y[m]:g} occurs {counts.max()} times"
-        raise GapError(path, value, f"each of the {size} points of the grid once")
-    separation = np.empty((len(x), len(y)))
+        cure = (
+            f"each of the {size} points of the grid once; or gap.step = [dx, dy] of a matrix; or "
+        )
+        raise GapError(path, value, cure + 'gap.missing = "interpolate" if few are absent')
+    separation = np.full((len(x), len(y)), np.nan)
     separation[i, j] = points[:, 2]
     return _GapData(x, y, separation)
 
@@ -288,6 +598,9 @@ def _check_grid(path: Path, data: _GapData) -> None:
     shape = (data.x.size, data.y.size)
     if data.values.shape != shape:
         raise GapError(path, f"separation of shape {data.values.shape}", f"the shape {shape}")
-    largest = max(float(np.abs(array).max()) for array in (data.x, data.y, data.values))
+    if np.isinf(data.values).any():
+        raise GapError(path, "infinite values", "finite numbers")
+    arrays = (data.x, data.y, np.nan_to_num(data.values))
+    largest = max(float(np.abs(array).max()) for array in arrays)
     if largest > LARGEST:
         raise GapError(path, f"numbers up to {largest:g}", f"lengths up to {LARGEST:g} mm")

@@ -1,0 +1,370 @@
+"""Are traits of measured text files read correctly, or refused?
+
+Small files of each kind are written with random traits: column order, units, signs, encodings,
+separators, missing points, digits, headings. The program must read the numbers of the plain file,
+or report a fault or a note; other numbers without a word count as silent.
+
+Page: none
+"""
+
+import argparse
+import sys
+import tempfile
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+import tractive_sam as ts
+from tractive_sam.fitting.data import read_measured
+from tractive_sam.fitting.design import FitError
+from tractive_sam.fitting.tables import Data
+from tractive_sam.store import read_gap
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Numbers of a file and how they are written."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: np.ndarray
+    settings: dict = field(default_factory=dict)
+    separator: str = ";"
+    decimal: str = "."
+    encoding: str = "utf-8"
+    line_end: str = "\n"
+    header: str = "{name} [{unit}]"
+    heading: tuple[str, ...] = ()
+    digits: str = "{:.12g}"
+    exponent: str = "e"
+    cells: dict = field(default_factory=dict)  # texts by row and column, instead of numbers
+    row_end: Callable[[int], str] = lambda row: ""
+    between: dict = field(default_factory=dict)  # lines before rows
+    tail: bytes = b""
+
+    def write(self, path: Path) -> None:
+        rows = []
+        for k, row in enumerate(self.values):
+            texts = [self.digits.format(v).replace(".", self.decimal) for v in row]
+            texts = [text.replace("e", self.exponent) for text in texts]
+            texts = [self.cells.get((k, n), text) for n, text in enumerate(texts)]
+            rows += [*self.between.get(k, ()), self.separator.join(texts) + self.row_end(k)]
+        lines = [*self.heading, *self._header_lines(), *rows]
+        text = self.line_end.join([*lines, ""])
+        path.write_bytes(text.encode(self.encoding, errors="replace") + self.tail)
+
+    def _header_lines(self) -> list[str]:
+        if not self.names or not self.header:
+            return []
+        if self.header == "row of units":
+            return [self.separator.join(self.names), self.separator.join(self.units)]
+        pairs = zip(self.names, self.units, strict=True)
+        labels = [self.header.format(name=name, unit=unit) for name, unit in pairs]
+        return [("# " * self.header.startswith("#")) + self.separator.join(labels).replace("#", "")]
+
+    def column(self, values: np.ndarray, name: str, unit: str, place: int) -> "Sheet":
+        """Return a sheet with one more column."""
+        names = (*self.names[:place], name, *self.names[place:]) if self.names else ()
+        units = (*self.units[:place], unit, *self.units[place:]) if self.names else ()
+        return replace(
+            self, names=names, units=units, values=np.insert(self.values, place, values, axis=1)
+        )
+
+
+Y = np.linspace(-3.0, 3.0, 13)
+X = np.linspace(-1.0, 1.0, 5)
+MAP = 2e-3 * np.cos(3.0 * X)[:, None] * np.cos(1.3 * Y + 0.2) + 1e-4 * Y  # mm
+LOADS = np.array([[300.0 + 40.0 * np.sin(k), -0.004 + 1e-3 * np.cos(2.0 * k)] for k in range(12)])
+CREEP = np.array([[-0.0005 * k, 0.45 * np.tanh(0.4 * k)] for k in range(1, 9)])
+
+
+def read_trace(path: Path, sheet: Sheet) -> np.ndarray:
+    _, y, separation = read_gap(ts.Gap(file=path, body="A", **sheet.settings))
+    return np.concatenate([y, separation[0]])
+
+
+def read_map(path: Path, sheet: Sheet) -> np.ndarray:
+    return np.concatenate(
+        [np.ravel(a) for a in read_gap(ts.Gap(file=path, body="A", **sheet.settings))]
+    )
+
+
+def read_loads(path: Path, sheet: Sheet) -> np.ndarray:
+    blocks = ts.blocks_of(path, levels=4).blocks
+    rows = [[b.load.normal, b.creepage.longitudinal, b.revolutions] for b in blocks]
+    return np.array(sorted(rows)).ravel()
+
+
+def read_fit(path: Path, sheet: Sheet) -> np.ndarray:
+    columns = {"vary": "creepage.longitudinal", "observe": "Qx_over_P"}
+    measured = read_measured(Data(file=str(path), noise=0.05, **columns), "fit.data[0]")
+    slips = [row["creepage.longitudinal"] for row in measured.settings]
+    return np.array(sorted(zip(slips, measured.observed[:, 0], strict=True))).ravel()
+
+
+POINTS = np.array(
+    [[x, y, z] for x, row in zip(X, MAP, strict=True) for y, z in zip(Y, row, strict=True)]
+)
+KINDS = {
+    "trace": (Sheet(("y", "z"), ("mm", "um"), np.stack([Y, 1e3 * MAP[1]], axis=1)), read_trace),
+    "points": (Sheet(("x", "y", "height"), ("mm", "mm", "um"), POINTS * [1, 1, 1e3]), read_map),
+    "matrix": (Sheet((), (), MAP, {"step": [0.5, 0.5]}), read_map),
+    "load history": (Sheet(("normal", "longitudinal"), ("N", "-"), LOADS), read_loads),
+    "fit": (Sheet(("creepage.longitudinal", "Qx_over_P"), ("-", "-"), CREEP), read_fit),
+}
+"""Kinds of files: the plain sheet, and a function that reads its numbers."""
+
+FACTORS = {"m": 1e3, "um": 1e-3, "µm": 1e-3, "nm": 1e-6, "inch": 25.4, "Å": 1e-7, "mm": 1.0,
+           "N": 1.0, "kN": 1e3, "-": 1.0, "%": 1e-2}  # fmt: skip
+
+
+def convert(sheet: Sheet, column: int, unit: str) -> Sheet:
+    """Return a sheet with a column in another unit."""
+    values, old = sheet.values.copy(), sheet.units[column]
+    if (unit in ("%", "kN")) != (old in ("-", "N")) or old not in FACTORS:
+        return sheet
+    values[:, column] *= FACTORS[old] / FACTORS[unit]
+    units = tuple(unit if k == column else u for k, u in enumerate(sheet.units))
+    return replace(sheet, values=values, units=units)
+
+
+def lengths_in(unit: str) -> Callable:
+    def change(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+        if not {"mm", "m", "um", "nm", "inch"} & {*sheet.units}:
+            return sheet
+        for column in range(len(sheet.units)):
+            sheet = convert(sheet, column, unit)
+        return sheet
+
+    return change
+
+
+def heights_in(unit: str) -> Callable:
+    return lambda sheet, rng: (
+        convert(sheet, len(sheet.units) - 1, unit) if "um" in sheet.units else sheet
+    )
+
+
+def first_in(unit: str, old: str) -> Callable:
+    def change(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+        return convert(sheet, sheet.units.index(old), unit) if old in sheet.units else sheet
+
+    return change
+
+
+def cell(text: str) -> Callable:
+    def change(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+        place = int(rng.integers(len(sheet.values))), sheet.values.shape[1] - 1
+        return replace(sheet, cells=sheet.cells | {place: text})
+
+    return change
+
+
+def permute(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    order = rng.permutation(len(sheet.names)) if sheet.names else np.arange(sheet.values.shape[1])
+    names, units = (tuple(t[k] for k in order) if t else () for t in (sheet.names, sheet.units))
+    cells = {
+        (row, int(np.flatnonzero(order == k)[0])): text for (row, k), text in sheet.cells.items()
+    }
+    return replace(sheet, names=names, units=units, values=sheet.values[:, order], cells=cells)
+
+
+def number_rows(name: str) -> Callable:
+    return lambda sheet, rng: sheet.column(np.arange(len(sheet.values)), name, "-", 0)
+
+
+def scale_heading(text: str, factor: float, offset: float = 0.0) -> Callable:
+    def change(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+        values = sheet.values.copy()
+        if not sheet.names:
+            values = (values - offset) / factor
+        elif "unit" not in text and " in " not in text:  # a header states the units
+            values[:, -1] = (values[:, -1] - offset) / factor
+        return replace(sheet, values=values, heading=(*sheet.heading, text))
+
+    return change
+
+
+def write_thousands(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    values = 1e5 * sheet.values
+    cells = {(i, k): f"{v:,.1f}" for i, row in enumerate(values) for k, v in enumerate(row)}
+    if not any("," in text for text in cells.values()):
+        return sheet
+    return replace(sheet, cells=cells, separator=";")
+
+
+def quote(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    return replace(sheet, header='"{name} [{unit}]"')
+
+
+def add_height(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    if not sheet.names:
+        return sheet  # a wider matrix
+    unit = sheet.units[-1]
+    return sheet.column(rng.normal(size=len(sheet.values)), "z2", unit, sheet.values.shape[1])
+
+
+def omit_header(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    sheet = lengths_in("mm")(sheet, rng)
+    return replace(sheet, header="") if {*sheet.units} <= {"mm", "N", "-"} else sheet
+
+
+def omit_unit(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    if "um" not in sheet.units:
+        return sheet
+    return replace(sheet, units=(*sheet.units[:-1], ""), header="{name}_({unit})")
+
+
+def name_depth(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    if "um" not in sheet.units:
+        return sheet
+    signs = np.ones(sheet.values.shape[1])
+    signs[-1] = -1.0
+    return replace(sheet, names=(*sheet.names[:-1], "depth"), values=sheet.values * signs)
+
+
+def lengthen_row(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    return replace(sheet, row_end=lambda row: f"{sheet.separator}1" if row == 2 else "")
+
+
+def cut(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    heading = (*sheet.heading, f"# Points: {len(sheet.values)}")
+    return replace(sheet, values=sheet.values[:-3], heading=heading)
+
+
+def reverse(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    return replace(sheet, values=sheet.values[::-1], cells={}) if sheet.names else sheet
+
+
+def head(*lines: str) -> Callable:
+    return lambda sheet, rng: replace(sheet, heading=(*sheet.heading, *lines))
+
+
+def put(**changes: object) -> Callable:
+    return lambda sheet, rng: replace(sheet, **changes)
+
+
+TRAITS = {
+    **{f"separator {mark!r}": put(separator=mark) for mark in (";", "\t", "   ", " ; ", ", ")},
+    "commas": put(separator=","),
+    "decimal commas": put(decimal=",", separator=";"),
+    "decimal commas and tabs": put(decimal=",", separator="\t"),
+    "decimal commas and blanks": put(decimal=",", separator="  "),
+    "decimal commas between commas": put(decimal=",", separator=",", digits="{:.8f}"),
+    **{f"encoding {name}": put(encoding=name) for name in
+       ("utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252")},
+    "DOS lines": put(line_end="\r\n"),
+    "Mac lines": put(line_end="\r"),
+    "end mark": put(tail=b"\x1a"),
+    "parentheses": put(header="{name} ({unit})"),
+    "underscores": put(header="{name}_({unit})"),
+    "slash": put(header="{name} / {unit}"),
+    "row of units": put(header="row of units"),
+    "comment header": put(header="#{name} [{unit}]"),
+    "no header": omit_header,
+    "quoted header": quote,
+    "instrument's heading": head("Instrument: own stylus", "Date: 2024-05-17", ""),
+    "comments before": head("# measured by hand", "% second run"),
+    "comment between": put(between={3: ("# second scan", "! third")}),
+    "inline comments": put(row_end=lambda row: "  # point" if row % 3 == 0 else ""),
+    "trailing separators": lambda s, rng: replace(s, row_end=lambda row, mark=s.separator: mark),
+    "permuted columns": permute,
+    "reversed rows": reverse,
+    **{f"row numbers {name!r}": number_rows(name) for name in ("", "index", "No", "k")},
+    "time column": lambda s, rng: s.column(0.1 * np.arange(len(s.values)), "time", "s", 0),
+    "second height": add_height,
+    **{f"lengths in {unit}": lengths_in(unit) for unit in ("m", "um", "nm", "inch")},
+    **{f"heights in {unit}": heights_in(unit) for unit in ("nm", "µm", "Å", "mm")},
+    "force in kN": first_in("kN", "N"),
+    "ratios in per cent": first_in("%", "-"),
+    "unknown unit": lambda s, rng: replace(s, units=(*s.units[:-1], "furlong")) if s.units else s,
+    "no unit of heights": omit_unit,
+    "unit in a heading": scale_heading("# Value units: m", 1e3),
+    "unit in free words": scale_heading("# all heights in nm", 1e-6),
+    "scale in a heading": scale_heading("# Z scale: 0.1", 0.1),
+    "offset in a heading": scale_heading("# Offset = 5", 1.0, -5.0),
+    "size in a heading": head("# Width: 6.5 mm", "# Height: 9 mm"),
+    "points in a heading": head("Points: 4"),
+    "row count": lambda s, rng: replace(s, heading=(*s.heading, str(len(s.values)))),
+    **{f"cell {text!r}": cell(text) for text in
+       ("nan", "", "-", "-9999", "n/a", "O.1", "1_0", "50 %", "inf", "0.1 0.2", "1e", "--")},
+    "long row": lengthen_row,
+    "second block": lambda s, rng: replace(s, between={4: ("y;z",)}),
+    "thousands": write_thousands,
+    "Fortran exponents": put(digits="{:.11e}", exponent="D"),
+    "fewer digits": put(digits="{:.6g}"),
+    "depths": name_depth,
+    "cut file": cut,
+}  # fmt: skip
+"""Traits by name: functions that change how a sheet is written, with the same meaning."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What the program did with a file: "same", "note", "fault" or "silent"."""
+
+    kind: str
+    traits: tuple[str, ...]
+    result: str
+    message: str
+
+
+def try_file(kind: str, traits: tuple[str, ...], folder: Path, rng: np.random.Generator) -> Outcome:
+    """Write a file of a kind with traits, read it, and compare its numbers with the plain file."""
+    plain, read = KINDS[kind]
+    path = folder / ("file.csv" if rng.random() < 0.5 else "FILE.TXT")
+    plain.write(path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        expected = read(path, plain)
+    sheet = plain
+    for trait in sorted(traits, key=lambda trait: trait == "no header"):  # without units, in mm
+        sheet = TRAITS[trait](sheet, rng)
+    sheet.write(path)
+    with warnings.catch_warnings(record=True) as notes:
+        warnings.simplefilter("always")
+        try:
+            found = read(path, sheet)
+        except (ts.GapError, ts.SceneError, FitError) as error:
+            return Outcome(kind, traits, "fault", str(error))
+    equal = found.shape == expected.shape and np.allclose(found, expected, rtol=1e-4, atol=1e-9)
+    message = "; ".join(str(note.message) for note in notes)
+    return Outcome(kind, traits, "same" if equal else "note" if notes else "silent", message)
+
+
+def try_traits(count: int, seed: int, kinds: tuple[str, ...] = tuple(KINDS)) -> Iterator[Outcome]:
+    """Yield the outcomes of each single trait, and of random sets of two or three traits."""
+    rng = np.random.default_rng(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in kinds:
+            for trait in TRAITS:
+                yield try_file(kind, (trait,), Path(folder), rng)
+        for _ in range(count):
+            traits = rng.choice([*TRAITS], size=rng.integers(2, 4), replace=False)
+            kind = kinds[rng.integers(len(kinds))]
+            yield try_file(kind, tuple(map(str, traits)), Path(folder), rng)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    outcomes = [*try_traits(arguments.count, arguments.seed)]
+    print(Counter(outcome.result for outcome in outcomes))
+    silent = [outcome for outcome in outcomes if outcome.result == "silent"]
+    for outcome in silent:
+        print(outcome.kind, outcome.traits)
+    refused = Counter((o.kind, o.traits[0], o.result) for o in outcomes if len(o.traits) == 1)
+    for kind in KINDS:
+        names = [trait for trait in TRAITS if refused[kind, trait, "fault"]]
+        print(f"{kind}: {len(TRAITS)} traits, with a fault: {', '.join(names)}")
+    sys.exit(bool(silent))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,75 @@
+"""A trait of a measured file gives the numbers of the plain file, or a fault that names the cause.
+
+Kinds of files and traits come from benchmarks/file_traits.py, which also combines traits at random.
+"""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+NAMED = ("trace", "points")
+COLUMNS = (*NAMED, "load history", "fit")
+ALL = (*COLUMNS, "matrix")
+FAULTS = {
+    "decimal commas between commas": (ALL, "commas between columns|a finite number"),
+    "slash": (("load history", "fit"), "column"),
+    "no header": (("load history", "fit"), "header"),
+    "row numbers ''": ((*NAMED, "load history", "matrix"), "columns|unknown column|evenly spaced"),
+    "row numbers 'index'": (("matrix",), "evenly spaced"),
+    "row numbers 'No'": (("matrix",), "evenly spaced"),
+    "row numbers 'k'": ((*NAMED, "load history", "matrix"), "k |k:|evenly spaced"),
+    "time column": ((*NAMED, "matrix"), "time|evenly spaced"),
+    "second height": ((*NAMED, "load history"), "z2"),
+    "unknown unit": (COLUMNS, "furlong"),
+    "no unit of heights": (NAMED, "without the unit of z|without the unit of height"),
+    "unit in a heading": (COLUMNS, "line 1, 'Value units: m'"),
+    "unit in free words": (ALL, "line 1, 'all heights in nm'"),
+    "scale in a heading": (ALL, "line 1, 'Z scale: 0.1'"),
+    "offset in a heading": (ALL, "line 1, 'Offset = 5'"),
+    "size in a heading": (("matrix",), "gap.step"),
+    "points in a heading": (ALL, "line 1, 'Points: 4', but"),
+    "cell 'nan'": (ALL, "line [0-9]+, 'nan'"),
+    "cell ''": (ALL, "line [0-9]+, ''"),
+    "cell '-'": (ALL, "line [0-9]+, '-'"),
+    "cell '--'": (ALL, "line [0-9]+, '--'"),
+    "cell 'n/a'": (ALL, "line [0-9]+, 'n/a'"),
+    "cell '-9999'": (ALL, "line [0-9]+, '-9999'"),
+    "cell 'O.1'": (ALL, "line [0-9]+, 'O.1'"),
+    "cell '1_0'": (ALL, "line [0-9]+, '1_0'"),
+    "cell '50 %'": (ALL, "line [0-9]+, '50 %'"),
+    "cell 'inf'": (ALL, "line [0-9]+, 'inf'"),
+    "cell '0.1 0.2'": (ALL, "line [0-9]+, '0.1 0.2'"),
+    "cell '1e'": (ALL, "line [0-9]+, '1e'"),
+    "long row": (ALL, "line [0-9]+ of [0-9]+ cells"),
+    "second block": (ALL, "line [0-9]+"),
+    "thousands": (COLUMNS, "thousands"),
+    "depths": (NAMED, "gap.positive"),
+    "cut file": (ALL, "line 1, 'Points: [0-9]+', but"),
+}
+"""Kinds of files that are refused, and the message, by trait; all other traits change nothing."""
+
+
+@pytest.fixture
+def file_traits(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[1] / "benchmarks")
+    import file_traits  # noqa: PLC0415 - not on the path before
+
+    return file_traits
+
+
+@pytest.mark.parametrize("kind", ALL)
+def test_each_trait_gives_the_same_numbers_or_its_fault(file_traits, tmp_path, kind):
+    rng = np.random.default_rng(3)
+    assert {*FAULTS} <= {*file_traits.TRAITS}
+    for trait in file_traits.TRAITS:
+        outcome = file_traits.try_file(kind, (trait,), tmp_path, rng)
+        kinds, message = FAULTS.get(trait, ((), ""))
+        assert outcome.result == ("fault" if kind in kinds else "same"), outcome
+        assert re.search(message if kind in kinds else "", outcome.message), outcome
+
+
+def test_random_traits_give_no_other_numbers_without_a_word(file_traits):
+    outcomes = [*file_traits.try_traits(60, seed=7, kinds=ALL)]
+    assert {outcome.result for outcome in outcomes} <= {"same", "note", "fault"}, outcomes
