@@ -176,6 +176,11 @@ TRAITS = {
     "Miniprof columns": Trait(
         miniprof("ColumnDef=Y,X", form="{:.4f}\t{:.4f}", change=lambda p: p[:, ::-1])
     ),
+    "Miniprof with too many columns": Trait(miniprof("ColumnDef=X,Y"), error="ColumnDef"),
+    "a comment with a shift": Trait(simpack("# Offset: 5"), note="Offset = 5"),
+    "bounds around nothing": Trait(
+        simpack("bound.y.min = 90", "bound.y.max = 95"), error="0 points within the bounds"
+    ),
     "Miniprof without X": Trait(miniprof("ColumnDef=A,Y,C,N,K"), error="ColumnDef"),
     "Miniprof count": Trait(spoil(miniprof(), b"XYPoints=", b"XYPoints=9"), error="xypoints"),
     "Miniprof left rail": Trait(miniprof("Rail=Left", "ColumnDef=X,Y,A,C,N"), note="mirror"),
@@ -293,6 +298,15 @@ def test_the_tape_line_is_compared_with_the_back_of_the_wheel(tmp_path, place):
         assert bool(note) == (abs(place + 70.0) > 1.0)
         assert f"tape_line = {-place:g}" in note or not note
         assert not check_datum(profile, -place)
+
+
+def test_the_direction_of_a_tread_without_its_flange_is_not_guessed():
+    tread = WHEEL[WHEEL[:, 0] > -31.0]
+    with pytest.raises(ValueError, match="which side"):
+        from_measurement(tread, "wheel")
+    bounded = from_measurement(WHEEL, "wheel", inside=WHEEL[:, 0] > -31.0)
+    np.testing.assert_allclose(bounded.points, tread, atol=1e-12)
+    assert "no flange" in check_datum(bounded, 70.0)
 
 
 def test_keys_of_profiles_in_a_scene(tmp_path):

@@ -121,9 +121,11 @@ def _read_simpack(
         raise ValueError(f"{len(parts) - 1} marks point.begin and point.end; {cure}")
     if side is not None:
         raise ValueError(f"side = {side}, and one profile; allowed: no side")
-    section, keys = "", {}
+    section, keys, remarks = "", dict[str, str](), dict[str, str]()
     for line in (parts[0] + parts[2]).splitlines():
         content = line.partition("!")[0].strip()
+        if remark := re.fullmatch(r"[#%!]\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*)", line.strip()):
+            remarks[remark[1]] = remark[2]
         if mark := re.fullmatch(r"(\w+)\.(begin|end)", content):
             section = mark[1] if mark[2] == "begin" else ""
         elif entry := re.fullmatch(r"([\w.]+)\s*=\s*(.*)", content):
@@ -131,12 +133,14 @@ def _read_simpack(
     stated = _read_number(keys, "header.type", float(kind == "wheel"))
     if stated != float(kind == "wheel"):
         raise ValueError(f"type = {stated:g}, and a {kind}; allowed: 0 of a rail, 1 of a wheel")
-    values = parse_table(parts[1], first_line=parts[0].count("\n") + 1).numbers()
+    table = parse_table(parts[1], first_line=parts[0].count("\n") + 1)
+    values = table.numbers()
     if values.shape[1] not in (2, 3):
         raise ValueError(f"{values.shape[1]} columns of points; allowed: y, z, and a weight")
     used = r"shift\.[yz]|rotate|bound\.[yz]\.(min|max)|mirror\.[yz]|inversion|point\.dist\.min"
     used += r"|units\.(len|ang)(\.f)?|header\.(type|version)"
     unused = {key: text for key, text in keys.items() if not re.fullmatch(used, key)}
+    unused |= remarks | {key: text for key, (_, text) in table.statements().items()}
     notes = [*_describe_unused(unused)]
     if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
         notes.append("the weights of the points, their third column, are not used")
@@ -241,7 +245,7 @@ def _choose_columns(
     names = [name.strip().lower() for name in table.names]
     if "columndef" in statements:
         names = [name.strip().lower() for name in statements["columndef"].split(",")]
-        if len(names) > len(table.rows[0]) or not {"x", "y"} <= {*names}:
+        if len(names) != len(table.rows[0]) or not {"x", "y"} <= {*names}:
             cure = "allowed: a name for each column, with X and Y"
             raise ValueError(f"ColumnDef = {statements['columndef']}; {cure}")
     width = len(table.rows[0])

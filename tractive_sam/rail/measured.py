@@ -56,13 +56,16 @@ def from_measurement(
     _check_crossing(points)
     digit = math.hypot(*(_find_digit(column) for column in points.T))
     points = points * _find_signs(points, kind)
-    points = points if inside is None else points[inside]
+    if inside is not None:
+        points = points[inside]
+        if len(points) < 20:
+            raise ValueError(f"{len(points)} points within the bounds; at least 20 are needed")
     ordered = points if points[-1, 0] > points[0, 0] else points[::-1]
     return _fit_spline(ordered, smoothing, digit)
 
 
 def check_datum(profile: Profile, tape_line: float) -> str:
-    """Return a note if the back of a wheel is not where its tape line places it; else "".
+    """Return a note if the back of a wheel is not where its tape line is, or not known; else "".
 
     Parameters
     ----------
@@ -81,7 +84,7 @@ def check_datum(profile: Profile, tape_line: float) -> str:
     face = profile.at(np.linspace(0.0, min(0.5, profile.s[-1]), 20), 1)
     has_back = abs(face[:, 0].mean()) < 0.17 * abs(face[:, 1].mean())  # 80 degrees
     if points[top, 1] - np.median(points[:, 1]) < 10.0 or points[top, 0] > points[:, 0].mean():
-        return ""  # no flange
+        return "it has no flange, so that its origin, the tread datum, is not checked"
     back = float(points[: top + 1, 0].min())
     shift = -tape_line - back if has_back else -tape_line + 15.0 - float(points[top, 0])
     if abs(shift) > 20.0:
