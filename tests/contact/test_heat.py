@@ -91,7 +91,7 @@ def test_any_pair_of_bodies_is_solved(line):
 @pytest.mark.parametrize("course", [{}, {"transient": {"distance": [0.0, 0.05]}}])
 def test_unsolved_shares_are_not_converged(cold, monkeypatch, course):
     monkeypatch.setattr("tractive_sam.contact.heat.gmres", lambda a, b, rhs, *_: (0.0 * rhs, 0))
-    scene = cold.replace(**{"body.B.thermal": GLASS, **course})
+    scene = cold.replace(**{"body.B.thermal": GLASS, "grid.elements": (21, 15), **course})
     history = ts.roll(scene)
     assert history.status != "done"
     assert "heat" in history.message

@@ -257,6 +257,17 @@ def test_what_wears_too_deep_in_a_step_ends_with_a_message():
     assert "transient.step" in history.message
 
 
+def test_parts_of_an_element_between_dissimilar_bodies_are_noted():
+    def remarks(part, **changes):
+        table = rolling(2, step=part * DX)
+        return "transient.step" in ts.roll(scene(table, wear=LITTLE, **changes)).message
+
+    rigid = {"body.A.shear": 2.0, "body.A.poisson": 0.4, "body.B.shear": 1e3}
+    assert remarks(0.5, **rigid)
+    assert not remarks(1.0, **rigid)
+    assert not remarks(0.5)  # equal bodies: 2e-3
+
+
 def test_the_track_does_not_hang_on_what_is_stored():
     whole = ts.roll(scene(rolling(30)))
     early = ts.roll(scene(rolling(30, save=[5 * DX])))

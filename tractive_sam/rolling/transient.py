@@ -63,7 +63,26 @@ class TransientProcess(Process[Moment]):
         if contact.converged and np.any(few):
             across = np.ceil(2.0 * half_widths / sides)
             return str(Status.NOT_RESOLVED), not_resolved(contact, across)
-        return super().end(step, half_widths)
+        status, message = super().end(step, half_widths)
+        return status, message + self._remark_on_steps(float(half_widths[0]))
+
+    def _remark_on_steps(self, half_width: float) -> str:
+        """Return a remark on wear in steps of a fraction of an element between dissimilar bodies.
+
+        The bound is that of measured differences from steps of one element, near free rolling; see
+        docs/theory/transient.md.
+        """
+        dx, stages = self.model.grid.dx, self.courses.table.stages
+        parts = [stage.step / dx for stage in stages if stage.rolls and stage.step]
+        fraction = any(abs(part - round(part)) > CLOSE for part in parts)
+        if not (fraction and self.model.elasticity.coupled and self.model.wear_law):
+            return ""
+        share = 15.0 * (dx / half_width) ** 2 if half_width > 0.0 else 0.0
+        return (
+            f"; transient.step is not a whole number of elements of {dx:.4g} mm: near free rolling "
+            f"of dissimilar bodies, frictional work and wear may differ by up to about {share:.1%} "
+            "from those in steps of one element; refine grid.elements, or omit transient.step"
+        )
 
     def _input(
         self,
