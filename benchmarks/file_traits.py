@@ -22,6 +22,8 @@ import tractive_sam as ts
 from tractive_sam.fitting.data import read_measured
 from tractive_sam.fitting.design import FitError
 from tractive_sam.fitting.tables import Data
+from tractive_sam.rail import ProfileError, builtin_profile, place_rail, read_profile
+from tractive_sam.rail.measured import check_datum
 from tractive_sam.store import read_gap
 
 
@@ -106,6 +108,30 @@ def read_fit(path: Path, sheet: Sheet) -> np.ndarray:
     return np.array(sorted(zip(slips, measured.observed[:, 0], strict=True))).ravel()
 
 
+def read_rail_or_wheel(path: Path, sheet: Sheet) -> np.ndarray:
+    profile = read_profile(path, **sheet.settings)
+    notes = profile.notes
+    try:
+        if sheet.settings["kind"] == "wheel":
+            notes = (*notes, check_datum(profile, 70.0))
+        else:
+            profile = place_rail(profile, 40.0, 1435.0)
+    except ValueError as error:  # a fault of a scene
+        raise ProfileError(str(error)) from None
+    for note in filter(None, notes):
+        warnings.warn(note, stacklevel=2)
+    # The middle of the rail lies 757 mm from the middle of the track.
+    middle = 0.0 if sheet.settings["kind"] == "wheel" else 757.0
+    heights = profile.height(np.linspace(-25.0, 25.0, 101) + middle)
+    return 1.0 + 0.2 * heights  # equal within 0.001 mm: a last digit of six
+
+
+WHEEL, RAIL = (
+    profile.at(np.arange(*profile.s[[0, -1]], 0.6))
+    for profile in map(builtin_profile, ("S1002", "60E1"))
+)
+RAIL[:, 1] += 0.3 * np.exp(-(((RAIL[:, 0] - 12.0) / 4.0) ** 2))  # worn on one side
+
 POINTS = np.array(
     [[x, y, z] for x, row in zip(X, MAP, strict=True) for y, z in zip(Y, row, strict=True)]
 )
@@ -114,6 +140,8 @@ KINDS = {
     "points": (Sheet(("x", "y", "height"), ("mm", "mm", "um"), POINTS * [1, 1, 1e3]), read_map),
     "matrix": (Sheet((), (), MAP, {"step": [0.5, 0.5]}), read_map),
     "load history": (Sheet(("normal", "longitudinal"), ("N", "-"), LOADS), read_loads),
+    "wheel": (Sheet(("y", "z"), ("mm", "mm"), WHEEL, {"kind": "wheel"}), read_rail_or_wheel),
+    "rail": (Sheet(("y", "z"), ("mm", "mm"), RAIL, {"kind": "rail"}), read_rail_or_wheel),
     "fit": (Sheet(("creepage.longitudinal", "Qx_over_P"), ("-", "-"), CREEP), read_fit),
 }
 """Kinds of files: the plain sheet, and a function that reads its numbers."""
@@ -240,6 +268,60 @@ def reverse(sheet: Sheet, rng: np.random.Generator) -> Sheet:
     return replace(sheet, values=sheet.values[::-1], cells={}) if sheet.names else sheet
 
 
+def profile(
+    heading: tuple[str, ...] = (),
+    tail: str = "",
+    *,
+    y: float = 0.0,
+    z: float = 0.0,
+    factor: float = 1.0,
+    signs: tuple[int, int] = (1, 1),
+    settings: dict | None = None,
+    **changes: object,
+) -> Callable:
+    """Move the points of a profile, and write the heading of a vehicle program or instrument."""
+
+    def change(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+        if "kind" not in sheet.settings or sheet.names + sheet.units != ("y", "z", "mm", "mm"):
+            return sheet
+        lines = [line.format(type=int(sheet.settings["kind"] == "wheel")) for line in heading]
+        if lines and any("begin" in line or "ProgramName" in line for line in sheet.heading):
+            return sheet
+        return replace(
+            sheet,
+            values=(sheet.values * signs + (y, z)) * factor,
+            header="" if lines else sheet.header,
+            heading=(*lines, *sheet.heading) if tail == "" else (*sheet.heading, *lines),
+            tail=tail.encode() + sheet.tail,
+            settings=sheet.settings | (settings or {}),
+            **changes,
+        )
+
+    return change
+
+
+def simpack(*entries: str, unit: float = 1000.0, end: str = "point.end\n", **moves) -> Callable:
+    head = ("header.begin", " type = {type}", "header.end", "spline.begin", *entries)
+    return profile((*head, f"units.len.f = {unit:g}", "point.begin"), end or "\n", **moves)
+
+
+def miniprof(*entries: str, **moves) -> Callable:
+    return profile(("ProgramName=Own", *entries, ""), separator="\t", **moves)
+
+
+def add_side(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    if "kind" not in sheet.settings or sheet.values.shape[1] != 2 or {*sheet.units} != {"mm"}:
+        return sheet
+    values = np.column_stack((sheet.values * (-1, 1) - (0, 1), sheet.values))
+    return replace(sheet, values=values, names=(), units=())
+
+
+def read_right_side(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    wide = add_side(sheet, rng)
+    settings = sheet.settings if wide is sheet else sheet.settings | {"side": "right"}
+    return replace(wide, settings=settings)
+
+
 def head(*lines: str) -> Callable:
     return lambda sheet, rng: replace(sheet, heading=(*sheet.heading, *lines))
 
@@ -299,6 +381,31 @@ TRAITS = {
     "fewer digits": put(digits="{:.6g}"),
     "depths": name_depth,
     "cut file": cut,
+    "upside down": profile(signs=(1, -1)),
+    "mirrored, with a key": profile(signs=(-1, 1), settings={"mirror": True}),
+    "0.01 mm": profile(digits="{:.2f}"),
+    "0.001 mm": profile(digits="{:.3f}"),
+    "5 mm aside": profile(y=-5.0),
+    "from the back": profile(y=70.0),
+    "from the axle": profile(y=750.0),
+    "two sides": add_side,
+    "right side": read_right_side,
+    "SIMPACK": simpack(),
+    "SIMPACK in metres": simpack(unit=1.0, factor=1e-3),
+    "SIMPACK shift": simpack("shift.y = -2", "shift.z = 1", y=2.0, z=-1.0),
+    "SIMPACK rotate": simpack("rotate = 0.02"),
+    "SIMPACK bounds": simpack("bound.y.min = -31", "bound.y.max = 31"),
+    "SIMPACK bound.z": simpack("bound.z.min = -1", "bound.z.max = 4"),
+    "SIMPACK mirrors": simpack("mirror.y = 1", "mirror.z = 1", signs=(-1, -1)),
+    "SIMPACK smooth": simpack("approx.smooth = 0.3"),
+    "SIMPACK other type": simpack("header.begin", "type = 3", "header.end"),
+    "SIMPACK unit of 0": simpack(unit=0.0),
+    "SIMPACK cut": simpack(end=""),
+    "Miniprof": miniprof("XOffset=0", "YOffset=0", "ColumnDef=X,Y"),
+    "Miniprof offsets": miniprof("XOffset=3", "YOffset=-1", y=-3.0, z=1.0),
+    "Miniprof count": miniprof("XYPoints=9"),
+    "Miniprof left": miniprof("Rail=Left"),
+    "Miniprof tilt": miniprof("Tilt=2.5"),
 }  # fmt: skip
 """Traits by name: functions that change how a sheet is written, with the same meaning."""
 
@@ -329,7 +436,7 @@ def try_file(kind: str, traits: tuple[str, ...], folder: Path, rng: np.random.Ge
         warnings.simplefilter("always")
         try:
             found = read(path, sheet)
-        except (ts.GapError, ts.SceneError, FitError) as error:
+        except (ts.GapError, ts.SceneError, FitError, ProfileError) as error:
             return Outcome(kind, traits, "fault", str(error))
     equal = found.shape == expected.shape and np.allclose(found, expected, rtol=1e-4, atol=1e-9)
     message = "; ".join(str(note.message) for note in notes)

@@ -70,6 +70,7 @@ def test_each_trait_gives_the_same_numbers_or_its_fault(file_traits, tmp_path, k
         assert re.search(message if kind in kinds else "", outcome.message), outcome
 
 
-def test_random_traits_give_no_other_numbers_without_a_word(file_traits):
-    outcomes = [*file_traits.try_traits(60, seed=7, kinds=ALL)]
+@pytest.mark.parametrize("kinds", [ALL, ("wheel", "rail")], ids=["columns", "profiles"])
+def test_random_traits_give_no_other_numbers_without_a_word(file_traits, kinds):
+    outcomes = [*file_traits.try_traits(60, seed=7, kinds=kinds)]
     assert {outcome.result for outcome in outcomes} <= {"same", "note", "fault"}, outcomes
