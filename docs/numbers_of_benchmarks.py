@@ -855,6 +855,20 @@ def fit_repeats() -> str:
     return format_columns(read_rows("fit_repeats.csv"), columns)
 
 
+def fit_coverage() -> str:
+    """Return how often intervals contain the true values, for each kind of noise and setting."""
+    columns = {
+        "noise": ("noise", str),
+        "standard deviation": ("s", str),
+        "points": ("n", str),
+        "settings": ("settings", str),
+        "key": ("key", str),
+        "median estimate / truth": ("median", number(".3f")),
+        "true value within the interval, %": ("covered %", number(".1f")),
+    }
+    return format_columns(read_rows("fit_coverage.csv"), columns)
+
+
 def fit_posterior() -> str:
     """Return posterior samples of a creep curve, beside the linearised fit."""
     columns = {
@@ -958,6 +972,7 @@ TABLES = {
         fit_ratios,
         fit_exact,
         fit_repeats,
+        fit_coverage,
         fit_cost,
         fit_posterior,
     )

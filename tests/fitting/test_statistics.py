@@ -1,5 +1,8 @@
 """Estimates and intervals have their closed forms: in full slip, Qx/P is the coefficient."""
 
+from importlib import import_module
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.stats import chi2, norm, t
@@ -128,3 +131,29 @@ def test_a_layer_that_is_too_thin_to_matter_is_bounded_above(line):
     measured = data["values"]["Qx_over_P"][0]
     # the noise follows the prediction at the bound, which is found to 2 %
     assert abs(at_bound - measured) / (0.05 * abs(at_bound)) == pytest.approx(Z, rel=0.05)
+
+
+@pytest.mark.slow
+def test_intervals_hold_as_often_as_they_say(monkeypatch):
+    """See the benchmark: few repeats of some rows, one of each kind of noise and setting."""
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+    benchmark = import_module("fit_coverage")
+    repeats, cases = 60, benchmark.cases()
+    shares = [
+        row["covered %"] / 100.0
+        for seed, case in enumerate((*cases[8:12], *cases[12::4]))
+        for row in benchmark.coverage(case, repeats, seed)
+    ]
+    # four standard deviations of one row, and three of the mean of all rows and 1 % of robust ones
+    assert min(shares) > 0.95 - 4.0 * (0.05 * 0.95 / repeats) ** 0.5
+    deviation = (0.05 * 0.95 / (repeats * len(shares))) ** 0.5
+    assert np.mean(shares) == pytest.approx(0.95, abs=0.01 + 3.0 * deviation)
+
+
+@pytest.mark.slow
+def test_the_closed_model_of_the_coverage_is_that_of_contacts(monkeypatch):
+    monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
+    benchmark = import_module("fit_coverage")
+    case = next(one for one in benchmark.cases() if one.note == "two data sets")
+    # one revolution changes the contact by 1e-4 of its wear
+    assert benchmark.check(case) < 1e-3

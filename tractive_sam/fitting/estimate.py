@@ -80,9 +80,14 @@ class Estimate:
         return self.loss.weights(self.residuals / self.scatter)
 
     @cached_property
+    def inflation(self) -> float:
+        """Factor on the variance by a robust loss, see `Loss.inflation`; otherwise 1."""
+        return self.loss.inflation(self.residuals / self.scatter, self.u.size)
+
+    @cached_property
     def row_weights(self) -> np.ndarray:
         """Factors of the derivatives of predictions in `weighted`, shape (points,)."""
-        return np.sqrt(self.weights / self.loss.inflation) / (self.scatter * self.noise)
+        return np.sqrt(self.weights / self.inflation) / (self.scatter * self.noise)
 
     @cached_property
     def weighted(self) -> np.ndarray:
@@ -188,7 +193,7 @@ class Estimate:
         change, prior_change = self.jacobian @ along, problem.prior_jacobian(self.u) @ along
         prior = problem.prior_residuals(self.u)
         prior_weights = self.loss.weights(prior)
-        weights = self.weights / self.loss.inflation
+        weights = self.weights / self.inflation
         value = parameters.values(self.u)[k]
         slope = sign * float(parameters.slopes(self.u)[k])
         low, high = parameters.value_bounds

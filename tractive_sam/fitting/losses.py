@@ -39,16 +39,34 @@ class Loss:
         """Return the weights of residuals, those of the equivalent weighted least squares."""
         return LOSSES[self.name](np.square(residuals))[1]
 
-    @property
-    def inflation(self) -> float:
-        """Variance of an estimate over the inverse of its weighted information.
+    def inflation(self, residuals: np.ndarray, unknowns: int) -> float:
+        """Return the variance of an estimate over the inverse of its weighted information.
 
         An M-estimate has the variance E(psi^2) / E(psi')^2 over the information of unit weights,
-        with psi = w r. Weighted least squares would give 1 / E(w). For normal r, E(psi') = E(r psi)
-        (Huber, Robust Statistics (1981), section 7.6).
+        with psi = w r. Weighted least squares would give 1 / E(w). The expectations are those of
+        the residuals with outliers, but not below those of a normal residual, for which
+        E(psi') = E(r psi) (Huber, Robust Statistics (1981), section 7.6, with the factor of few
+        points).
+
+        Parameters
+        ----------
+        residuals : ndarray, shape (points,)
+            Residuals over the noise.
+        unknowns : int
+            Number of fitted coordinates.
         """
+        if self.name == "linear":
+            return 1.0
         weights, squares, slopes = _normal_moments(self)
-        return squares * weights / slopes**2
+        h, share = 1e-4, unknowns / residuals.size
+        ends = [(residuals + d) * self.weights(residuals + d) for d in (-h, h)]
+        bends = (ends[1] - ends[0]) / (2.0 * h)
+        bend = max(float(bends.mean()), 0.2)  # all residuals may be outliers
+        weight = self.weights(residuals)
+        of_data = float(np.square(weight * residuals).mean() * weight.mean()) / bend**2
+        of_data /= max(1.0 - share, share)
+        few = (1.0 + share * float(bends.var()) / bend**2) ** 2
+        return few * max(of_data, squares * weights / slopes**2)
 
     @property
     def rise(self) -> float:
