@@ -89,8 +89,8 @@ def few_table_nodes(monkeypatch):
     """Tables of creep forces begin with few nodes, and are checked at few points."""
     few = {"samples": 1, "anywhere": 16, "checks": 16, "first_u": (0.0, 0.4, 0.7, 1.0)}
     refinement = import_module("tractive_sam.tables.solving").Refinement(**few)
-    monkeypatch.setattr("tractive_sam.tables.grid.HEADINGS", 3)
-    monkeypatch.setattr("tractive_sam.tables.grid.TILTS", 2)
+    monkeypatch.setattr("tractive_sam.tables.solving.HEADINGS", 3)
+    monkeypatch.setattr("tractive_sam.tables.solving.TILTS", 2)
     monkeypatch.setattr("tractive_sam.tables.building.Refinement", lambda: refinement)
 
 
