@@ -174,6 +174,35 @@ def test_a_line_that_cannot_be_read_is_reported(loads, rows, reported):
         DISCS.replace(load_history={"file": str(loads)})
 
 
+def test_a_unit_is_converted_and_a_time_is_named(loads):
+    table = {"file": str(loads), "levels": 2}
+    scene = DISCS.replace(load_history=table)
+    cells = [line.split(",") for line in ROWS.splitlines()[1:]]
+    rows = [f"{k};{float(n) / 1e3:g};{100 * float(c):g};{r}" for k, (n, c, r) in enumerate(cells)]
+    head = "Time [s];normal [kN];longitudinal [%];revolutions"
+    loads.write_text("\n".join([head, *rows]).replace(".", ","))
+    with pytest.warns(ts.SceneWarning, match="loads.csv that are not read: Time"):
+        again = DISCS.replace(load_history=table)
+    for block, other in zip(again.duty, scene.duty, strict=True):
+        assert block.load.normal == pytest.approx(other.load.normal, rel=1e-12)
+        slip = other.creepage.longitudinal
+        assert block.creepage.longitudinal == pytest.approx(slip, rel=1e-12)
+
+
+def test_a_row_without_contact_is_named(loads):
+    loads.write_text(ROWS.replace("450", "0"))
+    with pytest.raises(ts.SceneError, match=r"normal = 0 in loads\.csv, line 4.*remove these rows"):
+        DISCS.replace(load_history={"file": str(loads)})
+
+
+def test_doubts_about_blocks_are_one_note(loads):
+    """All blocks have creepages of tens of per cent."""
+    loads.write_text(ROWS.replace("-0.00", "-0."))
+    with pytest.warns(PlausibilityWarning) as notes:
+        DISCS.replace(load_history={"file": str(loads), "levels": 4})
+    assert sum("creepage.longitudinal" in str(note.message) for note in notes) == 1
+
+
 def test_one_of_blocks_and_a_history(loads):
     with pytest.raises(ts.SceneError) as caught:
         DISCS.replace(duty=[{"revolutions": 1}], load_history={"file": str(loads)})

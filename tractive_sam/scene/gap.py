@@ -67,7 +67,8 @@ def absolute_path(path: Path, suffixes: tuple[str, ...]) -> Path:
         If the path has none of the suffixes.
     """
     if path.suffix.lower() not in suffixes:
-        raise ValueError(f"a file ending in {', '.join(suffixes)}")
+        cure = "; export other formats, such as .x3p, as text with units"
+        raise ValueError(f"a file ending in {', '.join(suffixes)}{cure * ('.xyz' in suffixes)}")
     return path.absolute()  # a scene may be written to, and read from, another folder
 
 

@@ -30,7 +30,7 @@ from tractive_sam.schema import (
 from tractive_sam.text_table import TextError, find_scale, read_table
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
-from .gap import absolute_path
+from .gap import TEXTS, absolute_path
 
 MAX_LEVELS = 1000
 """Largest number of levels of a column."""
@@ -50,7 +50,7 @@ _COLUMNS = {
 }
 """Key in a block for each column of a measured load history."""
 
-_File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, (".csv", ".txt")))]
+_File = Annotated[FilePath, AfterValidator(lambda path: absolute_path(path, TEXTS))]
 
 
 def _check_results_of_binning(entries: ValidEntries) -> Iterator[Fault]:
