@@ -401,14 +401,17 @@ def _find_dialect(lines: Sequence[tuple[int, str]]) -> tuple[str, str, int]:
         score = {
             mark: sum(_classify([cell], sign) == "numbers" for cell in cells) / len(cells)
             for mark, sign in ((",", "."), (" ", "."), (" ,", ","))
-            for cells in ([cell for line in sample for cell in _split(line, mark[0])],)
+            for cells in ([cell for line in sample[-20:] for cell in _split(line, mark[0])],)
         }
         separator = "," if score[","] >= max(score[" "], score[" ,"]) else " "
         separator = separator if any(separator in line.strip() for line in sample) else " "
     width = Counter(len(_split(line, separator)) for line in sample).most_common(1)[0][0]
-    cells = [_split(line, separator) for _, line in lines]
+    commas = separator != "," or any('"' in line for _, line in lines)
+    commas = commas and any("," in line for _, line in lines)
+    undecided = separator == "," and not any("." in line for line in sample)
+    cells = [_split(line, separator) for _, line in lines] if commas or undecided else []
     with_comma = any(re.search(r"^\s*[-+]?\d*,\d", cell) for row in cells for cell in row)
-    if separator == "," and not with_comma:
+    if undecided and not with_comma:
         _check_comma(lines, [row for row in cells if len(row) == width])
     for column in zip(*(row for row in cells if with_comma and len(row) == width), strict=True):
         grouped = [bool(re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", cell)) for cell in column]
