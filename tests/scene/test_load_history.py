@@ -195,7 +195,7 @@ def test_a_row_without_contact_is_named(loads):
         DISCS.replace(load_history={"file": str(loads)})
 
 
-def test_doubts_about_blocks_are_one_note(loads):
+def test_equal_notes_on_blocks_are_one_note(loads):
     """All blocks have creepages of tens of per cent."""
     loads.write_text(ROWS.replace("-0.00", "-0."))
     with pytest.warns(PlausibilityWarning) as notes:
