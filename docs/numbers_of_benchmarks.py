@@ -278,6 +278,28 @@ def stepping() -> str:
     return format_columns(read_rows("stepping.csv"), columns)
 
 
+def conservation() -> str:
+    """Return the largest errors of the balances of every process."""
+    columns = {
+        "process": ("process", str),
+        "balance": ("balance", str),
+        "largest error": ("error", number(".0e")),
+        "tolerance": ("tolerance", number("g")),
+    }
+    return format_columns(read_rows("conservation.csv"), columns)
+
+
+def conservation_wheels() -> str:
+    """Return the largest errors of the laws of random wheel scenes."""
+    columns = {
+        "law": ("law", str),
+        "scenes": ("scenes", str),
+        "largest error": ("largest error", number(".0e")),
+        "tolerance": ("tolerance", number("g")),
+    }
+    return format_columns(read_rows("conservation_wheels.csv"), columns)
+
+
 def balance() -> str:
     """Return the worn cross-section divided by i/mu times the frictional work."""
     wanted = {"16", "64"}
@@ -929,6 +951,8 @@ TABLES = {
         wheel_rail_patches,
         wheel_rail_crossing,
         wheel_rail_spin,
+        conservation,
+        conservation_wheels,
         spheres,
         creep_forces,
         kalker,

@@ -120,8 +120,12 @@ class PositionWear:
             **{"slip": np.stack((none, none)), "gap": none, "wear": none, "approach": approach},
         )
         arrays = [state[name] for name in ("rates", "response", "places")]
-        size = np.full(len(arrays[0]), np.nan)  # files of earlier versions have no work
-        arrays += [state.get("width", size + grid.dy), state.get("work", size)]
+        # Files of earlier versions have neither.
+        absent = {
+            "width": np.full(len(arrays[0]), grid.dy),
+            "work": np.full(len(arrays[0]), np.nan),
+        }
+        arrays += [state.get(name, values) for name, values in absent.items()]
         worn = tuple(PatchWear(*patch) for patch in zip(*arrays, strict=True))
         return cls(share, start, start, worn)
 

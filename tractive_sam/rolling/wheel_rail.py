@@ -30,13 +30,14 @@ WHEEL_COLUMNS = (
 
 def describe_patch(patch: Patch, contact: State, patches: int) -> dict[str, Any]:
     """Return the values of `WHEEL_COLUMNS`, by name, of a solved wheel-rail patch."""
-    rows = contact.grid.y[contact.touching.any(axis=0)]
+    rows, scene = contact.grid.y[contact.touching.any(axis=0)], contact.scene
+    follows = scene.wheel_rail.is_motion(scene.creepage)
     return {
         "contact_y": float(patch.origin[1]),
         "contact_angle": math.degrees(patch.angle),
         "angle_range": math.degrees(patch.angle_range_over(rows)) if rows.size else math.nan,
         "rolling_radius": patch.rolling_radius,
-        "pitch": patch.pitch_at(contact.xi_x),
+        "pitch": patch.pitch_at(contact.xi_x) if follows else math.nan,
         "patches": patches,
     }
 
