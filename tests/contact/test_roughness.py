@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.contact import Model
-from tractive_sam.contact.roughness import Roughness
+from tractive_sam.contact.measured import Roughness
 from tractive_sam.results import Grid
 from tractive_sam.run.argument_checks import read_measured_gap, read_profiles
 from tractive_sam.run.gap_notes import gap_notes

@@ -10,7 +10,7 @@ from tractive_sam.mechanics import FallingCoulomb, SlidingShare
 from tractive_sam.operators import RollingStep
 from tractive_sam.results import Cost
 from tractive_sam.solvers import Outcome, Start, Status, steepness
-from tractive_sam.solvers.uniqueness import UniqueSolution
+from tractive_sam.solvers.falling_friction import UniqueSolution
 
 N = 11  # elements in a direction
 MIDDLE = 1.0  # dimensionless slip

@@ -7,8 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from tractive_sam.contact.measured import Gap
-from tractive_sam.contact.roughness import refine_for_maps, rough_maps
+from tractive_sam.contact.measured import Gap, refine_for_maps, rough_maps
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid
 from tractive_sam.scene import ALONG, MAX_ELEMENTS, Scene
@@ -74,7 +73,7 @@ def choose_grid(
 
     Chosen elements are at most twice as long as wide or the reverse; their number is odd, so that
     one is centred on the axis. If a map is finer, they are refined until the unresolved rest does
-    not matter (`contact.roughness`); with [accuracy] the results decide instead.
+    not matter (`contact.measured`); with [accuracy] the results decide instead.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0
     model : Model
         The model that was solved.
     steepness : float
-        `solvers.uniqueness.steepness` of the outcome.
+        `solvers.falling_friction.steepness` of the outcome.
     """
     if status is Status.CONVERGED:
         return _remarks(outcome, model)
@@ -130,7 +130,7 @@ def too_steep(steepness: float, in_step: bool = False) -> str:
     Parameters
     ----------
     steepness : float
-        `solvers.uniqueness.steepness`.
+        `solvers.falling_friction.steepness`.
     in_step : bool
         Whether the contact is a step of a transient. The number is then a power of ten, so that
         the steps of a course have equal texts, and one warning.

@@ -1,17 +1,18 @@
 """The numerical model of a scene: mesh, undeformed gap, rigid slip, units and operators."""
 
+import math
+from collections.abc import Callable
 from copy import copy
-from dataclasses import astuple, replace
+from dataclasses import astuple, dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
 from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import Gap, lowest_separation, resample, sample_gap
 from tractive_sam.contact.mesh import choose_grid
-from tractive_sam.contact.units import Units
-from tractive_sam.contact.worn import Worn
-from tractive_sam.mechanics import Coulomb, Frame, FrictionLaw, FrictionOnMesh, WearLaw
+from tractive_sam.mechanics import Coulomb, Elasticity, Frame, FrictionLaw, FrictionOnMesh, WearLaw
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid, State
@@ -26,6 +27,88 @@ from tractive_sam.solvers import (
     ProblemSolver,
     WearInPass,
 )
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of pressure, gap and slip that make a problem of order one.
+
+    Attributes
+    ----------
+    pressure : float
+        p*, MPa.
+    gap : float
+        g*, mm; for half-spaces p* l / E*, with l the mean semi-axis of the contact.
+    slip : float
+        s*, dimensionless; for half-spaces max(mu1, mu2)² p* / G.
+    """
+
+    pressure: float
+    gap: float
+    slip: float
+
+    @classmethod
+    def of_contact(
+        cls,
+        scene: Scene,
+        grid: Grid,
+        elasticity: Elasticity,
+        frame: Frame,
+        undeformed_gap: Callable[[], np.ndarray],
+    ) -> Self:
+        """Return the units of a scene, from its Hertz contact, or from the mesh without one.
+
+        `undeformed_gap` computes the gap, mm; only a prescribed approach without Hertz needs it.
+        """
+        hertz, sides = scene.hertz, (grid.dx, grid.dy)
+        if hertz is not None:
+            length = hertz.mean_semi_axis
+        elif grid.line:
+            length = 0.5 * grid.half_length[0]
+        else:
+            length = 0.5 * math.sqrt(grid.half_length[0] * grid.half_length[1])
+        gap = elasticity.gap_per_pressure(length, *sides)
+        load = scene.normal_load
+        if hertz is not None:
+            pressure = hertz.p0
+        elif load is not None:
+            pressure = load / (2.0 * length if grid.line else math.pi * length**2)
+        else:
+            approach = required(scene.load.approach, "load.approach")
+            interference = approach - float(undeformed_gap().min())
+            # Without contact the unit only has to be positive.
+            pressure = (abs(interference) or 1e-3 * length) / gap
+        slip = max(frame.mu) ** 2 * elasticity.slip_per_traction(*sides)
+        return cls(pressure, gap * pressure, slip * pressure)
+
+
+@dataclass(frozen=True, eq=False)
+class Worn:
+    """Wear depth of both bodies across the track, with which a roll begins.
+
+    Attributes
+    ----------
+    y : ndarray, shape (n,)
+        Lateral positions, ascending, mm.
+    depths : ndarray, shape (2, n)
+        Depths of A and of B, mm.
+    """
+
+    y: np.ndarray
+    depths: np.ndarray
+
+    def on(self, grid: Grid) -> np.ndarray:
+        """Return wear depths (2, n_y), mm, interpolated at a mesh's rows; constant beyond.
+
+        Raises
+        ------
+        ValueError
+            If only one of the depths and the mesh belongs to a line contact.
+        """
+        if (self.y.size == 1) != (grid.directions == 1):
+            raise ValueError("start: both runs must be line contacts, or neither")
+        y = grid.y + grid.shift
+        return np.stack([np.interp(y, self.y, depth) for depth in self.depths])
 
 
 class Model:

@@ -1,24 +1,373 @@
-"""Solve one step of transient rolling, or a shift, in mm, N and MPa.
+"""Solve one step of transient rolling, or a shift, in mm, N and MPa: its input, wear and work.
+
+A particle at x was at x + d before the step. With the tractions p and the displacements u = A p of
+the nodes before (0) and after (1), and T the interpolation of nodal values to x + d, its slip is
+
+    S_1 = w + u_1 - T u_0,        u_0 = A p_0.
+
+Half the work of friction is done by the tractions after the step, on the particles that carry them:
+-p_1 . S_1 / 2. The other half is done by the tractions before it, on the particles that carried
+them. These were at nodes, and are between nodes after the step. With the adjoint of T their slip is
+
+    S_0 = w + A T' p_1 - u_0.
+
+As A is symmetric, p_1 . T A p_0 = p_0 . A T' p_1, and the elastic parts of both halves add up to
+
+    -(p_1 . A p_1 - p_0 . A p_0) / 2,
+
+the change of the elastic energy: work supplied = work of friction + change of energy, for every T
+and any d. Pressure and normal displacement of dissimilar bodies enter alike.
+
+For distances of a full number of elements T moves nodes onto nodes, and both halves belong to one
+set of particles: their mean traction does the work. At other distances the mean of p_1 and T p_0
+does not: T' T is less than one for fields that change from node to node, above all at the trailing
+edge.
 
 See `operators.kinematics` for the slip of a step. A step depends only on the pressure, tractions
 and gap of the step before.
 """
 
-from dataclasses import dataclass, replace
-from typing import Any
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
 from tractive_sam.compute import ConvolutionMeter
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import solve_problem, state_of
-from tractive_sam.contact.step_result import StepInput, StepResult
-from tractive_sam.contact.step_wear import StepWear
-from tractive_sam.contact.step_work import Particles, StepWork
-from tractive_sam.mechanics import FrictionLaw, FrictionOnMesh, PreviousShare
+from tractive_sam.mechanics import (
+    FrictionLaw,
+    FrictionOnMesh,
+    PreviousShare,
+    WearConditions,
+    WearLaw,
+)
 from tractive_sam.operators import Advection, FrictionSlip, RollingStep
-from tractive_sam.results import Cost, State, Status
+from tractive_sam.results import Cost, Grid, State, Status, widen_field
 from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start, needed
+
+Three = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class StepInput:
+    """Prescribed quantities of a time step: distance, creepages or forces, load, friction.
+
+    Attributes
+    ----------
+    distance : float
+        Rolling distance, mm; 0: a shift.
+    creepages : tuple of float
+        Longitudinal, lateral and spin creepage, means over the distance; for a shift the shifts in
+        x and y, mm, and the turn, radians. A creepage with a prescribed force is ignored.
+    load, approach : float or None
+        Normal load, N, or approach, mm, at the end of the step.
+    forces : tuple of float or None
+        (Q_x, Q_y) at the end, N, in place of creepages.
+    friction : float
+        Factor on the bound of friction at the end.
+    friction_before : float, optional
+        Factor at the beginning; by default the factor at the end.
+    separation : ndarray, shape (n_x, n_y), or float
+        Separation added to the undeformed gap at the end, mm.
+    """
+
+    distance: float = 0.0
+    creepages: Three = (0.0, 0.0, 0.0)
+    load: float | None = None
+    approach: float | None = None
+    forces: tuple[float | None, float | None] = (None, None)
+    friction: float = 1.0
+    friction_before: float | None = None
+    separation: np.ndarray | float = 0.0
+
+    @property
+    def mean_friction(self) -> float:
+        """Mean over the step of the factor on friction, on which wear depends."""
+        first = self.friction if self.friction_before is None else self.friction_before
+        return (first + self.friction) / 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class StepResult:
+    """Result of a time step: the contact at its end, its work, and the wear depth.
+
+    Attributes
+    ----------
+    contact : State
+        The contact. Its slip and creepages are means of the step per distance rolled; for a shift
+        the slip itself, mm.
+    supplied : float
+        Work of the forces that drive the bodies, N mm: of tangential forces and, for dissimilar
+        bodies, of the load.
+    friction : float
+        Work of friction, N mm.
+    distance : float
+        Rolling distance of the step, mm.
+    shifted : bool
+        Whether it was a shift.
+    energy : float
+        Elastic energy at the end, N mm: of the tractions, for dissimilar bodies with the pressure.
+    displacement : ndarray, shape (2 or 3, n_x + reach, n_y)
+        Dimensionless, at the nodes of the mesh and ahead of it.
+    normal : NormalProblem, optional
+        Normal problem that its pressure solves, if it does not depend on tractions.
+    worn : ndarray, shape (2, n_x, n_y)
+        Depth that the particles of A and B at the elements lost since the start, mm.
+    gained : ndarray, shape (2, n_x, n_y)
+        Part of it that they lost in the step.
+    deep : float
+        Depth worn in the step over the largest depth that pressure can follow.
+    extrapolation_error : ndarray, shape (2, n_x, n_y), optional
+        Traction less its linear extrapolation from the two steps before, MPa; None without one.
+    """
+
+    contact: State
+    supplied: float = 0.0
+    friction: float = 0.0
+    distance: float = 0.0
+    shifted: bool = False
+    energy: float = 0.0
+    displacement: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+    normal: NormalProblem | None = field(default=None, repr=False)
+    worn: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+    gained: np.ndarray = field(default_factory=lambda: np.zeros((2, 0, 0)), repr=False)
+    deep: float = 0.0
+    extrapolation_error: np.ndarray | None = field(default=None, repr=False)
+
+    def on(self, grid: Grid) -> "StepResult":
+        """Return the result on a wider mesh: depths continue behind, displacement is empty.
+
+        Behind the former mesh the depths equal the depth at its end.
+        """
+        worn, gained = (widen_field(depth, grid.elements) for depth in (self.worn, self.gained))
+        behind = (grid.elements[0] - self.worn.shape[1]) // 2
+        worn[:, :behind] = worn[:, behind : behind + 1]
+        unknown = replace(
+            self, displacement=np.zeros((2, 0, 0)), normal=None, extrapolation_error=None
+        )
+        return replace(unknown, contact=self.contact.on(grid), worn=worn, gained=gained)
+
+    def since(self, earlier: "StepResult | None") -> "StepResult":
+        """Return this step less the work, distance and wear of `earlier`, a shorter step."""
+        if earlier is None:
+            return self
+        return replace(
+            self,
+            supplied=self.supplied - earlier.supplied,
+            friction=self.friction - earlier.friction,
+            distance=self.distance - earlier.distance,
+            gained=self.gained - earlier.gained,
+        )
+
+    def has_pressure_of(self, normal: NormalProblem) -> bool:
+        """Return whether the pressure of the step solves this normal problem."""
+        if self.normal is None or not self.contact.touching.any():
+            return False
+        return normal.is_the_same_as(self.normal)
+
+
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """Particles at the nodes after, or before, a step, with their part in the work of the step.
+
+    Attributes
+    ----------
+    pressure : ndarray, shape (n_x, n_y)
+        Pressure, MPa.
+    fields : ndarray, shape (2 or 3, n_x, n_y)
+        Dimensionless tractions that do work; for dissimilar bodies after the pressure.
+    change : ndarray, shape (2 or 3, n_x, n_y)
+        Change of the dimensionless displacements in the step.
+    rigid : ndarray, shape (2, n_x, n_y)
+        Slip of the undeformed bodies, dimensionless.
+    weight : float
+        Share of these particles in the work.
+    earlier : bool
+        Whether they are at the nodes before the step.
+    wearing : ndarray, shape (n_x, n_y), or float
+        Factor on the slip that wears: 0 for particles that stick.
+    """
+
+    pressure: np.ndarray
+    fields: np.ndarray
+    change: np.ndarray
+    rigid: np.ndarray
+    weight: float = 1.0
+    earlier: bool = False
+    wearing: np.ndarray | float = 1.0
+
+    @property
+    def traction(self) -> np.ndarray:
+        """Dimensionless traction, shape (2, n_x, n_y)."""
+        return self.fields[-2:]
+
+    @property
+    def slip(self) -> np.ndarray:
+        """Dimensionless slip: rigid slip and the change of displacement, shape (2, n_x, n_y)."""
+        return self.rigid + self.change[-2:]
+
+
+class StepWork:
+    """Work of dimensionless fields on displacements of a model, in N mm.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    """
+
+    def __init__(self, model: Model):
+        units, grid = model.units, model.grid
+        force = units.pressure * grid.element_area
+        self._slip, self._gap = force * units.slip * grid.dx, force * units.gap
+
+    def tangential(self, fields: np.ndarray, moved: np.ndarray) -> float:
+        """Return the work, N mm, of tractions on tangential displacements, both dimensionless."""
+        return self._slip * float(np.vdot(fields[-2:], moved[-2:]))
+
+    def normal(self, fields: np.ndarray, moved: np.ndarray) -> float:
+        """Return the work of the pressure, N mm; 0 if `fields` are tractions only."""
+        return self._gap * float(np.vdot(fields[:-2], moved[:-2]))
+
+    def energy(self, fields: np.ndarray, displacement: np.ndarray) -> float:
+        """Return the elastic energy, N mm: half the work of fields on their displacements."""
+        moved = displacement[:, : fields.shape[1]]
+        return 0.5 * (self.tangential(fields, moved) + self.normal(fields, moved))
+
+    def supplied(self, groups: Iterable[Particles]) -> float:
+        """Return the work of the forces that drive the bodies in a step, N mm."""
+        return sum(
+            group.weight
+            * (self.normal(group.fields, group.change) - self.tangential(group.fields, group.rigid))
+            for group in groups
+        )
+
+    def friction(self, groups: Iterable[Particles]) -> float:
+        """Return the work of friction in a step, N mm; positive if dissipated."""
+        return -sum(group.weight * self.tangential(group.fields, group.slip) for group in groups)
+
+    def match_work(self, groups: tuple[Particles, ...], friction: float) -> tuple[Particles, ...]:
+        """Return the particles with `wearing` scaled so that their work equals that of friction.
+
+        Interpolation also moves particles slightly between nodes that stick. That work is part of
+        the sum, but nothing slides there: the sliding particles wear by all of it.
+
+        Parameters
+        ----------
+        groups : tuple of Particles
+            Particles of the step.
+        friction : float
+            Work of friction of the step, N mm.
+        """
+        wearing = 0.0
+        for group in groups:
+            local = np.maximum(-(group.traction * group.slip).sum(axis=0), 0.0)
+            wearing += group.weight * self._slip * float((group.wearing * local).sum())
+        factor = max(friction, 0.0) / wearing if wearing > 0.0 else 0.0
+        return tuple(replace(group, wearing=factor * group.wearing) for group in groups)
+
+
+@dataclass(frozen=True, eq=False)
+class StepWear:
+    """Wear of both bodies in one time step: the depths that sliding particles lose.
+
+    Attributes
+    ----------
+    model : Model
+        The scene in numbers.
+    law : WearLaw
+        The law of wear on its mesh.
+    """
+
+    model: Model
+    law: WearLaw
+
+    deepest: ClassVar[float] = 1.0
+    """Allowed depth of a step over the elastic depth of a ripple as short as the elements."""
+
+    def add_wear(
+        self,
+        inputs: StepInput,
+        result: StepResult,
+        advection: Advection,
+        friction: FrictionLaw,
+        groups: tuple[Particles, ...],
+    ) -> StepResult:
+        """Return the result of a step with the depths added that sliding particles lose, mm.
+
+        Parameters
+        ----------
+        inputs : StepInput
+            Prescribed quantities of the step.
+        result : StepResult
+            The step, with the depths before it.
+        advection : Advection
+            Distance that its particles moved.
+        friction : FrictionLaw
+            The friction law of the step.
+        groups : tuple of Particles
+            The particles with tractions that do work.
+        """
+        gained, deep = np.zeros_like(result.worn), 0.0
+        law = self.law.with_friction(friction).weakened(inputs.mean_friction)
+        law = law.under(WearConditions(result.contact.wear, math.nan))
+        if not advection.length:
+            groups = tuple(self._with_last_traction(result, group) for group in groups)
+        for group in groups:
+            depth = self._depths(inputs, group, law)
+            deep = max(deep, self._relative_depth(group.pressure, depth))
+            gained += group.weight * (advection.move_depths(depth) if group.earlier else depth)
+        worn = result.worn + gained
+        contact = replace(result.contact, wear=self.model.add_initial_wear(worn.sum(axis=0)))
+        if deep > 1.0:
+            note = (
+                "the wear of a step is too deep for the pressure to follow: lower transient.step "
+                "or wear.intensity (wear.coefficient)"
+            )
+            contact = replace(contact, status=Status.OUT_OF_ITERATIONS, note=note)
+        return replace(result, contact=contact, worn=worn, gained=gained, deep=deep)
+
+    def _with_last_traction(self, result: StepResult, particles: Particles) -> Particles:
+        """Return particles with the last traction of the shift, scaled to the pressure of each.
+
+        They slip with that traction. If it turned in the shift, the mean traction does not oppose
+        the slip.
+        """
+        last, pressure = result.contact.pressure, particles.pressure
+        share = np.divide(pressure, last, out=np.zeros_like(last), where=last > 0.0)
+        fields = self.model.scaled_fields(result.contact)
+        return replace(particles, fields=np.where(last > 0.0, share * fields, particles.fields))
+
+    def _depths(self, inputs: StepInput, particles: Particles, law: WearLaw) -> np.ndarray:
+        """Return the depths that particles lose in a step from A and B, shape (2, n_x, n_y), mm.
+
+        They follow from the pressure, the traction and the slip of each particle. A law that
+        depends on the work of friction wears exactly by `StepResult.friction` if the bodies roll. A
+        shift wears as if it rolled the length of an element, which matters only to a law that is
+        not linear in the slip.
+        """
+        model, units = self.model, self.model.units
+        distance = inputs.distance or model.grid.dx
+        slipped = particles.wearing * particles.slip
+        slip = units.slip * model.grid.dx / distance * model.frame.slip_to_physical(slipped)
+        traction = units.pressure * model.frame.to_physical(particles.traction)
+        return distance * law.rates(model.scene.wear_share, particles.pressure, traction, slip)
+
+    def _relative_depth(self, pressure: np.ndarray, gained: np.ndarray) -> float:
+        """Return the largest ratio of a step's wear to its stable limit; ripples grow above 1.
+
+        The gap of a step contains the wear w' = 2 w_1 - w_2 that is extrapolated from one (w_1) and
+        two (w_2) steps before. Pressure responds to a ripple of it by its stiffness. The mean
+        pressure of a step then wears w = w_1 - r (w' + w_1')/2, with r the depth of a step over the
+        elastic depth of the ripple: beyond r = 1.15 ripples grow.
+        """
+        units, operators = self.model.units, self.model.operators
+        elastic = operators.ripple_compliance * units.gap * pressure / units.pressure
+        worn = gained.sum(axis=0)
+        return float(np.max(worn[worn > 0.0] / (self.deepest * elastic[worn > 0.0]), initial=0.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,8 +1,9 @@
 """What `solvers` lets out, for `__init__.py` and for type checkers."""
 
 from .bracketing import Bracketing as Bracketing
-from .continuation import Continuation as Continuation
-from .from_rest import FromRest as FromRest
+from .falling_friction import Continuation as Continuation
+from .falling_friction import FromRest as FromRest
+from .falling_friction import steepness as steepness
 from .krylov import ConjugateGradients as ConjugateGradients
 from .krylov import gmres as gmres
 from .ladder import METHODS as METHODS
@@ -33,4 +34,3 @@ from .projection import Uzawa as Uzawa
 from .projection import combine_images as combine_images
 from .sequential import RoughSequential as RoughSequential
 from .sequential import Sequential as Sequential
-from .uniqueness import steepness as steepness

@@ -14,7 +14,7 @@ import numpy as np
 import scipy  # its parts are loaded when first used
 
 from tractive_sam.results import Status
-from tractive_sam.solvers.continuation import Continuation
+from tractive_sam.solvers.falling_friction import Continuation
 from tractive_sam.solvers.problem import (
     Note,
     Outcome,

@@ -3,15 +3,13 @@
 from dataclasses import dataclass, replace
 
 from tractive_sam.solvers.bracketing import Bracketing
-from tractive_sam.solvers.continuation import Continuation
-from tractive_sam.solvers.from_rest import FromRest
+from tractive_sam.solvers.falling_friction import Continuation, FromRest, UniqueSolution
 from tractive_sam.solvers.krylov import ConjugateGradients
 from tractive_sam.solvers.nested import AroundContact, Nested
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.problem import Outcome, Problem, ProblemSolver, Start
 from tractive_sam.solvers.projection import Anderson, Uzawa
 from tractive_sam.solvers.sequential import RoughSequential, Sequential
-from tractive_sam.solvers.uniqueness import UniqueSolution
 
 
 @dataclass(frozen=True)

@@ -514,7 +514,7 @@ class Outcome:
         The largest force and its creepage, if no creepage has the first of the prescribed forces
         because friction falls with sliding.
     steepness : float, optional
-        `solvers.uniqueness.steepness` of the solution, if the method has needed it.
+        `solvers.falling_friction.steepness` of the solution, if the method has needed it.
     sliding, radius : ndarray, shape (n_x, n_y), optional
         Elements that slide, and the radius of the bound (`Problem.sliding`), if the method knows
         them.

@@ -1,0 +1,444 @@
+"""Friction that falls with sliding: solutions by continuation from rest, and their uniqueness.
+
+Consider one element of compliance c, with fixed tractions of all others: if its traction falls by
+dq, it slips by c dq more. An element that sticks under q can also slide by s if its bound g has
+fallen enough: c (q - g(s)) >= s. An element that slides by s can also stick, under g(s) + s/c, if
+the bound of rest allows it: c (g(0) - g(s)) >= s. Both are secants of the bound. A second state of
+sliding is possible if the tangent is steep: -c g'(s) >= 1.
+
+In steady rolling a particle slips by the difference of two displacements, so that elements behind
+hardly act on those ahead, and each counts alone. In a step it slips by the displacement itself:
+all elements displace each other, and their bounds fall together. Two solutions differ in slip by
+ds = -A dq, with dq = -G ds by the secants G of the bounds: there is one solution if the spectral
+radius of G A is below one.
+
+If Newton's method fails, a path begins in full slip, at `full` times the creepages: there tractions
+oppose the rigid slip, whatever the elasticity does. As the creepages fall, stick spreads from the
+leading edge. A stretch of the path that fails is halved.
+
+A falling law may have several solutions. The path begins with friction at rest (or at great speed),
+which has one, and Newton's method leads from there. If it fails, the path passes through slower (or
+faster) rolling, and each problem starts from the one before. If the solution that the path follows
+ceases to exist, friction is fixed at its values in the last solution, again and again, which leads
+to the next solution. If prescribed forces are not found, the traction curve is followed up to its
+maximum.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy  # its parts are loaded when first used
+
+from tractive_sam.mechanics import Bound, ScaledFriction
+from tractive_sam.operators import FrictionSlip
+from tractive_sam.solvers.problem import (
+    FixedPressure,
+    Note,
+    Outcome,
+    PrescribedForces,
+    Problem,
+    ProblemSolver,
+    Start,
+    needed,
+)
+
+
+def steepness(
+    problem: Problem,
+    pressure: np.ndarray,
+    gap: np.ndarray,
+    traction: np.ndarray,
+    slip: np.ndarray,
+    reaction: float = 1.1,
+) -> float:
+    """Return the fall of friction over its uniqueness limit; from 1 on several solutions may exist.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem that was solved.
+    pressure, gap : ndarray, shape (n_x, n_y)
+        Pressure and gap of the solution, dimensionless.
+    traction, slip : ndarray, shape (2, n_x, n_y)
+        Traction of the solution and slip of the leading faces, dimensionless.
+    reaction : float
+        Ratio of an element's compliance with elastic neighbours to that with fixed ones. With it,
+        18 of 22 random line contacts from 1 on have another solution, and none of 38 below
+        (``benchmarks/branches.py``).
+    """
+    seen = problem.friction_slip(pressure, gap)
+    bound = problem.bound_sliding(problem.bound(pressure), pressure, traction, slip, seen)
+    if bound.slope is None:
+        return 0.0
+    sliding, _ = problem.sliding(pressure, gap, traction, slip)
+    joint = problem.kinematics.joint
+    compliance = max(problem.kinematics.self_influence(problem.operators)[::2])
+    tangent = float(bound.slope.steepness[sliding].max(initial=0.0))
+    if seen.staggered and not joint:
+        # The slip at the centre has three quarters of the slip of the leading face. Being a mean of
+        # faces it is continuous from stick to slip: secants do not matter.
+        return 0.75 * compliance * tangent
+    size = np.hypot(*seen.sticking(slip, traction))
+    samples = 48 if joint else 96
+    secants = _secants(problem, seen, bound, pressure, traction, sliding, size, samples)
+    if joint:
+        slope = np.maximum(secants, np.where(sliding, bound.slope.steepness, 0.0))
+        return _joint_steepness(problem, traction, slope)
+    return compliance * max(tangent, reaction * float(secants.max(initial=0.0)))
+
+
+@dataclass(frozen=True)
+class UniqueSolution:
+    """Solver that uses a start only if the solution is unique, else follows a path.
+
+    So the result does not depend on the start of the search.
+
+    Attributes
+    ----------
+    nearby : ProblemSolver
+        Solves a problem from a start.
+    path : ProblemSolver
+        Solves it without a start, if `nearby` fails or finds one of several solutions.
+    """
+
+    nearby: ProblemSolver
+    path: ProblemSolver
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve from a start; if several solutions may exist, solve again without it."""
+        if start is None or not problem.kinematics.joint:
+            return self.path.solve(problem, tolerance, start)
+        outcome = self.nearby.solve(problem, tolerance, start)
+        if not outcome.converged:
+            return self.path.solve(problem, tolerance).costing(outcome)
+        solution = outcome
+        if isinstance(fixed := problem.normal, FixedPressure):
+            solution = replace(outcome, pressure=fixed.pressure, gap=fixed.gap)
+        steepest = steepness(problem, *solution.fields)
+        if steepest < 1.0:
+            return replace(outcome, steepness=steepest)
+        return self.path.solve(problem, tolerance).costing(outcome)
+
+
+def _joint_steepness(
+    problem: Problem, traction: np.ndarray, slope: np.ndarray, iterations: int = 6
+) -> float:
+    """Return the spectral radius that decides on uniqueness if elements act on each other.
+
+    Parameters
+    ----------
+    problem : Problem
+        A step.
+    traction : ndarray, shape (2, n_x, n_y)
+        Tractions of the solution.
+    slope : ndarray, shape (n_x, n_y)
+        Slopes of the bounds.
+    iterations : int
+        Most power iterations, of one application each. Scaled by the root of the slopes the matrix
+        is symmetric and nearly positive: the error of Rayleigh's quotient falls with the square,
+        and a vector that shrinks everywhere shows that the radius is below one (Collatz 1942,
+        Math. Z. 48, 221-226), which is all that matters then.
+    """
+    carried, root = np.hypot(*traction), np.sqrt(np.maximum(slope, 0.0))
+    if not root.any():
+        return 0.0
+    along = root * traction / np.where(carried > 0.0, carried, 1.0)
+    vector, radius = root / np.linalg.norm(root), 0.0
+    for _ in range(iterations):
+        answer = (along * problem.operators.tangential(along * vector)).sum(axis=0)
+        radius = float((vector * answer).sum())
+        ahead = vector > 0.0
+        if (answer[ahead] < vector[ahead]).all():
+            break
+        vector = np.maximum(answer, 0.0) / np.linalg.norm(answer)
+    return radius
+
+
+def _secants(
+    problem: Problem,
+    seen: FrictionSlip,
+    bound: Bound,
+    pressure: np.ndarray,
+    traction: np.ndarray,
+    sliding: np.ndarray,
+    size: np.ndarray,
+    samples: int,
+) -> np.ndarray:
+    """Return the steepest secants of falling friction between stick and slip, (n_x, n_y).
+
+    The fall of a bound is summed up over slips from 1e-6 to 100 of full slip, of 96 each a fifth
+    more than the one before, so that a memory counts only as far as the element itself fills it.
+    """
+    carried = np.hypot(*traction)
+    sticking = (seen.bound > 0.0) & ~sliding
+    against = -traction / np.where(carried > 0.0, carried, 1.0)
+    fall = before = np.zeros_like(carried)
+    last, steepest = 0.0, np.zeros_like(carried)
+    for slipped in np.geomspace(1e-6, 1e2, samples):
+        moved = problem.friction.bound_sliding(
+            pressure, slipped * against, seen.bound, seen.staggered
+        )
+        slope = needed(moved.slope, "bound.slope").steepness
+        ahead = fall + 0.5 * (slope + before if last else 2.0 * slope) * (slipped - last)
+        passed = sliding & (last < size) & (size <= slipped)
+        share = (size[passed] - last) / (slipped - last)
+        fallen = fall[passed] + share * (ahead - fall)[passed]
+        steepest[passed] = np.maximum(steepest[passed], fallen / size[passed])
+        missed = carried - (bound.radius - ahead)
+        steepest = np.where(sticking, np.maximum(steepest, missed / slipped), steepest)
+        fall, before, last = ahead, slope, slipped
+    return steepest
+
+
+@dataclass(frozen=True)
+class Continuation:
+    """Solver that follows a path of easier problems, from full slip to the prescribed creepages.
+
+    Attributes
+    ----------
+    solver : ProblemSolver
+        Solves each problem, from the outcome of the one before.
+    full : float
+        Creepages at the beginning of the path, over the prescribed ones.
+    first, shortest : float
+        Stretches of the path from 0 to 1: the first one, and the shortest before giving up.
+    rough : float
+        Residual of the problems before the last.
+    """
+
+    solver: ProblemSolver
+    full: float = 1e3
+    first: float = 0.25
+    shortest: float = 1.0 / 64.0
+    rough: float = 1e-4
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve a problem along a path of larger creepages that fall to the prescribed ones.
+
+        Returns
+        -------
+        Outcome
+            With the cost of the path; not converged if it did not lead to its end.
+        """
+        rough = max(tolerance, self.rough)
+
+        def solve(ahead: float, before: Outcome) -> Outcome:
+            last = tolerance if ahead == 1.0 else rough
+            return self.solver.solve(self.easier(problem, ahead), last, before)
+
+        outcome = self.solver.solve(self.easier(problem, 0.0), rough, start)
+        return follow_path(outcome, solve, "creepage", self.first, self.shortest)
+
+    def easier(self, problem: Problem, done: float) -> Problem:
+        """Return the problem with its rigid slip times full^(1 - done): `full` at 0, 1 at 1."""
+        return replace(problem, rigid=self.full ** (1.0 - done) * problem.rigid)
+
+
+def follow_path(
+    outcome: Outcome,
+    solve: Callable[[float, Outcome], Outcome],
+    along: str,
+    first: float,
+    shortest: float,
+) -> Outcome:
+    """Solve problems along a path from 0 to 1 in adaptive steps; return the last solved outcome.
+
+    Parameters
+    ----------
+    outcome : Outcome
+        Outcome at the beginning of the path.
+    solve : callable
+        Solves the problem at a part of the path, from the outcome of the one before.
+    along : str
+        Name of the quantity that changes along the path.
+    first, shortest : float
+        Stretches: the first one, and the shortest before giving up.
+
+    Returns
+    -------
+    Outcome
+        With the cost of the path; not converged if it did not lead to its end.
+    """
+    done, stretch, taken, tried = 0.0, first, 1, outcome
+    while outcome.converged and done < 1.0 and stretch >= shortest:
+        ahead = min(1.0, done + stretch)
+        tried = solve(ahead, outcome)
+        taken += 1
+        if tried.converged:
+            outcome, done, stretch = tried.costing(outcome), ahead, 2.0 * stretch
+        else:
+            outcome = outcome.costing(tried)
+            stretch *= 0.5
+    more = f" after {taken} problems"
+    if done < 1.0:
+        outcome = replace(outcome, status=tried.status, residual=tried.residual)
+        more += f", {done:.0%} of the way"
+    return replace(outcome, trace=(Note(f"newton continued in {along}", outcome.status, more),))
+
+
+@dataclass(frozen=True)
+class FromRest:
+    """Solver for friction that falls with sliding, by a path from slow or fast rolling.
+
+    Attributes
+    ----------
+    solver : ProblemSolver
+        Solves the first problem of the path, and the last one if nothing else does.
+    nearby : ProblemSolver
+        Solves every other problem from a start nearby.
+    sliding : bool
+        Whether the path begins at great speed.
+    rough : float
+        Residual of the intermediate problems.
+    first, shortest : float
+        Parts of the path from 0 to 1: the first one, and the shortest that is tried.
+    growth : float
+        Growth of the creepage from step to step, up to the maximum of the traction curve.
+    turns : int
+        Most problems with fixed friction if the path ends early.
+    """
+
+    solver: ProblemSolver
+    nearby: ProblemSolver
+    sliding: bool = False
+    rough: float = 1e-3
+    first: float = 0.25
+    shortest: float = 1.0 / 64.0
+    growth: float = 2.0
+    turns: int = 128
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve from a start; without one, or if that fails, along a path of rolling speeds."""
+        if not problem.friction.law.falls:
+            return self.solver.solve(problem, tolerance, start)
+        spent = []
+        if start is not None:
+            outcome = self.nearby.solve(problem, tolerance, start)
+            if outcome.converged:
+                return outcome
+            spent.append(outcome)
+        begin = np.inf if self.sliding else 0.0
+        easier = self.solver.solve(problem.at_speed_ratio(begin), max(tolerance, self.rough))
+        at_once = self.nearby.solve(problem, tolerance, easier)
+        outcome = _add_cost(at_once, easier, *spent)
+        if not outcome.converged and easier.converged:
+            outcome = _add_cost(self._continued(problem, tolerance, easier), at_once, *spent)
+            if not outcome.converged and len(problem.forces):
+                outcome = self._with_top(problem, outcome, easier)
+            elif not outcome.converged:
+                outcome = self._with_fixed_friction(problem, tolerance, outcome)
+        if not outcome.converged and outcome.top is None:
+            outcome = self.solver.solve(problem, tolerance, easier).after(outcome)
+        return outcome
+
+    def _continued(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
+        """Solve problems at speeds from `start` to the problem; return the last solved outcome."""
+        # Forces that one creepage has no more are beyond the top: no need to come quite near it.
+        shortest = 0.5 * self.first if len(problem.forces) else self.shortest
+
+        def solve(ahead: float, before: Outcome) -> Outcome:
+            speed = 1.0 / ahead if self.sliding else ahead
+            last = tolerance if ahead == 1.0 else max(tolerance, self.rough)
+            return self.nearby.solve(problem.at_speed_ratio(speed), last, before)
+
+        return follow_path(start, solve, "speed", self.first, shortest)
+
+    def _with_fixed_friction(self, problem: Problem, tolerance: float, start: Outcome) -> Outcome:
+        """Solve with the friction of the solution before, in turn, until Newton's method converges.
+
+        A path ends where its solution ceases to exist. Less friction causes more slip, and more
+        slip less friction: from great speed on, the friction of these problems only rises, and from
+        rest it only falls, to the next solution (Tarski 1955, Pacific J. Math. 5, 285-309).
+        """
+        # Rougher, a problem would be solved by the solution before, and nothing would change.
+        exact = max(tolerance, 1e-3 * self.rough)
+        outcome, rest = start, problem.friction.at_speed_ratio(0.0)
+        factor, change, length = np.ones(()), np.zeros(()), 1.0
+        for turn in range(self.turns):
+            fields = outcome.fields
+            largest = rest.bound(fields.pressure).radius
+            found = problem.sliding(*fields)[1].radius / np.where(largest > 0.0, largest, np.inf)
+            factor, before = (found if turn == 0 else factor), change
+            change = found - factor
+            # Where solutions nearly exist, friction changes little from one to the next.
+            length = self.growth * length if (change * before).sum() > 0.0 else 1.0
+            factor = np.maximum(factor + length * change, 0.0)
+            law = ScaledFriction(rest.law, factor)
+            fixed = replace(problem, friction=replace(rest, law=law))
+            outcome = self.nearby.solve(fixed, exact, outcome).costing(outcome)
+            if not outcome.converged:
+                return start.costing(outcome)
+            if turn & (turn + 1) == 0:  # seldom: a failure costs more than a turn
+                solved = self.nearby.solve(problem, tolerance, outcome)
+                outcome = outcome.costing(solved)
+                if solved.converged:
+                    note = Note("newton after fixed friction", solved.status, f", {turn + 1} times")
+                    return replace(solved, cost=outcome.cost, trace=(*start.trace, note))
+        return start.costing(outcome)
+
+    def _with_top(self, problem: Problem, outcome: Outcome, start: Outcome) -> Outcome:
+        """Return an outcome with the maximum of the traction curve, if it is below the force."""
+        forces = problem.forces
+        vector, target = forces.vectors[0], forces.target[0]
+        remaining = PrescribedForces(forces.vectors[1:], forces.target[1:])
+        force = _Curve(self.nearby, problem, remaining, vector, start, self.rough)
+        step, at_zero = force.unit, force(0.0)
+        sign = np.sign(target - at_zero) or 1.0
+        before, here = 0.0, -sign * step
+        value, last = sign * force(here), sign * at_zero
+        while value > last and abs(here) < 1e6 * step:
+            before, last, here = here / self.growth, value, here * self.growth
+            value = sign * force(here)
+        if not np.isfinite(value):
+            return outcome.costing(force.spent)
+        maximum = scipy.optimize.minimize_scalar(
+            lambda creepage: -sign * force(creepage),
+            bounds=sorted((before, here)),
+            method="bounded",
+            options={"xatol": 1e-3 * abs(here)},
+        )
+        top = None
+        if -maximum.fun < sign * target:
+            top = (float(-sign * maximum.fun), float(maximum.x))
+        return replace(outcome.costing(force.spent), top=top)
+
+
+class _Curve:
+    """Tangential force as a function of the creepage, each solved from the last solution."""
+
+    def __init__(self, solver, problem, remaining, vector, start, tolerance):
+        self._solver, self._problem, self._remaining = solver, problem, remaining
+        self._vector, self._tolerance = vector, tolerance
+        self.spent = replace(start, cost=start.cost.scaled(0.0))
+        self._start = start
+        self.unit = 0.1 * (1.0 + np.abs(start.creepage[:1]).sum())
+
+    def __call__(self, creepage: float) -> float:
+        problem = replace(
+            self._problem,
+            rigid=self._problem.rigid + creepage * self._vector[:, None, None],
+            forces=self._remaining,
+        )
+        start = replace(self._start, creepage=self._start.creepage[1:])
+        outcome = self._solver.solve(problem, self._tolerance, start)
+        if not outcome.converged:  # too far from it: from nothing
+            outcome = self._solver.solve(problem, self._tolerance).costing(outcome)
+        self.spent = self.spent.costing(outcome)
+        if not outcome.converged:
+            return np.nan  # ends the way up
+        self._start = replace(outcome, creepage=np.append(creepage, outcome.creepage))
+        return float(self._vector @ outcome.traction.sum(axis=(1, 2)))
+
+
+def _add_cost(outcome: Outcome, *earlier: Outcome) -> Outcome:
+    """Return an outcome with the cost of earlier outcomes added."""
+    for previous in earlier:
+        outcome = outcome.costing(previous)
+    return outcome
