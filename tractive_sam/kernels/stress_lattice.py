@@ -259,7 +259,7 @@ def _minus_i(z):
 
 @compiled(fastmath=ANY_ORDER)
 def plane_product(out, packs, loads, sign, nu):
-    """Set `out` to the spectra of six stresses in a plane x = const, summed over patch edges.
+    """Add the spectra of six stresses in a plane x = const, summed over patch edges, to `out`.
 
     Parameters
     ----------
@@ -275,7 +275,6 @@ def plane_product(out, packs, loads, sign, nu):
     nu : float
         Poisson's ratio.
     """
-    out[:] = 0.0
     _, edges, half = packs.shape
     for e in range(edges):
         for j in range(half):

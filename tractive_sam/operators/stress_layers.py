@@ -173,7 +173,7 @@ class StressPlane:
     the elements are convolved by FFT, across it they are summed in the spectrum. The integral over
     an element is a difference between two of its edges, which neighbours share. So the sum runs
     over edges, with the jump of the traction across them, and edges at equal distances on both
-    sides of the plane are taken together.
+    sides of the plane are taken together. Their tables are transformed some edges at a time.
 
     Parameters
     ----------
@@ -190,6 +190,9 @@ class StressPlane:
     signs : sequence of float
         Factors of p_x and p_y, for each half-space.
     """
+
+    table_bytes = 2**22
+    """Largest size of the tables of edges that are transformed together, bytes."""
 
     exchanged = (1, 0, 2, 3, 5, 4)
     """The components xx, yy, zz, xy, xz, yz after an exchange of x and y."""
@@ -220,12 +223,19 @@ class StressPlane:
             jumps.shape[1]
         )
         distances, group = np.unique(np.abs(offsets), return_inverse=True)
-        loads = np.zeros((2, 3, distances.size, self._points))
-        for edge, k in enumerate(group):
-            loads[0, :, k] += jumps[:, edge]
-            loads[1, :, k] += np.sign(offsets[edge]) * jumps[:, edge]
-        self._distances = distances * step
-        self._loads = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
+        blocks = -(-64 * self._padded * distances.size // self.table_bytes)
+        edges = -(-distances.size // blocks)
+        # The last block is filled with edges without load.
+        self._distances = np.full((blocks, edges), step)
+        self._distances.flat[: distances.size] = distances * step
+        self._loads = np.empty((blocks, 2, 3, edges, self._padded // 2 + 1), dtype=complex)
+        for block, spectra in enumerate(self._loads):
+            loads = np.zeros((2, 3, edges, self._points))
+            for edge in np.flatnonzero(group // edges == block):
+                k = group[edge] % edges
+                loads[0, :, k] += jumps[:, edge]
+                loads[1, :, k] += np.sign(offsets[edge]) * jumps[:, edge]
+            spectra[:] = np.fft.rfft(loads, self._padded) / (2.0 * np.pi)
 
     def at(self, depth: float) -> np.ndarray:
         """Return the stress tensors along the plane at one depth, MPa, shape (bodies, 6, n).
@@ -240,12 +250,13 @@ class StressPlane:
         ndarray, shape (bodies, 6, n)
             In the order of `kernels.stress.COMPONENTS`, MPa; a new array.
         """
-        transform = edge_transform(self._distances.size, self._padded)
-        edge_table(transform.tables, self._distances, float(depth), self._step)
-        transform.forward()
-        spectra = np.empty((len(self.poisson), 6, self._padded // 2 + 1), dtype=complex)
-        for out, sign, nu in zip(spectra, self.signs, self.poisson, strict=True):
-            plane_product(out, transform.packs, self._loads, sign, nu)
+        transform = edge_transform(self._distances.shape[1], self._padded)
+        spectra = np.zeros((len(self.poisson), 6, self._padded // 2 + 1), dtype=complex)
+        for distances, loads in zip(self._distances, self._loads, strict=True):
+            edge_table(transform.tables, distances, float(depth), self._step)
+            transform.forward()
+            for out, sign, nu in zip(spectra, self.signs, self.poisson, strict=True):
+                plane_product(out, transform.packs, loads, sign, nu)
         stresses = np.fft.irfft(spectra, self._padded)[..., : self._points]
         return stresses[:, self.exchanged] if self._exchanged else stresses
 
@@ -379,15 +390,19 @@ def _at_corners(fields: np.ndarray, lattice: Lattice) -> tuple[np.ndarray, np.nd
 def _displacements(lattice: Lattice, body: HalfSpaces, tractions: np.ndarray) -> np.ndarray:
     """Return u_x and u_y by tangential traction, and both by pressure, at centres, (4, n_x, n_y).
 
-    The shear modulus is one. The transform owns the arrays.
+    The shear modulus is one. The fields are transformed one by one, with the memory of one.
     """
-    p_x, p_y, p_n = transform(3, lattice.shape, lattice.padded).forward(tractions)
-    back = transform(4, lattice.shape, lattice.padded)
-    (xx, xy, yy), by_pressure = _spectra(lattice, body)
-    back.spectrum[0] = xx * p_x + xy * p_y
-    back.spectrum[1] = xy * p_x + yy * p_y
-    np.multiply(by_pressure, p_n, out=back.spectrum[2:])
-    return back.backward()
+    single = transform(1, lattice.shape, lattice.padded)
+    p_x, p_y, p_n = (single.forward(field[None])[0].copy() for field in tractions)
+    (xx, xy, yy), (xz, yz) = _spectra(lattice, body)
+    out = np.empty((4, *lattice.shape))
+    terms = ((xx, p_x), (xy, p_y)), ((xy, p_x), (yy, p_y)), ((xz, p_n),), ((yz, p_n),)
+    for displacement, products in zip(out, terms, strict=True):
+        single.spectrum[:] = 0.0
+        for kernel, load in products:
+            single.spectrum[0] += kernel * load
+        displacement[:] = single.backward()[0]
+    return out
 
 
 @lru_cache(maxsize=4)
