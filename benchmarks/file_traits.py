@@ -20,8 +20,7 @@ import numpy as np
 
 import tractive_sam as ts
 from tractive_sam.fitting.data import read_measured
-from tractive_sam.fitting.design import FitError
-from tractive_sam.fitting.tables import Data
+from tractive_sam.fitting.design import Data, FitError
 from tractive_sam.rail import ProfileError, builtin_profile, place_rail, read_profile
 from tractive_sam.rail.measured import check_datum
 from tractive_sam.store import read_gap

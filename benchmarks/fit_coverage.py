@@ -26,7 +26,7 @@ from timing import show, write
 import tractive_sam as ts
 from tractive_sam.fitting.case import Answer, FitCase, compute
 from tractive_sam.fitting.data import read_measured
-from tractive_sam.fitting.parameters import Parameters
+from tractive_sam.fitting.design import Parameters
 from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.run import find_intervals, make_problem, read_design
 from tractive_sam.fitting.search import Search

@@ -23,8 +23,7 @@ from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.kernels.half_space import integrals
-from tractive_sam.rolling.passage import first_passage, passage_at
-from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.passage import first_passage, passage_at, wear_response
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, Problem
 from tractive_sam.solvers.ladder import NORMAL

@@ -32,8 +32,13 @@ from timing import RESULTS, show, write
 from tractive_sam.contact import Model
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record
-from tractive_sam.rolling.passage import Passage, first_passage, next_passage, passage_at
-from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.passage import (
+    Passage,
+    first_passage,
+    next_passage,
+    passage_at,
+    wear_response,
+)
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4, 1e-4)
 SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0

@@ -11,8 +11,7 @@ import tractive_sam as ts
 from tests.fitting.conftest import creep_data
 from tractive_sam.cli import app
 from tractive_sam.fitting import evaluations
-from tractive_sam.fitting.answer_file import read_answers
-from tractive_sam.fitting.fit_file import write_fit
+from tractive_sam.fitting.fit_file import read_answers, write_fit
 from tractive_sam.fitting.results import FitResult
 from tractive_sam.fitting.run import _unfinished, read_design
 

@@ -9,8 +9,7 @@ from scipy.integrate import trapezoid
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.results import Status
 from tractive_sam.rolling import steps
-from tractive_sam.rolling.passage import passage_at
-from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.passage import passage_at, wear_response
 from tractive_sam.scene import Scene
 
 COARSE = ("grid.half_length=[0.35, 0.8]", "grid.elements=[21, 35]", "friction.angle=0")
@@ -59,8 +58,8 @@ def test_contacts_no_sharper_than_their_jumps(monkeypatch):
     """They change the profile by a thousandth of what jumps may, in fewer applications."""
     loose = rolled(100)
     monkeypatch.setattr(
-        "tractive_sam.rolling.wear_pass.equilibrium",
-        lambda model, wear, start, tolerance: equilibrium(model, wear, start),
+        "tractive_sam.rolling.passage.equilibrium",
+        lambda model, wear, start=None, tolerance=None: equilibrium(model, wear, start),
     )
     sharp = rolled(100)
     assert deviation(loose, sharp) < 1e-6

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.rolling.block_order import BlockOrder, block_orders
+from tractive_sam.rolling.body_damage import BlockOrder, block_orders
 
 STEEL = {"young": 208e3, "poisson": 0.3, "radius_x": 30.0, "radius_y": 30.0}
 # The wear of a cycle, a share of the damaged depth, exceeds the wear of dry steel.

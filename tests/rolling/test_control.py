@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from tractive_sam.rolling.control import LONGEST_GROWTH, ErrorControl, Stops
+from tractive_sam.rolling.process import LONGEST_GROWTH, ErrorControl, Stops
 
 END = 10**5
 

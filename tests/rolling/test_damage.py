@@ -10,7 +10,7 @@ import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.results import BodyFatigue, Grid, Status
 from tractive_sam.rolling import body_damage, steps
-from tractive_sam.rolling.wear_pass import solve_pass
+from tractive_sam.rolling.passage import solve_pass
 
 LIFE = ts.Woehler(cycles=1e6, exponent=6.0)
 ASKED = {"shear_yield": 300.0, "sensitivity": 0.333, "limit": 250.0, "elements": 12}

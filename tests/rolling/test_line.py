@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.passage import wear_response
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 

@@ -5,13 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from tractive_sam.fitting.case import is_steady
-from tractive_sam.fitting.data import Measured
-from tractive_sam.fitting.design import Fit, FitError
+from tractive_sam.fitting.data import Measured, NoiseModel
+from tractive_sam.fitting.design import Fit, FitError, Noise
 from tractive_sam.fitting.estimate import Estimate
-from tractive_sam.fitting.noise import NoiseModel
+from tractive_sam.fitting.fit_file import Variables
 from tractive_sam.fitting.series import Series
-from tractive_sam.fitting.tables import Noise
-from tractive_sam.fitting.variables import Variables
 
 
 def curve_variables(best: Estimate, fit: Fit) -> Variables:

@@ -4,15 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.fitting.data import Measured
-from tractive_sam.fitting.design import Fit, FitError
+from tractive_sam.fitting.data import Measured, NoiseModel
+from tractive_sam.fitting.design import CandidateTest, Data, Fit, FitError, Parameters
 from tractive_sam.fitting.estimate import Estimate
-from tractive_sam.fitting.noise import NoiseModel
-from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import Gain
 from tractive_sam.fitting.series import Series
-from tractive_sam.fitting.tables import CandidateTest, Data
 from tractive_sam.schema import Fault
 
 

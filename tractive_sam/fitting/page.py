@@ -1,18 +1,146 @@
-"""The page of a fit: estimates, what is not determined, figures, and residuals."""
+"""Figures and the page of a fit: estimates, what is not determined, residuals."""
 
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+from scipy.stats import norm
+
 from tractive_sam import interrupt
 from tractive_sam.description import html_columns
-from tractive_sam.fitting.entries import base_of
-from tractive_sam.fitting.figures import fit_figures
+from tractive_sam.fitting.design import base_of
 from tractive_sam.fitting.results import DONE, FitResult
 from tractive_sam.markup import Html, fill
-from tractive_sam.output_file import write_file
+from tractive_sam.output_file import make_folder, write_file
 from tractive_sam.pages import fill_page
+from tractive_sam.plot import (
+    DPI,
+    Figure,
+    FittedCurve,
+    Variable,
+    confidence_ellipses,
+    fitted_curve,
+    profile_likelihood,
+)
+from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
+from tractive_sam.schema import SceneError
+
+
+def save_fit_figures(
+    result: FitResult, directory: str | PathLike[str], *, format: str = "png", dpi: int = DPI
+) -> list[Path]:
+    """Save the figures of a fit in a folder: data and model, ellipses, profile likelihood.
+
+    Parameters
+    ----------
+    result : FitResult
+        A complete fit.
+    directory : path-like
+        Folder of the figures; made if it does not exist.
+    format : str
+        One of `plot.FORMATS`.
+    dpi : int
+        Dots per inch.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Examples
+    --------
+    >>> from tractive_sam import fitting
+    >>> found = ts.fit({"scene": coarse, "free": ["friction.mu"], "data": [data]})
+    >>> [path.name for path in fitting.save_fit_figures(found, "fit-figures")]
+    ['data0-Qx_over_P.png']
+    """
+    directory = Path(directory)
+    make_folder(directory)
+    paths = []
+    for name, _, figure in fit_figures(result):
+        interrupt.raise_if_interrupted()
+        paths.append(directory / f"{name}.{format}")
+        figure.savefig(paths[-1], dpi=dpi)
+    return paths
+
+
+def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
+    """Yield (name, caption, figure) of data with the model, ellipses and profile likelihood."""
+    data = result.dataset
+    series, names = data["series"].values, data["observation"].values
+    for number in np.unique(series):
+        for name in dict.fromkeys(names[series == number]):
+            rows = np.flatnonzero((series == number) & (names == name))
+            curve = _curve(result, rows, str(name))
+            label = result.design.fit.data[number].name or f"data set {number}"
+            title = "\n".join(filter(None, (result.title, label)))
+            caption = f"{label}: measured {name} with one standard deviation, and the model."
+            file = f"data{number}-{str(name).replace(' ', '-')}"
+            yield file, caption, fitted_curve(curve, title=title)
+    determined = np.flatnonzero(np.isfinite(data["sd"].values))
+    if determined.size > 1:
+        keys = [result.keys[k] for k in determined]
+        values, deviations = (data[name].values[determined] for name in ("value", "sd"))
+        correlation = result.correlation[np.ix_(determined, determined)]
+        figure = confidence_ellipses(keys, values, deviations, correlation, title=result.title)
+        yield "ellipses", "Ellipses of 68 and 95 % of each pair of parameters.", figure
+    if "likelihood" in data:
+        yield from _likelihoods(result)
+
+
+def _curve(result: FitResult, rows: np.ndarray, name: str) -> FittedCurve:
+    """Return the measured and fitted values of one column of a data set, for a figure."""
+    data, plain = result.dataset, name.partition(" ")
+    quantity = index_by_name(COLUMNS)[plain[0]].with_units_of(result.design.fit.scene)
+    body = f" of body {plain[2]}" if plain[2] else ""
+    columns = {key: data[key].values[rows] for key in ("noise", "predicted", "band", "residual")}
+    observed = data["observed"].values[rows]
+    number = data["series"].values[rows[0]]
+    factor = result.design.fit.data[number].uncertainty.factor
+    if factor:  # error bars of a factor are as long as each other on a logarithmic axis
+        columns["noise"] = np.abs(observed) * np.array([[1.0 - 1.0 / factor], [factor - 1.0]])
+    key = str(data["abscissa_name"].values[rows[0]])
+    x = Variable(key, data["abscissa"].values[rows], _meaning(key))
+    label = quantity.label or plain[0].replace("_", " ")
+    if quantity.symbol and not quantity.label and not body:
+        label = f"${quantity.symbol}$"
+    return FittedCurve(
+        x, Variable(name, observed, label + body, quantity.unit), **columns,
+        between=_curve_between(result, number, name),
+    )  # fmt: skip
+
+
+def _curve_between(result: FitResult, number: int, name: str) -> np.ndarray | None:
+    """Return (x, prediction, standard deviation) between measured points; None if not stored."""
+    if "curve" not in result.dataset:
+        return None
+    numbers = result.dataset["curve"].values
+    chosen = (numbers[:, 0] == number) & (result.dataset["curve_column"].values == name)
+    return numbers[chosen, 1:].T
+
+
+def _meaning(key: str) -> str:
+    """Return the axis label of a varied key or coordinate: its description."""
+    if key in index_by_name(COLUMNS):
+        return key.replace("_", " ")
+    try:
+        return Scene.find_field(key).title or key
+    except SceneError:
+        return {"y": "y (mm)"}.get(key, key)
+
+
+def _likelihoods(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
+    """Yield (name, caption, figure) of the profile likelihood of each parameter."""
+    numbers, level = result.dataset["likelihood"].values, result.design.fit.level
+    limit = float(result.dataset.attrs.get("scatter", 1.0) * norm.ppf(0.5 + 0.5 * level)) ** 2
+    limit = float(result.dataset.attrs.get("likelihood_limit", limit))  # absent in earlier files
+    for k in np.unique(numbers[:, 0]).astype(int):
+        _, values, rise = numbers[numbers[:, 0] == k].T
+        key = result.keys[k]
+        figure = profile_likelihood(key, values, rise, limit, title=result.title)
+        yield f"likelihood-{key}", f"Profile likelihood of {key}.", figure
 
 
 def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:

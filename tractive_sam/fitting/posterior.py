@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.fitting.design import FitDesign
-from tractive_sam.fitting.losses import Loss
+from tractive_sam.fitting.estimate import Loss
 from tractive_sam.fitting.run import make_problem, read_design
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from tractive_sam.contact import Model, extend_to, solve_on_fitted_mesh
 from tractive_sam.fitting.case import Answer, is_steady
-from tractive_sam.fitting.entries import is_integer
+from tractive_sam.fitting.design import is_integer
 from tractive_sam.results import COLUMNS, Grid, index_by_name
 from tractive_sam.run import read_measured_gap, roll
 from tractive_sam.scene import Scene

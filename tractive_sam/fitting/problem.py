@@ -10,10 +10,9 @@ import numpy as np
 
 from tractive_sam.fitting import prepare
 from tractive_sam.fitting.case import FitCase, Reply, is_steady, merge_cases
-from tractive_sam.fitting.design import FitError
+from tractive_sam.fitting.data import NoiseModel
+from tractive_sam.fitting.design import FitError, Parameters
 from tractive_sam.fitting.evaluations import Evaluations
-from tractive_sam.fitting.noise import NoiseModel
-from tractive_sam.fitting.parameters import Parameters
 from tractive_sam.fitting.series import Series
 from tractive_sam.schema import Fault, SceneError
 

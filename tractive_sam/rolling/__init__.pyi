@@ -1,14 +1,12 @@
 """What `rolling` lets out, for `__init__.py` and for type checkers."""
 
+from .adaptive import Forecast as Forecast
+from .body_damage import stressed_volume as stressed_volume
 from .damage import Damage as Damage
-from .elastic_fields import ElasticFields as ElasticFields
-from .fatigue_columns import stressed_volume as stressed_volume
-from .forecast import Forecast as Forecast
-from .moment import Moment as Moment
-from .observer import Observer as Observer
 from .passage import Passage as Passage
 from .passage import ProfilePoint as ProfilePoint
 from .passage import start_passage as start_passage
+from .process import Observer as Observer
 from .process import Process as Process
 from .process import Recorder as Recorder
 from .process import Step as Step
@@ -19,5 +17,7 @@ from .profile_wear import ProfileWear as ProfileWear
 from .registry import process_of as process_of
 from .registry import process_type as process_type
 from .registry import steps as steps
+from .stress import ElasticFields as ElasticFields
 from .stress import LargestStress as LargestStress
+from .transient import Moment as Moment
 from .transient import TransientProcess as TransientProcess

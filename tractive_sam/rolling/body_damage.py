@@ -1,4 +1,21 @@
-"""Damage of material that wear removes.
+"""Damage of material that wear removes: over blocks in their order, and its columns.
+
+In the mean every revolution of a cycle of n has the damage sum of w_b d_b, w_b = n_b/n. In its
+order a block b does all of its damage at one time of the cycle, tau_b revolutions after the middle,
+and at the wear of that time, e_b more than in the mean:
+
+    sum over a jump of w_b (tau_b d(d_b)/dN + (d_b(zeta - E - e_b; E + e_b) - d_b(zeta - E; E))),
+
+by Taylor in tau_b. The first term adds up to the change of the damage of a pass: it does not grow
+with the number of cycles. The second term is proportional to the wear of a cycle, and has two
+causes. The material lies e_b less deep. And rows that are worn more carry less load, by J_b e_b of
+their wear in a pass with the response J_b (`rolling.passage`), which changes the stress.
+
+For that reason a cycle also wears another profile than its mean: the difference eps obeys
+
+    d(eps)/dN = J eps + c,    J = sum of w_b J_b,    c = sum of w_b J_b e_b,
+
+and its short waves settle at -J^-1 c within tens of revolutions. It adds to every e_b.
 
 The material of a body stays at its depth zeta below the *unworn* surface while the surface recedes
 to E(y, N): in revolution N it lies zeta - E deep, and a pass adds the damage d there, by Miner's
@@ -14,22 +31,208 @@ records is reported as the error, and jumps become shorter if it is too large.
 
 In a duty cycle d is the mean over the revolutions of all blocks, and in a revolution of one block
 the damage of the block. The order of the blocks adds to the error of this mean
-(`rolling.block_order`).
+(`rolling.body_damage`).
 
 With steady d(z) and wear w' of a revolution, material that reaches the surface has D = integral of
 d dz/w': cracks start there if and only if w' is below w'_bal(y) = integral of d dz.
 """
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.mechanics import Woehler, interpolate_over_depth
+from tractive_sam.contact import Model
+from tractive_sam.mechanics import VolumeLife, Woehler, interpolate_over_depth
 from tractive_sam.results import BodyFatigue, widen_field
-from tractive_sam.rolling.block_order import BlockOrder
+from tractive_sam.scene import Fatigue, Scene, Spectrum
+from tractive_sam.schema import required
+
+
+@dataclass(frozen=True, eq=False)
+class BlockOrder:
+    """Effect of the order of blocks within a duty cycle on the wear of one body.
+
+    Attributes
+    ----------
+    shares : ndarray, shape (blocks,)
+        Share of each block in the revolutions of a cycle.
+    delay : ndarray, shape (blocks,)
+        Mean time of each block after the middle of the cycle, revolutions.
+    wear : ndarray, shape (blocks, n_y)
+        Mean depth worn off by then, minus the depth in a cycle with constant wear, mm.
+    loads, changes : ndarray, shape (blocks, n_y), optional
+        Load of each row in each block, and its change by the wear of the order, both as depth that
+        a pass wears, mm. None: loads do not change.
+    offset : ndarray, shape (n_y,)
+        Depth worn off before the last revolution, minus the depth in a cycle with constant wear,
+        mm.
+    """
+
+    shares: np.ndarray
+    delay: np.ndarray
+    wear: np.ndarray
+    offset: np.ndarray
+    loads: np.ndarray | None = None
+    changes: np.ndarray | None = None
+
+    @classmethod
+    def from_spectrum(
+        cls, spectrum: Spectrum, rates: np.ndarray, revolution: int = 1
+    ) -> "BlockOrder":
+        """Return the effect of the block order on wear, from the wear rate of each block.
+
+        Parameters
+        ----------
+        spectrum : Spectrum
+            The blocks.
+        rates : ndarray, shape (blocks, n_y)
+            Wear of a revolution of each block, mm.
+        revolution : int
+            Last revolution.
+        """
+        shares = np.array(spectrum.revolutions) / spectrum.cycle
+        uneven = rates - np.tensordot(shares, rates, axes=1)
+        delay, wear = np.zeros(shares.size), np.zeros(rates.shape)
+        start, worn, place = 0.0, np.zeros(rates.shape[1]), (revolution - 1) % spectrum.cycle
+        offset = worn
+        for count, block in zip(spectrum.each, spectrum.places, strict=True):
+            # Mean over the revolutions of the block, each with the wear before it.
+            part, middle = count / spectrum.revolutions[block], 0.5 * (count - 1)
+            delay[block] += part * (start + middle - 0.5 * (spectrum.cycle - 1))
+            wear[block] += part * (worn + middle * uneven[block])
+            if start <= place < start + count:
+                offset = worn + (place - start) * uneven[block]
+            start, worn = start + count, worn + count * uneven[block]
+        return cls(shares, delay, wear, offset)
+
+    def drift(self, responses: Sequence[np.ndarray], revolution: int) -> np.ndarray:
+        """Return the worn profile minus the profile that the mean of the blocks would wear, mm.
+
+        Parameters
+        ----------
+        responses : sequence of ndarray, shape (n_y, n_y)
+            Response of the wear of a revolution of each block to the profile, 1/revolution.
+        revolution : int
+            Revolutions since both profiles were equal.
+        """
+        blocks = list(zip(self.shares, responses, self.wear, strict=True))
+        source = sum(share * response @ wear for share, response, wear in blocks)
+        mean = sum(share * response for share, response, _ in blocks)
+        # One step of the implicit Euler formula: first t c, finally -J^-1 c.
+        return np.linalg.solve(np.eye(source.size) / revolution - mean, source)
+
+    def load_factors(
+        self, y: np.ndarray, depth: np.ndarray, negligible: float = 1e-9
+    ) -> np.ndarray:
+        """Return factors, 0 to 2, by which the block order changes stress, (blocks, n_y, n).
+
+        At a depth z the loads of the rows around count by the pressure below a line load on an
+        elastic half-space, 2/pi z^3/(y^2 + z^2)^2; at the surface only the row itself counts.
+
+        Parameters
+        ----------
+        y, depth : ndarray, shapes (n_y,) and (n,)
+            Rows, equally spaced, and depths, mm.
+        negligible : float
+            Load over the largest one below which its relative change is ignored.
+        """
+        factors = np.ones((self.shares.size, y.size, depth.size))
+        if self.loads is None:
+            return factors
+        for k, z in enumerate(depth):
+            spread = _spread(y, z)
+            load, change = self.loads @ spread, self.changes @ spread
+            loaded = load > negligible * self.loads.max(axis=1, keepdims=True)
+            factors[:, :, k] += np.divide(change, load, out=np.zeros_like(load), where=loaded)
+        return np.clip(factors, 0.0, 2.0)
+
+    def damage_error(
+        self,
+        damage: Callable[[np.ndarray, np.ndarray], np.ndarray],
+        used: tuple[np.ndarray, np.ndarray],
+        worn: tuple[np.ndarray, np.ndarray],
+        length: int,
+        factors: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Return the error of damage over a jump that rolls the mean of the blocks, (n_y, m).
+
+        It is the absolute value of the sum of all blocks plus the absolute values of each block:
+        they may not cancel, and elements that come into contact or begin to slip change more than
+        loads do.
+
+        Parameters
+        ----------
+        damage : callable
+            Damage (n_y, m) of a pass in the material, from utilisation (n_y, n) and the worn
+            depth (n_y,), mm.
+        used : tuple of ndarray, shape (blocks, n_y, n)
+            Utilisation in each block at both ends of the jump.
+        worn : tuple of ndarray, shape (n_y,)
+            Depth worn off at both ends, mm.
+        length : int
+            Revolutions of the jump.
+        factors : ndarray, shape (blocks, n_y, n), optional
+            From `load_factors`; by default loads do not change.
+        """
+        middle = 0.5 * (worn[0] + worn[1])
+        factors = np.ones((self.shares.size, 1, 1)) if factors is None else factors
+        total, separate = np.zeros(1), np.zeros(1)
+        for b, share in enumerate(self.shares):
+            change = damage(used[1][b], worn[1]) - damage(used[0][b], worn[0])
+            mean = 0.5 * (used[0][b] + used[1][b])
+            shifted = damage(mean * factors[b], middle + self.wear[b]) - damage(mean, middle)
+            error = share * (self.delay[b] * change + length * shifted)
+            total, separate = total + error, separate + abs(error)
+        return abs(total) + separate
+
+
+def block_orders(
+    spectrum: Spectrum, rates: np.ndarray, responses: Sequence[np.ndarray], revolution: int
+) -> tuple[BlockOrder, ...]:
+    """Return the `BlockOrder` of body A and of body B, with its effect on wear and row loads.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        The blocks.
+    rates : ndarray, shape (blocks, 2, n_y)
+        Wear of each body in a revolution of each block, mm.
+    responses : sequence of ndarray, shape (n_y, n_y)
+        Response of the wear of both bodies in each block to their total profile, 1/revolution.
+    revolution : int
+        Last revolution, at least 1.
+    """
+    loads = rates.sum(axis=1)
+    both = BlockOrder.from_spectrum(spectrum, loads, revolution)
+    drift = both.drift(responses, revolution)
+    each = zip(responses, both.wear, strict=True)
+    changes = np.array([block @ (wear + drift) for block, wear in each])
+    mean = np.tensordot(both.shares, loads, axes=1)
+    orders = []
+    for body in range(rates.shape[1]):
+        order = BlockOrder.from_spectrum(spectrum, rates[:, body], revolution)
+        of_body = np.tensordot(order.shares, rates[:, body], axes=1)
+        part = drift * np.divide(of_body, mean, out=np.zeros_like(mean), where=mean > 0.0)
+        wear, offset = order.wear + part, order.offset + part
+        orders.append(replace(order, wear=wear, offset=offset, loads=loads, changes=changes))
+    return tuple(orders)
+
+
+def _spread(y: np.ndarray, z: float) -> np.ndarray:
+    """Return the influence (n_y, n_y) of the load of each row on the pressure below each row."""
+    if z == 0.0 or y.size == 1:
+        return np.eye(y.size)
+
+    def integral(at: np.ndarray) -> np.ndarray:
+        return (z * at / (z**2 + at**2) + np.arctan(at / z)) / np.pi
+
+    distance, half = y[:, None] - y, 0.5 * (y[1] - y[0])
+    return integral(distance + half) - integral(distance - half)
+
 
 WORN, FINE, GROWTH, COARSE = 0.2, 180, 1.05, 0.25
 """Depth, over the semi-axis a, down to which material depths are squares of their number: the
@@ -316,3 +519,139 @@ def _integrate_damage(
     root = (edges[:-1, None] + NODES * widths[:, None]).ravel()
     weights = 2.0 * root * np.outer(widths, WEIGHTS).ravel()
     return _per_pass(life, shares, depth, used, root**2) @ weights
+
+
+AT_TOP = 0.9
+"""`VolumeLife.surface_density_ratio` above which the life of a volume depends on the mesh."""
+
+
+def fatigue_columns(bodies: Mapping[str, BodyDamage], model: Model) -> dict[str, Any]:
+    """Return all fatigue columns of a record, values by name and body."""
+    life, shares = model.laws.life, model.weights
+    columns = cycle_columns({body: part.fatigue for body, part in bodies.items()})
+    if model.laws.volume is not None:
+        columns |= _volume_columns(bodies, model, model.laws.volume)
+    for body, part in bodies.items():
+        for name, value in part.columns(life, shares).items():
+            if name == "balancing_wear":
+                columns[f"{name}_{body}"] = value
+            else:
+                columns.setdefault(name, {})[body] = value
+    return columns
+
+
+def cycle_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
+    """Return the columns of utilisation and shakedown, values by name and body."""
+    residual = {body: cycle.largest("residual_shear") for body, cycle in cycles.items()}
+
+    def factors(name: str) -> dict[str, float]:
+        return {k: cycle.load_factor(getattr(residual[k], name)) for k, cycle in cycles.items()}
+
+    return utilisation_columns(cycles) | {
+        "shakedown_lower": factors("value"),
+        "shakedown_interior": factors("interior"),
+        "shakedown_surface": factors("surface"),
+        "shakedown_lower_at": {body: maximum.at for body, maximum in residual.items()},
+        "shakedown_upper": {body: cycle.shakedown_upper for body, cycle in cycles.items()},
+    }
+
+
+def shakedown_remark(cycles: Mapping[str, BodyFatigue]) -> str:
+    """Return a remark on bodies loaded above the shakedown limit; empty if there are none."""
+    factors = {body: cycle.shakedown_lower for body, cycle in cycles.items()}
+    above = [f"{body} {factor:.2f}" for body, factor in factors.items() if factor < 1.0]
+    if not above:
+        return ""
+    return (
+        f"; stress is above the shakedown limit (load factor of body {', of '.join(above)}): the "
+        "material yields, and this elastic stress is not its stress"
+    )
+
+
+def _volume_columns(
+    bodies: Mapping[str, BodyDamage], model: Model, law: VolumeLife
+) -> dict[str, Any]:
+    """Return the columns of stressed volume and its life; blocks add up by Miner's rule."""
+    survival = required(_table(model.scene).volume, "fatigue.volume").survival
+    columns: dict[str, Any] = {"stressed_volume": {}, "volume_life": {}}
+    for body, part in bodies.items():
+        volumes = [
+            stressed_volume(replace(part.fatigue, utilisation=used), model.scene, law)
+            for used in part.utilisation
+        ]
+        lives = [law.life(volume, survival) for volume in volumes]
+        used = sum(share / each for share, each in zip(model.weights, lives, strict=True))
+        columns["stressed_volume"][body] = float(np.dot(model.weights, volumes))
+        life = 1.0 / (used * (part.passes or 1.0)) if used else math.inf
+        columns["volume_life"][body] = life
+    return columns | {"volume_at_top": surface_density_ratios(bodies, model, law)}
+
+
+def stressed_volume(cycle: BodyFatigue, scene: Scene, law: VolumeLife) -> float:
+    """Return the integral of stress over a body's volume; of a flat one, over 1 mm of track."""
+    radius = getattr(scene.body, cycle.body).radius_x
+    around = 2.0 * math.pi * abs(radius) if math.isfinite(radius) else 1.0
+    limit = required(_table(scene).limit, "fatigue.limit")
+    return law.volume(cycle.y, cycle.depth, cycle.utilisation * limit, around)
+
+
+def volume_error_bars(
+    columns: Mapping[str, Any], bars: Mapping[str, float], law: VolumeLife
+) -> dict[str, dict[str, float]]:
+    """Return the error bars of `stressed_volume` and `volume_life` due to the mesh, by body.
+
+    If the integral depends on the mesh, its error bar is infinite.
+    """
+    errors: dict[str, dict[str, float]] = {"stressed_volume": {}, "volume_life": {}}
+    for body, volume in columns["stressed_volume"].items():
+        bar = math.inf if columns["volume_at_top"][body] > AT_TOP else bars.get(body, math.nan)
+        errors["stressed_volume"][body] = bar
+        if volume > 0.0:
+            smallest = 1.0 - bar / volume
+            longer = math.inf if smallest <= 0.0 else smallest ** (-1.0 / law.slope) - 1.0
+            errors["volume_life"][body] = columns["volume_life"][body] * longer
+    return errors
+
+
+def life_error_bars(columns: Mapping[str, Any], bars: Mapping[str, float], life: Woehler) -> dict:
+    """Return the error bars of `fatigue_life` by body, from those of the utilisation.
+
+    They are the increase of the life for the smallest utilisation; for the largest it changes less.
+    """
+    errors = {}
+    for body, used in columns["utilisation"].items():
+        low, here = life.damage(np.array([used - bars[body], used]))
+        if here > 0.0 and not math.isnan(bars[body]):
+            longer = here / low - 1.0 if low > 0.0 else math.inf
+            errors[body] = columns["fatigue_life"][body] * longer
+    return errors
+
+
+def utilisation_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
+    """Return the columns of largest utilisation: of all, interior, surface; and its position."""
+    maxima = {body: cycle.largest() for body, cycle in cycles.items()}
+    return {
+        "utilisation": {body: maximum.value for body, maximum in maxima.items()},
+        "utilisation_interior": {body: maximum.interior for body, maximum in maxima.items()},
+        "utilisation_surface": {body: maximum.surface for body, maximum in maxima.items()},
+        "utilisation_at": {body: maximum.at for body, maximum in maxima.items()},
+    }
+
+
+def surface_density_ratios(
+    bodies: Mapping[str, BodyDamage], model: Model, law: VolumeLife
+) -> dict[str, float]:
+    """Return each body's largest density of the stressed volume at the top over its maximum."""
+    limit = required(_table(model.scene).limit, "fatigue.limit")
+    return {
+        body: max(
+            law.surface_density_ratio(damage.fatigue.depth, used * limit)
+            for used in damage.utilisation
+        )
+        for body, damage in bodies.items()
+    }
+
+
+def _table(scene: Scene) -> Fatigue:
+    """Return the table [fatigue] of a scene."""
+    return required(scene.fatigue, "fatigue")

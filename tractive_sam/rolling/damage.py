@@ -11,27 +11,25 @@ from tractive_sam.contact import Model
 from tractive_sam.description import Row
 from tractive_sam.mechanics import VolumeLife
 from tractive_sam.results import BODIES, BodyFatigue
-from tractive_sam.rolling.block_order import BlockOrder, block_orders
 from tractive_sam.rolling.body_damage import (
+    AT_TOP,
     WORN,
+    BlockOrder,
     BodyDamage,
     after_jump,
-    material_depths,
-    widen_body,
-    widen_rows,
-)
-from tractive_sam.rolling.fatigue_columns import (
-    AT_TOP,
+    block_orders,
     fatigue_columns,
     life_error_bars,
+    material_depths,
     shakedown_remark,
     surface_density_ratios,
     utilisation_columns,
     volume_error_bars,
+    widen_body,
+    widen_rows,
 )
-from tractive_sam.rolling.observer import Observer
 from tractive_sam.rolling.passage import Passage
-from tractive_sam.rolling.process import StoredStep
+from tractive_sam.rolling.process import Observer, StoredStep
 from tractive_sam.scene import FatigueVolume
 from tractive_sam.schema import required
 from tractive_sam.subsurface import cycle_depths, cycle_fatigue, semi_axes

@@ -17,7 +17,7 @@ import numpy as np
 from tractive_sam.contact import Model, StepResult, divide_heat, shares_of_instant_heat
 from tractive_sam.operators import HeatMemory
 from tractive_sam.results import BODIES, FlashTemperature, Grid, State, widen_field
-from tractive_sam.rolling.observer import Observer
+from tractive_sam.rolling.process import Observer
 from tractive_sam.schema import required
 
 

@@ -1,4 +1,4 @@
-"""One revolution: the contacts of a cycle and their wear.
+"""One revolution: the contacts of a cycle, their wear, and its response to the profile.
 
 A cycle is the contact of a scene, or the contacts of the blocks of its [[duty]]. The wear of a
 cycle is one pass for each block. The state of the worn bodies is the profile with which material
@@ -11,11 +11,86 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions
+from tractive_sam.contact import Model, Worn, equilibrium, wear_conditions, wear_law_at
 from tractive_sam.mechanics import Turns
-from tractive_sam.results import PARTS, Cost, Grid, State
+from tractive_sam.operators import row_compliance
+from tractive_sam.results import PARTS, Cost, Grid, State, Status
 from tractive_sam.rolling.process import Step, StepRecord
-from tractive_sam.rolling.wear_pass import solve_pass
+from tractive_sam.schema import required
+
+
+def solve_pass(
+    model: Model,
+    revolution: int,
+    entering: np.ndarray,
+    start: State,
+    tolerance: float,
+    grown: np.ndarray | float,
+) -> tuple[State, int]:
+    """Solve the contact of a pass together with its wear; return it and the number of solves.
+
+    The wear of a pass is part of the gap of that pass, and depends on its pressure, traction and
+    slip. With ``method = "uzawa"`` it is updated within the iteration, as in the paper (step V).
+    The other methods solve the contact for a given wear and correct the wear until the contact
+    conditions hold with it; since a pass wears a thousandth of the approach, each correction gains
+    three digits.
+    """
+    law, dx = required(model.wear_law, "wear"), model.grid.dx
+
+    def depth(pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        return law.depth(entering, pressure, traction, slip, dx)
+
+    if model.method.wears_in_pass:  # at the temperature of the pass before
+        last = replace(start, revolution=revolution)
+        law = law.under(wear_conditions(model, last, entering))
+        return replace(equilibrium(model, depth, start), revolution=revolution), 1
+
+    wear = entering + (start.wear - start.wear[-1]) * grown
+    contact, cost, solves = start, Cost(), 0
+    # So small that it does not affect the error of a jump or of a correction.
+    sharp = max(model.scene.solver.tolerance, 1e-3 * tolerance)
+    for _ in range(20):
+        contact = replace(equilibrium(model, wear, contact, sharp), revolution=revolution)
+        solves += 1
+        cost = cost + contact.cost
+        law = required(wear_law_at(model, contact), "wear")
+        corrected = depth(contact.pressure, contact.traction, contact.slip)
+        missed = _residual(model, contact, corrected - wear)
+        contact = _with_wear_residual(replace(contact, wear=corrected), missed)
+        if not contact.converged or missed <= tolerance:
+            break
+        wear = corrected
+    else:
+        contact = replace(
+            contact,
+            status=Status.OUT_OF_ITERATIONS,
+            note=f"the wear within revolution {revolution} did not settle: its residual is "
+            f"{missed:.1e}; the wear of one pass is too deep for the contact, lower "
+            f"wear.{_key_of_wear(model)} or the creepage",
+        )
+    return replace(contact, cost=cost), solves
+
+
+def _key_of_wear(model: Model) -> str:
+    """Return the key of [wear] that sets the amount of wear in a scene."""
+    wear = required(model.scene.wear, "wear")
+    if not wear.together or wear.named_law:
+        return "law"
+    return "intensity" if wear.coefficient is None else "coefficient"
+
+
+def _with_wear_residual(contact: State, missed: float) -> State:
+    """Return the contact with `missed` as residual, if it is solved and that is larger."""
+    larger = contact.converged and missed > contact.residual
+    return replace(contact, residual=missed) if larger else contact
+
+
+def _residual(model: Model, contact: State, change: np.ndarray) -> float:
+    """Return the relative residual of the normal contact by a change of wear; 0 if none touches."""
+    if not contact.touching.any():
+        return 0.0
+    gap = np.where(contact.touching, change, 0.0) / model.units.gap
+    return float(np.linalg.norm(gap) / np.linalg.norm(contact.pressure / model.units.pressure))
 
 
 @dataclass(frozen=True, eq=False)
@@ -375,3 +450,87 @@ def passage_at(
             contacts[k] = replace(contacts[k], cost=Cost())
     of_model = _from_model(model, tuple(contacts), rolled)
     return Passage(tuple(contacts), revolution, solves, **of_model)
+
+
+def mean_wear_response(model: Model, passage: Passage, closing: float = 0.0) -> np.ndarray:
+    """Return the Jacobian of wear per revolution by the profile, mean of blocks, (n_y, n_y).
+
+    Its weights are the shares of the blocks, with sum 1 (`Passage.weights`).
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    passage : Passage
+        The contacts at the profile.
+    closing : float
+        See `wear_response`.
+    """
+    each = zip(passage.weights, block_responses(model, passage, closing), strict=True)
+    return np.sum([weight * response for weight, response in each], axis=0)
+
+
+def block_responses(model: Model, passage: Passage, closing: float = 0.0) -> list[np.ndarray]:
+    """Return, for each block, the Jacobian of wear per revolution by the profile, (n_y, n_y).
+
+    Returns
+    -------
+    list of ndarray, shape (n_y, n_y)
+        1/revolution.
+    """
+    each = zip(model.blocks, passage.turns, passage.contacts, strict=True)
+    return [
+        np.reshape(turns.gain, (-1, 1)) * wear_response(block, contact, closing)
+        for block, turns, contact in each
+    ]
+
+
+def wear_response(model: Model, contact: State, closing: float = 0.0) -> np.ndarray:
+    """Return the approximate Jacobian of the wear of a pass by the entering profile, (n_y, n_y).
+
+    Material that is worn deeper carries less pressure, by the compliance between rows at constant
+    load, and wears less: waves of the profile decay at a rate proportional to their wave number, up
+    to i |s| a E* q per revolution. That makes rolling stiff. Slip, contact area and the ratio of
+    traction to pressure are assumed constant; the method that uses the response is of second order
+    for any approximation.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers.
+    contact : State
+        The contact at the profile.
+    closing : float
+        Elements with a gap up to this count as in contact, mm: they will soon be. A row that comes
+        into contact during a jump is as stiff as its neighbours.
+
+    Returns
+    -------
+    ndarray, shape (n_y, n_y)
+        1/revolution; zero for rows that are not in contact.
+    """
+    response = np.zeros((model.grid.elements[1],) * 2)
+    if not contact.touching.any():
+        return response
+    touching = contact.touching | (contact.gap <= closing)
+    rows = np.flatnonzero(touching.any(axis=0))
+    compliance = row_compliance(model.operators, touching)
+    stiffness = np.linalg.inv(compliance)
+    if model.load is not None:
+        # A uniform depth only moves the bodies closer.
+        uniform = stiffness.sum(axis=1)
+        stiffness = stiffness - np.outer(uniform, stiffness.sum(axis=0)) / uniform.sum()
+    per_load = _wear_per_load(model, contact)[rows]
+    response[np.ix_(rows, rows)] = -per_load[:, None] * stiffness
+    return response
+
+
+def _wear_per_load(model: Model, contact: State) -> np.ndarray:
+    """Return the wear depth of each row per MPa summed over it, mm; constant beyond the contact."""
+    count = contact.touching.sum(axis=0)
+    law = required(wear_law_at(model, contact), "wear")
+    rate = law.per_load(contact.pressure, contact.traction, contact.slip)
+    per_pressure = rate.sum(axis=0)
+    inside = np.flatnonzero(count)
+    values = model.grid.dx * per_pressure[inside] / count[inside]
+    return np.interp(np.arange(count.size), inside, values)

@@ -1,14 +1,21 @@
-"""Processes: how the contacts of a scene follow each other, record by record.
+"""Processes: how the contacts of a scene follow each other, their observers and step control.
 
 A process makes steps: the first one, and from every step the next ones, up to the end of the
 schedule or to a contact that is not solved. A step has its contacts, the values of its record, and
 all that the next step needs; it can be stored and restored.
+
+A step that was refused differs from one that was cut short by a stop. After a refusal, the next
+step is shorter. A cut says little about the next step, which is as long as the error allowed
+before. The coordinate may be revolutions, or a distance rolled; its stops may be points to save,
+the end, or the blocks of a duty cycle.
 """
 
 from abc import ABC, abstractmethod
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import ceil, isfinite
 from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 import numpy as np
@@ -33,9 +40,180 @@ from tractive_sam.results import (
     columns,
     restart_fields,
 )
-from tractive_sam.rolling.observer import Observer
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.schema import required
+
+
+@renamed_attributes(asked_by="applies_to")
+class Observer(ABC):
+    """Base class of observers of a process: columns and fields, updated after each step.
+
+    It defines its columns, stored fields and description, and the state that it needs to resume.
+    An object never changes: `begin`, `after` and `restore` return another one. The steps of a
+    process do not depend on it, but may become shorter if its error is too large.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass, replace
+    >>> @dataclass(frozen=True)
+    ... class Peak(ts.Observer):
+    ...     "Largest pressure so far."
+    ...     name = "peak"
+    ...     columns = (ts.Quantity("p_peak", "MPa", "largest pressure so far"),)
+    ...     largest: float = 0.0
+    ...     def begin(self, step, model):
+    ...         return self.after(step, model)
+    ...     def after(self, step, model):
+    ...         return replace(self, largest=max(self.largest, step.contact.p_max))
+    ...     def record(self, model, recorded):
+    ...         return {"p_peak": self.largest}
+    ...     @property
+    ...     def state(self):
+    ...         return {"largest": np.array([self.largest])}
+    ...     def restore(self, step, stored):
+    ...         return replace(self, largest=float(stored.state_of(self)["largest"][0]))
+    >>> history = ts.roll(discs, observers=[Peak()])
+    >>> bool(history["p_peak"][-1] == history["p_max"].max())
+    True
+    """
+
+    name: ClassVar[str]
+    """Name in `Step.observed`; the names of its stored state begin with it."""
+    key: ClassVar[str] = ""
+    """Table of the scene that adds it; empty if a scene names it in [[observer]]."""
+    unsolved: ClassVar[bool] = False
+    """Whether it also follows steps with contacts that were not solved."""
+
+    @property
+    def columns(self) -> tuple[Quantity, ...]:
+        """Columns that the observer adds to each record; none by default."""
+        return ()
+
+    @property
+    def fields(self) -> tuple[Quantity, ...]:
+        """Fields over x and y that the observer stores with those of a record; none by default."""
+        return ()
+
+    @classmethod
+    def applies_to(cls, scene: Scene) -> bool:
+        """Return whether a scene has the table (`key`) that adds this observer."""
+        return bool(cls.key) and scene.has(cls.key)
+
+    def describe(self, model: Model) -> Iterable[Row]:
+        """Return the rows that `explain` prints; by default the docstring's first line.
+
+        They are printed below its table of the scene, or below "Observers".
+        """
+        summary = (type(self).__doc__ or type(self).__name__).strip().splitlines()[0]
+        return [Row(self.name, summary)]
+
+    def bytes_needed(self, model: Model) -> float:
+        """Return the memory, bytes, besides stored records; 0 unless overridden."""
+        return 0.0
+
+    @abstractmethod
+    def begin(self, step: Any, model: Model) -> Self:
+        """Return the observer as it is after the first step of a process.
+
+        Parameters
+        ----------
+        step : Step
+            The first step.
+        model : Model
+            Model of the process.
+        """
+
+    @abstractmethod
+    def after(self, step: Any, model: Model) -> Self:
+        """Return the observer updated by a later step, which may be on a wider mesh.
+
+        Parameters
+        ----------
+        step : Step
+            The later step.
+        model : Model
+            Model of the process, on the mesh of the step.
+        """
+
+    @abstractmethod
+    def restore(self, step: Any, stored: Any) -> Self:
+        """Return the observer as it was after a stored step, to resume from.
+
+        Parameters
+        ----------
+        step : Step
+            The step, possibly on a wider mesh than the stored one.
+        stored : StoredStep
+            Its record; `stored.state_of(self)` has the arrays of `state`.
+
+        Raises
+        ------
+        LookupError
+            If an array or a column is missing, with its name.
+        """
+
+    @property
+    def state(self) -> Mapping[str, np.ndarray]:
+        """Arrays, by name, from which `restore` makes the observer again; none by default."""
+        return {}
+
+    def complete(self, contact: State, block: int) -> State:
+        """Return the contact of a block with the observer's results; unchanged by default.
+
+        Parameters
+        ----------
+        contact : State
+            Contact of the block.
+        block : int
+            Index of the block in a duty cycle; else 0.
+        """
+        return contact
+
+    def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return the values of the observer's columns for a record, by name; none by default.
+
+        Parameters
+        ----------
+        model : Model
+            Model of the process.
+        recorded : mapping of str to object
+            Values of the columns that are read from the contact.
+        """
+        return {}
+
+    def record_block(self, block: int) -> Mapping[str, Any]:
+        """Return the values of columns that each block of a duty cycle has; none by default."""
+        return {}
+
+    def record_fields(self, block: int) -> Mapping[str, np.ndarray]:
+        """Return the `fields` in the contact of a block, by name, (n_x, n_y); none by default."""
+        return {}
+
+    def record_stress(self, block: int) -> tuple[PlaneStress, ...]:
+        """Return the stress on planes below a block's contact, to store; none by default."""
+        return ()
+
+    @property
+    def cycles(self) -> tuple[BodyFatigue, ...]:
+        """Fatigue of the bodies in the last step, stored with the fields; none by default."""
+        return ()
+
+    def missed(self, model: Model) -> float:
+        """Return the error of the last step over the tolerated one; 0 by default."""
+        return 0.0
+
+    @property
+    def shortfall(self) -> str:
+        """Message if steps are less accurate than the scene requires; empty by default.
+
+        A history that ends with one has the status "inaccurate" and this message.
+        """
+        return ""
+
+    def remark(self, model: Model) -> str:
+        """Return text to append to the message of a history, "; ..."; empty by default."""
+        return ""
+
 
 GROWTHS = 16
 """Largest number of enlargements of a mesh: to 35 times its width."""
@@ -531,3 +709,138 @@ class Process(ABC, Generic[AnyStep]):
             return place
         block = required(scene.spectrum, "duty").places.index(step.contacts.index(step.contact))
         return f"{place}{block_label(scene, block)}: "
+
+
+SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
+"""Safety factor and bounds of the change of a step. With variable steps the two-step formula of
+`rolling.adaptive` is stable up to a growth by 2.4."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Length of a step to try, and the length that its error control would allow.
+
+    Attributes
+    ----------
+    length : float
+        Length of the step.
+    wish : float
+        Length that error control allows without stops.
+    refused : bool
+        Whether a longer step was refused; `wish` is then the length of this one.
+    """
+
+    length: float
+    wish: float
+    refused: bool = False
+
+
+@dataclass(frozen=True)
+class ErrorControl:
+    """Choice of step lengths by an error estimate (Hairer, Norsett & Wanner 1993, II.4).
+
+    Parameters
+    ----------
+    order : int
+        Power of the length with which the error of a step grows.
+    unit : float
+        Unit of length: steps are integer multiples of it.
+    """
+
+    order: int
+    unit: float = 1
+
+    def shorter(self, step: Trial, error: float) -> Trial:
+        """Return a shorter step to try after a refused one; `error` is over the tolerance."""
+        length = self._round(min(step.length * self._change(error), step.length - self.unit))
+        return Trial(length, length, refused=True)
+
+    def next(self, step: Trial, error: float) -> float:
+        """Return the length of the next step; after a refused one it does not grow."""
+        change = self._change(error)
+        return self._round(step.length * (min(change, 1.0) if step.refused else change))
+
+    def _change(self, error: float) -> float:
+        """Return the factor by which an error changes the step length, within limits."""
+        change = SAFETY * max(error, 1e-9) ** (-1.0 / self.order)
+        return min(max(change, SHORTEST_CUT), LONGEST_GROWTH)
+
+    def _round(self, length: float) -> float:
+        """Return a length rounded down to a multiple of the unit, at least one unit."""
+        return max(1, int(length / self.unit)) * self.unit
+
+
+@dataclass(frozen=True)
+class Stops:
+    """Error control of steps that must end at stops, for example at coordinates to save.
+
+    Parameters
+    ----------
+    control : ErrorControl
+        Error control of the steps.
+    stops : tuple of float
+        Places at which a step must end, ascending.
+    approach : float
+        Longest step over the distance to the next stop.
+    """
+
+    control: ErrorControl
+    stops: tuple[float, ...]
+    approach: float = 1.0
+
+    def first(self, here: float, wish: float, settled: float) -> Trial:
+        """Return the first step to try from a coordinate; the next stop limits its length."""
+        distance = self.stops[bisect_right(self.stops, here)] - here
+        unit = self.control.unit
+        nearer = max(unit, settled, ceil(self.approach * distance / unit) * unit)
+        return Trial(min(wish, distance, nearer), wish)
+
+    def accepts(self, error: float) -> bool:
+        """Return whether a step with this error, over the tolerance, is accepted."""
+        return error <= 1.0
+
+    def shorter(self, step: Trial, error: float) -> Trial:
+        """Return a shorter step after a refused one, as `ErrorControl.shorter` does."""
+        return self.control.shorter(step, error)
+
+    def next(self, step: Trial, error: float) -> float:
+        """Return the length of the next step; ending at a stop does not shorten it.
+
+        After a step cut short by a stop, its wish counts again.
+        """
+        after = self.control.next(step, error)
+        return max(after, step.wish) if step.length < step.wish else after
+
+
+@dataclass(frozen=True)
+class FixedSteps:
+    """Step control with one step to each stop; it is halved only if it cannot be solved.
+
+    The steps do not depend on the solution, so results are smooth functions of the entries of a
+    scene, and finite differences give their derivatives.
+
+    Parameters
+    ----------
+    stops : tuple of float
+        Places at which steps end, ascending.
+    """
+
+    stops: tuple[float, ...]
+
+    def first(self, here: float, wish: float, settled: float) -> Trial:
+        """Return the step from a coordinate to the next stop."""
+        distance = self.stops[bisect_right(self.stops, here)] - here
+        return Trial(distance, distance)
+
+    def accepts(self, error: float) -> bool:
+        """Return whether the step was solved: its error is finite."""
+        return isfinite(error)
+
+    def shorter(self, step: Trial, error: float) -> Trial:
+        """Return a refused step of half the length, at least 1; its error is not used."""
+        length = max(1, int(0.5 * step.length))
+        return Trial(length, length, refused=True)
+
+    def next(self, step: Trial, error: float) -> float:
+        """Return the length of the accepted step; it has no effect on the next one."""
+        return step.length

@@ -8,7 +8,7 @@ with the share w_j of a position in the revolutions, the depth R_j that its patc
 the depths I_j E of both bodies together at the rows of a patch, and D_j, which distributes the
 depth at rows over the nodes of the profiles so that the worn section is exactly that of the rows.
 
-Short waves of a profile decay fast (`rolling.response`). Steps are linearly implicit in the
+Short waves of a profile decay fast (`rolling.passage`). Steps are linearly implicit in the
 response J_j of R_j, so that stability does not limit them, whatever the error of J_j:
 
     (1 - dN A) dE = dN F(E),  A = sum w_j D_j J_j I_j.
@@ -29,9 +29,17 @@ import numpy as np
 from tractive_sam.contact import Model, solve_patches_on_fitted_mesh, wear_law_at
 from tractive_sam.rail import Profile
 from tractive_sam.results import Grid, Record, State, WornProfiles, columns, cycle_record
-from tractive_sam.rolling.control import ErrorControl, FixedSteps, Stops
-from tractive_sam.rolling.process import Process, Recorder, Step, StepRecord, StoredStep
-from tractive_sam.rolling.response import wear_response
+from tractive_sam.rolling.passage import wear_response
+from tractive_sam.rolling.process import (
+    ErrorControl,
+    FixedSteps,
+    Process,
+    Recorder,
+    Step,
+    StepRecord,
+    Stops,
+    StoredStep,
+)
 from tractive_sam.rolling.wheel_rail import WHEEL_COLUMNS, describe_patch
 from tractive_sam.scene import Scene, WheelRail, unworn_profiles
 from tractive_sam.schema import Fault, SceneError, required

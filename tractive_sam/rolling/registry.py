@@ -5,8 +5,7 @@ from typing import Any
 
 from tractive_sam.contact import Model
 from tractive_sam.rolling.damage import Damage
-from tractive_sam.rolling.observer import Observer
-from tractive_sam.rolling.process import Process, Step
+from tractive_sam.rolling.process import Observer, Process, Step
 from tractive_sam.rolling.profile_wear import ProfileWear
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
 from tractive_sam.rolling.stress import LargestStress

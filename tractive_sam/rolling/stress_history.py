@@ -17,9 +17,9 @@ from tractive_sam.contact import Model
 from tractive_sam.description import Row
 from tractive_sam.mechanics import Woehler
 from tractive_sam.results import BodyFatigue, State, widen_field
+from tractive_sam.rolling.body_damage import cycle_columns, shakedown_remark
 from tractive_sam.rolling.courses import expected_steps
-from tractive_sam.rolling.fatigue_columns import cycle_columns, shakedown_remark
-from tractive_sam.rolling.observer import Observer
+from tractive_sam.rolling.process import Observer
 from tractive_sam.schema import required
 from tractive_sam.subsurface import Course, course_fatigue, cycle_depths
 
