@@ -27,7 +27,7 @@ import numpy as np
 from timing import show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.results.status import Status
+from tractive_sam.results.state import Status
 from tractive_sam.run import read_measured_gap
 from tractive_sam.scene import Scene
 from tractive_sam.solvers import Anderson, ProblemSolver, Uzawa

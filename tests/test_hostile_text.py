@@ -29,7 +29,7 @@ from tractive_sam.schema import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
 from tractive_sam.store.texts import create_text, decode_text, set_text
 from tractive_sam.studies import open_study, study
-from tractive_sam.studies.folder import Folder
+from tractive_sam.studies.results import Folder
 from tractive_sam.tables.fmu import Description2
 from tractive_sam.tables.table_file import write_table
 

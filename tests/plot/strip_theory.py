@@ -10,8 +10,7 @@ from tractive_sam.results.column_table import columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record, restart_fields
-from tractive_sam.results.state import State
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results.state import Cost, State, Status
 from tractive_sam.scene import Friction, Scene
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)

@@ -8,7 +8,7 @@ import pytest
 
 from tests.scenes import size, steady
 from tests.solvers.small import tangential_problem
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results.state import Cost, Status
 from tractive_sam.solvers import (
     Bracketing,
     Continuation,

@@ -15,7 +15,7 @@ from tests.solvers.small import (
     tangential_problem,
     with_fixed_pressure,
 )
-from tractive_sam.results.status import Cost, Status
+from tractive_sam.results.state import Cost, Status
 from tractive_sam.solvers import (
     Anderson,
     Bracketing,

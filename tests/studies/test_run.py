@@ -24,9 +24,9 @@ from tractive_sam.studies import (
     study,
     worker,
 )
-from tractive_sam.studies.case_log import CaseLog
+from tractive_sam.studies.case import CaseLog
 from tractive_sam.studies.cost import estimates
-from tractive_sam.studies.folder import Folder
+from tractive_sam.studies.results import Folder
 
 
 @pytest.fixture

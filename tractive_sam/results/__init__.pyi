@@ -1,13 +1,12 @@
 """What `results` lets out, for `__init__.py` and for type checkers."""
 
-from .assembly import stack_values as stack_values
 from .column_table import COLUMNS as COLUMNS
 from .column_table import PARTS as PARTS
 from .column_table import REVOLUTION as REVOLUTION
 from .column_table import ROLLED as ROLLED
 from .column_table import SHARE as SHARE
 from .column_table import columns as columns
-from .cycle import cycle_record as cycle_record
+from .column_table import stress_columns as stress_columns
 from .describe import caveats as caveats
 from .describe import describe_balances as describe_balances
 from .describe import describe_history as describe_history
@@ -19,11 +18,11 @@ from .heat import FlashTemperature as FlashTemperature
 from .history import DERIVED as DERIVED
 from .history import History as History
 from .history_data import RENAMED_COLUMNS as RENAMED_COLUMNS
-from .law_record import UNNAMED as UNNAMED
-from .law_record import LawRecord as LawRecord
-from .law_record import describe_laws as describe_laws
-from .law_record import dump_laws as dump_laws
-from .law_record import load_laws as load_laws
+from .history_data import UNNAMED as UNNAMED
+from .history_data import LawRecord as LawRecord
+from .history_data import describe_laws as describe_laws
+from .history_data import dump_laws as dump_laws
+from .history_data import load_laws as load_laws
 from .maximum import Maximum as Maximum
 from .maximum import Point as Point
 from .plane_stress import COMPONENTS as COMPONENTS
@@ -38,12 +37,14 @@ from .quantity import Quantity as Quantity
 from .quantity import find_by_role as find_by_role
 from .quantity import index_by_name as index_by_name
 from .record import Record as Record
+from .record import cycle_record as cycle_record
 from .record import restart_fields as restart_fields
+from .record import stack_values as stack_values
 from .state import Contact as Contact
+from .state import Cost as Cost
 from .state import NotConverged as NotConverged
 from .state import State as State
-from .status import Cost as Cost
-from .status import Status as Status
+from .state import Status as Status
 from .stored_fields import BEFORE as BEFORE
 from .stored_fields import BOUND as BOUND
 from .stored_fields import FATIGUE_FIELDS as FATIGUE_FIELDS
@@ -52,5 +53,4 @@ from .stored_fields import HEAT_FIELDS as HEAT_FIELDS
 from .stored_fields import OUTSIDE as OUTSIDE
 from .stored_fields import STRESS as STRESS
 from .stored_fields import storable_fields as storable_fields
-from .stress_quantities import stress_columns as stress_columns
 from .worn_profiles import WornProfiles as WornProfiles

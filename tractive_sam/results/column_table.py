@@ -1,4 +1,4 @@
-"""The columns of records: names, units, descriptions, and how to read them from a contact.
+"""The columns of records: names, units, descriptions, and how each is computed.
 
 This table defines the columns of the results file, of the JSON and the tables of `tractive-sam
 show`, and the labels of figures. A new column needs one line here.
@@ -9,14 +9,149 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from operator import attrgetter
+from typing import Any
 
-from tractive_sam.mechanics import VON_MISES
-from tractive_sam.results.fatigue_columns import FATIGUE_COLUMNS
-from tractive_sam.results.quantity import COORDINATE, Quantity, index_by_name
+import numpy as np
+
+from tractive_sam.mechanics import VON_MISES, StressCriterion
+from tractive_sam.results.quantity import BODIES, COORDINATE, Quantity, index_by_name
 from tractive_sam.results.state import State
 from tractive_sam.results.stored_fields import read_component, read_heat, read_number
-from tractive_sam.results.stress_quantities import error_bar_column, read_error_bar, stress_columns
 from tractive_sam.scene import Scene
+from tractive_sam.schema import required
+
+
+def _bars_of_damage(contact: State) -> Any:
+    """Return the error bars of the damage of a contact, by body; empty if there are none."""
+    return contact.error_bars.get("damage", {})
+
+
+def _has_fatigue(body: str, scene: Scene) -> bool:
+    """Return whether [fatigue] of a scene covers a body."""
+    return body in required(scene.fatigue, "fatigue").bodies
+
+
+def _surface_fatigue_index(contact: State) -> float:
+    """Return the surface fatigue index: the largest |p_t|/p_n - k/p_n in contact; nan without."""
+    k = required(contact.scene.fatigue, "fatigue").shear_yield_stress
+    touching = contact.touching
+    if not touching.any():
+        return math.nan
+    shear = np.hypot(*contact.traction[:, touching]) - k
+    return float((shear / contact.pressure[touching]).max())
+
+
+_of_bodies = partial(Quantity, dims=("body",), bodies_of="fatigue")
+_fatigue = partial(_of_bodies, needs=("fatigue.limit",))
+_volume = partial(_of_bodies, needs=("fatigue.volume",))
+_shakedown = partial(_of_bodies, needs=("fatigue.shear_yield_stress",))
+_position = partial(_fatigue, dims=("body", "position"))
+
+# fmt: off
+FATIGUE_COLUMNS = (
+    _shakedown("shakedown_lower", "1", "load factor up to which elastic shakedown is certain",
+               symbol=r"\lambda_-", format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_upper", "1", "load factor from which elastic shakedown is impossible",
+               symbol=r"\lambda_+", format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_interior", "1", "load factor up to which elastic shakedown is certain "
+                                          "inside the body",
+               format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_surface", "1", "load factor up to which elastic shakedown is certain "
+                                         "at the surface",
+               format=".3f", over_blocks="smallest"),
+    _shakedown("shakedown_lower_at", "mm",
+               "position (x is nan, y, depth) that determines shakedown_lower",
+               dims=("body", "position"), place_of="shakedown_lower"),
+    Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
+             _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
+             needs=("fatigue.shear_yield_stress", "friction"), over_blocks="largest"),
+    _fatigue("utilisation", "1", "largest ratio of the equivalent stress of the cycle to its limit",
+             symbol="u", format=".3f", over_blocks="largest"),
+    _fatigue("utilisation_interior", "1", "largest utilisation inside the body",
+             format=".3f", over_blocks="largest"),
+    _fatigue("utilisation_surface", "1", "largest utilisation at the surface",
+             format=".3f", over_blocks="largest"),
+    _position("utilisation_at", "mm", "position of the largest utilisation (x only in a "
+                                      "transient, y, depth)", place_of="utilisation"),
+    _fatigue("damage", "1", "largest damage of the remaining material; at 1 a crack starts",
+             symbol="D", format=".3g"),
+    _position("damage_at", "mm", "position of the largest damage (x only in a transient, y, "
+                                 "depth below the unworn surface)", place_of="damage"),
+    _fatigue("damage_error", "1", "error of the damage due to the length of jumps, the order of "
+                                  "blocks and the points of stress paths; with [accuracy], also "
+                                  "due to the mesh", _bars_of_damage,
+             format=".1g", error_of="damage"),
+    _fatigue("initiation", "1", "revolution at which the damage reached 1", format=".4g"),
+    _fatigue("fatigue_life", "1", "revolutions, or repetitions of a transient, until a crack "
+                                  "starts under the stress of this record, without wear",
+             format=".4g"),
+    _fatigue("wear_margin", "1", "smallest ratio across the track of the wear to the wear that "
+                                 "balances fatigue; below 1, cracks start; nan without wear",
+             format=".3g"),
+    _volume("stressed_volume", "1", "integral of the stress over the volume, in N and mm with "
+                                    "the exponents of fatigue.volume; for a flat body, over 1 "
+                                    "mm of track", format=".4g"),
+    _of_bodies("volume_life", "1", "revolutions that the complete volume survives under the "
+                                   "stress of this record, with the probability "
+                                   "fatigue.volume.survival", format=".4g",
+               needs=("fatigue.volume.constant",)),
+    _volume("volume_at_top", "1", "integrand at a depth of one element divided by its largest "
+                                  "value; near 1, the volume grows as the mesh is refined",
+            format=".2g"),
+    Quantity("balancing_wear_A", "mm", "wear of body A per revolution that balances fatigue",
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "A")),
+    Quantity("balancing_wear_B", "mm", "wear of body B per revolution that balances fatigue",
+             dims=("y",), needs=("fatigue.limit",), when=partial(_has_fatigue, "B")),
+)
+# fmt: on
+
+
+def read_error_bar(name: str, contact: State) -> float:
+    """Return the error bar of a named quantity of a contact; nan if there is none."""
+    return contact.error_bars.get(name, math.nan)
+
+
+def _read_error_bars(name: str, contact: State) -> dict[str, float]:
+    """Return the error bars of a named quantity of both bodies; nan if there are none."""
+    bars = contact.error_bars.get(name, {})
+    return {body: bars.get(body, math.nan) for body in BODIES}
+
+
+def error_bar_column(of: Quantity) -> Quantity:
+    """Return the column "..._error" that holds the error bar of a quantity."""
+    return replace(
+        of,
+        name=f"{of.name}_error",
+        long_name=f"error bar of {of.name}",
+        over_blocks="mean",
+        error_of=of.name,
+        of=partial(_read_error_bars if of.dims else read_error_bar, of.name),
+        symbol="",
+        needs=(*of.needs, "accuracy"),
+    )
+
+
+def stress_columns(criterion: StressCriterion) -> tuple[Quantity, ...]:
+    """Return columns of a stress criterion: largest, interior, surface, position, error bar."""
+    name, unit, text = criterion.name, criterion.unit, f"largest {criterion.long_name}"
+    stressed = partial(Quantity, needs=("subsurface",), bodies_of="subsurface")
+    of_body = partial(
+        stressed, unit=unit, dims=("body",), symbol=criterion.symbol, over_blocks="largest"
+    )
+    of_position = partial(stressed, unit="mm", dims=("body", "position"), place_of=f"{name}_max")
+    largest, interior, surface, position = (
+        column(f"{name}_{part}", long_name=meaning, role=f"stress_{part}")
+        for column, part, meaning in (
+            (of_body, "max", f"{text}, inside or at the surface"),
+            (of_body, "interior", f"{text} inside the body"),
+            (of_body, "surface", f"{text} at the surface"),
+            (of_position, "max_at", f"position (x, y, depth) of the {text}"),
+        )
+    )
+    return (
+        *(largest, interior, surface, position),
+        replace(error_bar_column(largest), role="stress_max_error"),
+    )
 
 
 def _over_load(force: str, contact: State) -> float:

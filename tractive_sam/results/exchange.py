@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.optional import xarray
-from tractive_sam.results.balance import balance_of
 from tractive_sam.results.column_table import STRESSES
+from tractive_sam.results.describe import balance_of
 from tractive_sam.results.history_data import HistoryData
 from tractive_sam.results.quantity import BODIES, LABELS, Quantity
 from tractive_sam.results.stored_fields import storable_fields

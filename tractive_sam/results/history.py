@@ -11,18 +11,13 @@ from tractive_sam.description import text_table
 from tractive_sam.extras import check_extra
 from tractive_sam.optional import pandas, xarray
 from tractive_sam.results import exchange
-from tractive_sam.results.assembly import collect
-from tractive_sam.results.balance import balance_of
-from tractive_sam.results.describe import summarize_history
+from tractive_sam.results.describe import balance_of, summarize_history
 from tractive_sam.results.fatigue import BodyFatigue
-from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.history_data import HistoryData
-from tractive_sam.results.law_record import LawRecord
+from tractive_sam.results.history_data import HistoryData, LawRecord, contact_of
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.record import Record
-from tractive_sam.results.recorded_contact import contact_of
-from tractive_sam.results.state import State
+from tractive_sam.results.record import Record, collect
+from tractive_sam.results.state import State, html_with_figure
 from tractive_sam.scene import Scene
 
 DONE = "done"

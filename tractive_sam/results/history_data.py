@@ -1,5 +1,6 @@
-"""The data of a history: columns and fields of its records."""
+"""The data of a history: columns, fields and laws, and the contact of one of its records."""
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -10,11 +11,84 @@ import numpy as np
 from tractive_sam.mechanics import Frame
 from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.law_record import LawRecord, describe_laws
+from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.results.plane_stress import PlaneStress
-from tractive_sam.results.quantity import COORDINATE, PREFIX, Quantity, find_by_role
+from tractive_sam.results.quantity import BODIES, COORDINATE, PREFIX, Quantity, find_by_role
+from tractive_sam.results.state import Cost, State, Status
+from tractive_sam.results.stored_fields import BOUND, HEAT_FIELDS
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.schema import required
+
+UNNAMED = "laws"
+"""Name of the only record of a file that was written before laws had fingerprints."""
+
+
+@dataclass(frozen=True)
+class LawRecord:
+    """Name, hash and frame of a user-defined law that replaced the law of the scene.
+
+    Attributes
+    ----------
+    text : str
+        Name and parameters of the law, for readers.
+    fingerprint : str
+        Hash of its content (`mechanics.law`); empty if the file lacks it.
+    frame : Frame, optional
+        For a friction law: coefficients and axes in which its tractions are measured.
+    """
+
+    text: str
+    fingerprint: str = ""
+    frame: Frame | None = None
+
+
+def describe_laws(records: Mapping[str, LawRecord]) -> str:
+    """Return user-defined laws as text, "friction=..., wear=..."; empty if none was replaced."""
+    return ", ".join(
+        law.text if name == UNNAMED else f"{name}={law.text}" for name, law in records.items()
+    )
+
+
+def dump_laws(records: Mapping[str, LawRecord]) -> str:
+    """Return records of user-defined laws as JSON."""
+    return json.dumps(
+        {
+            name: {
+                "text": law.text,
+                "fingerprint": law.fingerprint,
+                "frame": None if law.frame is None else [*law.frame.mu, law.frame.angle],
+            }
+            for name, law in records.items()
+        }
+    )
+
+
+def load_laws(text: str, line: str = "") -> dict[str, LawRecord]:
+    """Return records of user-defined laws from JSON; without JSON, from their line of text.
+
+    Raises
+    ------
+    ValueError
+        If the JSON is not what `dump_laws` writes.
+    """
+    if not text:
+        return {UNNAMED: LawRecord(line)} if line else {}
+    try:
+        return {
+            str(name): LawRecord(str(law["text"]), str(law["fingerprint"]), _frame(law["frame"]))
+            for name, law in json.loads(text).items()
+        }
+    except (AttributeError, KeyError, TypeError) as error:
+        raise ValueError(f"laws: {error!r}") from None
+
+
+def _frame(numbers: list[float] | None) -> Frame | None:
+    """Return a frame from its two coefficients and its angle; None if there are none."""
+    if numbers is None:
+        return None
+    first, second, angle = map(float, numbers)
+    return Frame((first, second), angle)
+
 
 RENAMED_COLUMNS = {"wear_rate": "worn_area"}
 """Current names of renamed columns."""
@@ -230,3 +304,68 @@ class _BlockRows:
 
     def __getitem__(self, row: int) -> np.ndarray:
         return self.rows[row][self.block]
+
+
+def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray]) -> State:
+    """Return the contact (`State`) of a record, given its fields by the names of `FIELDS`."""
+    number = {name: float(history[name][row]) for name in history.of_dims()}
+    creeping = sum(
+        number[force] * number[creepage]
+        for force, creepage in (("Qx", "xi_x"), ("Qy", "xi_y"), ("Mz", "spin"))
+    )
+    solved = number["converged"] > 0.0
+    contact = State(
+        scene=history.scene,
+        grid=history.grid,
+        pressure=fields["pressure"],
+        traction=np.stack((fields["traction_x"], fields["traction_y"])),
+        slip=np.stack((fields["slip_x"], fields["slip_y"])),
+        gap=fields.get("gap", np.full(history.grid.elements, np.nan)),
+        wear=fields["wear"],
+        approach=number["approach"],
+        xi_x=number["xi_x"],
+        xi_y=number["xi_y"],
+        spin=number["spin"],
+        rolling_resistance=number["work_supplied"] + creeping,
+        sliding=fields.get("sliding", np.zeros(history.grid.elements)) > 0.0,
+        status=Status.CONVERGED if solved else _reason(history.status),
+        note="" if solved else history.message,
+        residual=number["residual"],
+        cost=_recorded_cost(number),
+        revolution=int(number.get("revolution", 0)),
+        volumes=_volumes(history, row),
+        frame=history.frame,
+        traction_bound=_complete_or_none(fields.get(BOUND.name)),
+        laws=history.law_records,
+    )
+    if all(name in fields for name in HEAT_FIELDS):
+        into_A = fields["heat_into_A"]
+        speed = required(history.scene.creepage.speed, "creepage.speed")
+        heat = -speed * (contact.traction * contact.slip).sum(axis=0)
+        warm = {"A": fields["temperature_A"], "B": fields["temperature_B"]}
+        flux = {"A": into_A, "B": heat - into_A}
+        temperatures = FlashTemperature(history.grid, contact.touching, warm, flux)
+        contact = replace(contact, heat=temperatures)
+    return contact if "sliding" in fields else contact.with_sliding_by_traction()
+
+
+def _recorded_cost(number: Mapping[str, float]) -> Cost:
+    """Return the cost of a record; applications of preconditioners are not stored."""
+    convolutions, over_application = number["convolutions"], number["over_application"]
+    return Cost(number["operator_applications"], 0.0, convolutions, over_application)
+
+
+def _volumes(history: HistoryData, row: int) -> dict[str, float] | None:
+    """Return the worn volume of each body in a record; None if it was not recorded."""
+    volumes = history.values.get("worn_volume")
+    return None if volumes is None else dict(zip(BODIES, volumes[row].tolist(), strict=True))
+
+
+def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:
+    """Return a stored traction bound, or None if it is missing or has nan."""
+    return None if bound is None or np.isnan(bound).any() else bound
+
+
+def _reason(ended: str) -> Status:
+    """Return the `Status` of an unsolved contact from its history, or else out of iterations."""
+    return Status(ended) if ended in set(Status) else Status.OUT_OF_ITERATIONS

@@ -1,22 +1,94 @@
-"""A solved contact: fields, resultants, and the quality of the solution."""
+"""A solved contact: fields, resultants, and the quality and cost of the solution."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from enum import StrEnum
 from functools import cached_property
+from operator import add
 from typing import Any
 
 import numpy as np
 
-from tractive_sam.description import text_table
+from tractive_sam.description import html_table, text_table
+from tractive_sam.markup import Html
 from tractive_sam.mechanics import Frame
 from tractive_sam.optional import xarray
 from tractive_sam.results.edges import contact_extent, covered_elements
-from tractive_sam.results.figure_table import html_with_figure
 from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.results.heat import FlashTemperature
-from tractive_sam.results.status import Cost, Status
 from tractive_sam.scene import Scene
+
+
+def html_with_figure(
+    rows: Mapping[str, str], name: str, source: Any, wide: int = 380, narrow: int = 230
+) -> Html:
+    """Return HTML with rows (label, text) as a table next to a named figure of `plot`.
+
+    Parameters
+    ----------
+    rows : mapping of str to str
+        Rows of the table.
+    name : str
+        Name of a figure of `plot`; omitted if it has nothing to draw.
+    source : State or History
+        Argument of the figure.
+    wide, narrow : int
+        Width of a landscape and of a portrait figure, pixels.
+    """
+    # Figures are in a higher package; they are taken from the public package, as a user does.
+    import tractive_sam  # noqa: PLC0415
+
+    try:
+        figure = getattr(tractive_sam.plot, name)(source)
+    except (LookupError, ValueError):  # no fields, or nothing to draw
+        return html_table(rows, Html())
+    landscape = figure.get_figwidth() > figure.get_figheight()
+    return html_table(rows, figure.to_html(wide if landscape else narrow))
+
+
+class Status(StrEnum):
+    """How a solve ended: converged, or the reason for its failure."""
+
+    CONVERGED = "converged"
+    OUT_OF_ITERATIONS = "out of iterations"
+    DIVERGED = "diverged"
+    OFF_GRID = "off grid"
+    NOT_RESOLVED = "not resolved"
+    INACCURATE = "inaccurate"
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Computational cost of a solve, in counts that do not depend on the machine, and its time.
+
+    Attributes
+    ----------
+    applications : float
+        Applications of the displacement, slip or coupled operator; on coarser meshes weighted by
+        their share of the elements.
+    preconditioner : float
+        Applications of circulant inverses and, within a step of a transient, of the operators on a
+        shorter period; each has as many transforms, of a quarter to half the size.
+    convolutions : float
+        All padded transforms of the solve, of operators and preconditioners, over the number in one
+        application of the tangential operator on the mesh (`compute.fft`).
+    over_application : float
+        CPU time of the solve over the time of such an application, measured in the solve. The first
+        solve on a mesh also plans its transforms. It is not compared.
+    """
+
+    applications: float = 0.0
+    preconditioner: float = 0.0
+    convolutions: float = 0.0
+    over_application: float = field(default=0.0, compare=False)
+
+    def __add__(self, other: "Cost") -> "Cost":
+        return Cost(*map(add, vars(self).values(), vars(other).values()))
+
+    def scaled(self, share: float) -> "Cost":
+        """Return the cost multiplied by a share, for work on a coarser mesh."""
+        return Cost(*(share * part for part in vars(self).values()))
 
 
 class NotConverged(RuntimeError):  # noqa: N818 - the name says what happened

@@ -124,7 +124,7 @@ class DutyCycle(Revolutions):
     def record(self, step: Passage, recorder: Recorder) -> Record:
         """Return the record of a duty cycle, combined from the records of its blocks.
 
-        It is combined from the records of the blocks (`results.cycle`).
+        It is combined from the records of the blocks (`results.record`).
         """
         spectrum = self.spectrum
         records = [

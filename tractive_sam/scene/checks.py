@@ -6,16 +6,12 @@ from collections.abc import Iterator
 from tractive_sam.mechanics import HertzContact, HertzLine
 from tractive_sam.schema import Check, Fault, ValidEntries, not_both, shorten, warn
 
-from .bodies import Bodies
+from .bodies import HEAT_CHECKS, Bodies
+from .contact_checks import FORCE_CHECKS, LINE_CHECKS, TRANSIENT_CHECKS, is_line
 from .duty import check_blocks
-from .force_checks import FORCE_CHECKS
-from .heat import HEAT_CHECKS
-from .line_contact import LINE_CHECKS, is_line
 from .observer import check_observers
-from .plausibility import pair_notes
+from .plausibility import Pair, pair_notes
 from .process import PROCESS_CHECKS
-from .readings import Pair
-from .transient_checks import TRANSIENT_CHECKS
 from .wear import Wear
 from .wheel_rail import WHEEL_CHECKS
 

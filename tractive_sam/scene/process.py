@@ -19,9 +19,8 @@ from tractive_sam.schema import (
     entry,
 )
 
-from .courses import check_ascending
-from .schedule import NamedSchedule, Schedule
-from .transient_checks import REVOLUTION_KEYS
+from .contact_checks import REVOLUTION_KEYS
+from .schedule import NamedSchedule, Schedule, check_ascending
 
 
 def _check_save(entries: ValidEntries) -> Iterator[Fault]:

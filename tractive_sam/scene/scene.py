@@ -1,14 +1,18 @@
-"""The scene: all settings of a computation."""
+"""The scene: all settings of a computation, and the hash of its settings."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import re
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
+
+import numpy as np
 
 from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
 from tractive_sam.schema import (
@@ -26,29 +30,64 @@ from tractive_sam.schema import (
 )
 
 from . import describe
-from .bodies import Bodies
+from .bodies import STEEL, Bodies, Heat, Thermal
 from .catalogue import builtin_text, is_path
 from .checks import SCENE_CHECKS, unequal_turns, warn_if_large
-from .contact_type import LineContact, PointContact
 from .duty import Block, Spectrum, block_scenes, check_blocks_on_mesh, cycle_notes
 from .fatigue import Fatigue
-from .fingerprint import hash_settings
 from .friction import Friction, without_zero_friction
 from .gap import Gap
-from .heat import STEEL, Heat, Thermal
 from .inputs import Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
 from .observer import ObserverTable
 from .override import override, parse_settings
 from .plausibility import scene_notes
 from .process import ProcessTable
-from .resolution import warn_if_coarse
 from .schedule import Schedule
-from .tables import Accuracy, Creepage, ElasticBodies, Load, Mesh, Solver, Subsurface
+from .tables import (
+    Accuracy,
+    Creepage,
+    ElasticBodies,
+    LineContact,
+    Load,
+    Mesh,
+    PointContact,
+    Solver,
+    Subsurface,
+    warn_if_coarse,
+)
 from .transient import Transient
 from .wear import Wear
 from .wheel_rail import WheelRail, add_wheel_contact, resolve_profiles, without_wheel_contact
 from .wheel_tables import RailTable, WheelsetTable, WheelTable
+
+
+def hash_settings(settings: Mapping[str, Any], without: Sequence[str] = ()) -> str:
+    """Return a hash of settings and of the content of their files; `without` do not count."""
+    counting = {key: value for key, value in settings.items() if key not in without}
+    text = json.dumps(_canonical(counting), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _canonical(value: Any) -> Any:
+    """Return a value as JSON types, in one form for all equal settings."""
+    match value:
+        case dict():
+            return {
+                key: _canonical(item)
+                for key, item in value.items()
+                if item is not None and not (isinstance(item, list | tuple) and not item)
+            }
+        case list() | tuple():
+            return [_canonical(item) for item in value]
+        case np.ndarray():
+            return [value.shape, hashlib.sha256(value.tobytes()).hexdigest()]
+        case float():
+            return value + 0.0  # no negative zero
+        case bool() | int():
+            return value
+    content = getattr(value, "content", None)
+    return str(value) if content is None else content.digest
 
 
 class Scene(Document):

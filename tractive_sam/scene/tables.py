@@ -1,4 +1,4 @@
-"""The small tables of a scene: load, creepage, grid, accuracy, stress, elasticity and solver.
+"""The small tables of a scene: load, creepage, grid, accuracy, subsurface planes.
 
 Units mm, N, MPa, degrees, revolutions.
 """
@@ -6,11 +6,14 @@ Units mm, N, MPa, degrees, revolutions.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator
 
+from tractive_sam.mechanics import HertzContact, HertzLine
 from tractive_sam.schema import (
     Check,
     Fault,
@@ -28,9 +31,95 @@ from tractive_sam.schema import (
     number_to_tuple,
     optional,
     shorten,
+    warn,
 )
 
-from .plane import Plane
+
+class PointContact:
+    """Units and motions of a contact of finite width, as opposed to a line contact.
+
+    Attributes
+    ----------
+    creepages : tuple of str
+        Relative motions of the rigid bodies.
+    weibull_slope : float
+        Usual slope of the Weibull distribution of lives, for ball bearings (Lundberg and Palmgren
+        1947).
+    """
+
+    creepages: ClassVar[tuple[str, ...]] = ("xi_x", "xi_y", "spin")
+    weibull_slope: ClassVar[float] = 10.0 / 9.0
+
+    def unit(self, unit: str) -> str:
+        """Return the unit of a quantity of the full contact, unchanged for a point contact."""
+        return unit
+
+
+class LineContact(PointContact):
+    """Units and motions of a line contact: bodies infinitely long in y, plane strain.
+
+    Resultants, areas and volumes are per length, mm. The slip by spin would vary in y. The usual
+    slope of lives is for roller bearings (Lundberg and Palmgren 1952).
+    """
+
+    creepages = ("xi_x", "xi_y")
+    weibull_slope = 9.0 / 8.0
+
+    def unit(self, unit: str) -> str:
+        """Return the unit per length of a quantity: N/mm for N."""
+        return {"mm3": "mm2", "mm2": "mm"}.get(unit, f"{unit}/mm")
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Plane x, y or z = number below the contact, with the text form ``y=0.75a``.
+
+    Parameters
+    ----------
+    axis : "x", "y" or "z"
+        The normal of the plane; z is the depth below the surface of a body.
+    number : float
+        The position; mm, or multiples of `unit`.
+    unit : "", "a" or "b"
+        Empty for mm, or the semi-axis of the unworn contact in x or in y.
+    """
+
+    axis: Literal["x", "y", "z"]
+    number: float
+    unit: Literal["", "a", "b"] = ""
+
+    @classmethod
+    def parse(cls, text: object) -> Plane:
+        """Return the plane that a text ``<axis>=<number>[a|b]`` describes.
+
+        Raises
+        ------
+        ValueError
+            If the text has another form, or the plane is above the surface (z < 0).
+        """
+        if isinstance(text, Plane):
+            return text
+        number_form = r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?"
+        form = rf"(?P<axis>[xyz])\s*=\s*(?P<number>{number_form})\s*(?P<unit>[ab]?)"
+        parts = re.fullmatch(form, text.strip(), re.ASCII) if isinstance(text, str) else None
+        if not parts:
+            examples = '"y=0", "x=-0.3" (mm), "y=0.75a" or "z=0.5b" (semi-axes of the contact)'
+            raise ValueError(f"planes like {examples}")
+        number = float(parts["number"]) + 0.0  # no negative zero
+        if parts["axis"] == "z" and number < 0:
+            raise ValueError("a depth z of at least 0")
+        if abs(number) > 1e30:
+            raise ValueError("a plane at a finite distance")
+        # The form allows no other names.
+        return cls(parts["axis"], number, parts["unit"])  # type: ignore[arg-type]
+
+    def value_in(self, a: float, b: float) -> float:
+        """Return the position of the plane in mm, for a contact with the semi-axes a, b in mm."""
+        return self.number * {"": 1.0, "a": a, "b": b}[self.unit]
+
+    def __str__(self) -> str:
+        return f"{self.axis}={repr(self.number).removesuffix('.0')}{self.unit}"
+
 
 Item = TypeVar("Item")
 
@@ -345,3 +434,62 @@ class Solver(Table):
     tolerance: Real = entry(
         "relative tolerance of the contact conditions", default=1e-8, ge=1e-13, le=1e-2
     )
+
+
+@dataclass(frozen=True)
+class FewestElements:
+    """Smallest numbers of elements across a contact that resolve contact and slip.
+
+    Attributes
+    ----------
+    contact : int
+        For the contact itself: with one or two elements its extent and its pressure depend on the
+        mesh only, and no element has neighbours in contact on both sides.
+    slip : int
+        Number that resolves a stick and a slip area.
+    """
+
+    contact: int = 3
+    slip: int = 8
+
+
+def warn_if_coarse(grid: Mesh, contact: HertzContact | HertzLine, margin: float = 1.15) -> None:
+    """Issue a warning if a grid is too coarse to resolve the Hertz contact.
+
+    Parameters
+    ----------
+    grid : Mesh
+        The grid of the scene.
+    contact : HertzContact or HertzLine
+        The unworn contact on it.
+    margin : float
+        Advised half length over the semi-axis, as for a chosen mesh.
+    """
+    if grid.elements is None:
+        return
+    elements = grid.elements if len(grid.elements) > 1 else grid.elements[0]
+    semi_axes = (contact.a, contact.b)[: len(grid.elements)]
+    half_length = grid.half_length or semi_axes
+    sides = [*zip("xy", grid.elements, half_length, semi_axes, strict=False)]
+    across = [n * semi_axis / half for _, n, half, semi_axis in sides]
+    if min(across) >= FewestElements.slip:
+        return
+    if min(across) < FewestElements.contact:
+        covered = " x ".join(f"{count:.2g}" for count in across)
+        advised = ", ".join(f"{margin * semi_axis:.3g}" for semi_axis in semi_axes)
+        fewest = math.ceil(FewestElements.slip * margin)
+        needed = (
+            f" and at least {fewest} elements per direction" if min(grid.elements) < fewest else ""
+        )
+        warn(
+            f"grid.elements: {elements} do not resolve the Hertz contact, which covers {covered} "
+            "of them in x and y; check the units of [load] and of the radii, or use "
+            f"grid.half_length = [{advised}]{needed}"
+        )
+        return
+    needs = [
+        f"at least {math.ceil(FewestElements.slip * half / semi_axis)} in {axis}"
+        for (axis, _, half, semi_axis), count in zip(sides, across, strict=True)
+        if count < FewestElements.slip
+    ]
+    warn(f"grid.elements: {elements} resolves the contact poorly; use {', '.join(needs)}")

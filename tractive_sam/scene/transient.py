@@ -12,9 +12,18 @@ from typing import Any, ClassVar, Literal
 
 from tractive_sam.schema import Check, Fault, InnerTable, Row, ValidEntries, entry, optional
 
-from .courses import Knots, NotBelowZero, Profiles, Saved
-from .schedule import Distance, Schedule, Shifts
-from .stage import CourseTable, Stage, check_courses
+from .schedule import (
+    CourseTable,
+    Distance,
+    Knots,
+    NotBelowZero,
+    Profiles,
+    Saved,
+    Schedule,
+    Shifts,
+    Stage,
+    check_courses,
+)
 
 
 def _check_stages(entries: ValidEntries) -> Iterator[Fault]:

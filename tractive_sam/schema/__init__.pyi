@@ -1,11 +1,6 @@
 """What `schema` exports, for `__init__.py` and for type checkers."""
 
 from . import toml as toml
-from .allowed_text import list_names as list_names
-from .alternatives import exactly_one as exactly_one
-from .alternatives import not_both as not_both
-from .description import Row as Row
-from .description import describe_tables as describe_tables
 from .document import Document as Document
 from .faults import Fault as Fault
 from .faults import PlausibilityWarning as PlausibilityWarning
@@ -32,6 +27,7 @@ from .field_types import PositivePair as PositivePair
 from .field_types import Radius as Radius
 from .field_types import Real as Real
 from .field_types import entry as entry
+from .field_types import list_names as list_names
 from .field_types import number_to_tuple as number_to_tuple
 from .field_types import optional as optional
 from .keys import Key as Key
@@ -49,7 +45,11 @@ from .named_law import load_law_class as load_law_class
 from .nested_tables import copy_tables as copy_tables
 from .nested_tables import remove_key as remove_key
 from .nested_tables import set_key as set_key
+from .table import Row as Row
 from .table import Table as Table
+from .table import describe_tables as describe_tables
 from .table_base import Check as Check
+from .table_base import ValidEntries as ValidEntries
+from .table_base import exactly_one as exactly_one
+from .table_base import not_both as not_both
 from .table_base import to_python as to_python
-from .valid_entries import ValidEntries as ValidEntries

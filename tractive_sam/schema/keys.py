@@ -17,8 +17,7 @@ from typing import Annotated, Any, Union, get_args, get_origin
 from pydantic import BaseModel, BeforeValidator
 from pydantic.fields import FieldInfo
 
-from .allowed_text import describe_allowed
-from .field_types import number_to_pair, number_to_tuple
+from .field_types import describe_allowed, number_to_pair, number_to_tuple
 
 
 @dataclass(frozen=True)

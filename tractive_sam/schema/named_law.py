@@ -24,8 +24,8 @@ import numpy as np
 from pydantic import ConfigDict, PydanticUserError, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
-from .allowed_text import describe_allowed, list_names
 from .faults import Fault, SceneError, shorten, suggest_name
+from .field_types import describe_allowed, list_names
 from .table import Table
 from .table_base import to_python
 

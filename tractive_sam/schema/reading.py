@@ -15,8 +15,15 @@ from pydantic import ConfigDict, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from .faults import Fault, SceneError, shorten
-from .table_base import TableBase, array_item, inner_table, suggest_key, to_python
-from .valid_entries import InvalidEntryError, ValidEntries
+from .table_base import (
+    InvalidEntryError,
+    TableBase,
+    ValidEntries,
+    array_item,
+    inner_table,
+    suggest_key,
+    to_python,
+)
 
 
 @dataclass

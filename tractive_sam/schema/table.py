@@ -1,4 +1,7 @@
-"""The base class of all tables of a document: construction, help and immutability.
+"""The base class of all tables of a document: construction, help, description.
+
+`Table.describe` returns the rows of a table that is given. `Table.effect` names what is left out
+if a table is absent. The table of an array has `describe_array` in addition.
 
 Pydantic checks the type and the bounds of each entry; `reading` collects the faults of all entries
 and of the checks between them.
@@ -9,11 +12,32 @@ from typing import Any, ClassVar
 
 from pydantic import BaseModel
 
-from .description import Row
+from tractive_sam.description import Row
+
 from .faults import SceneError
 from .keys import docstring_with_keys, key_signature, set_allowed_texts
 from .reading import read_entries
 from .table_base import TableBase
+
+
+def describe_tables(document: Any) -> dict[str, list[Row]]:
+    """Return the rows (label, text) that describe each table of a document, by its key."""
+    kinds = {key: document.table_class(info) for key, info in type(document).model_fields.items()}
+    return {
+        key: _describe_entry(kind, key, getattr(document, key), document)
+        for key, kind in kinds.items()
+        if kind is not None
+    }
+
+
+def _describe_entry(kind: Any, key: str, value: Any, document: Any) -> list[Row]:
+    """Return the rows that describe a table; of a missing one, what is left out."""
+    if isinstance(value, tuple):
+        return [*kind.describe_array(value, document)]
+    if value is not None:
+        return [*value.describe(document)]
+    return [Row(kind.effect, f"left out: the scene has no [{key}]")] if kind.effect else []
+
 
 _LIBRARY = set(dir(BaseModel))
 

@@ -1,6 +1,6 @@
-"""What a class of tables defines: its keys, its checks, other forms of its entries."""
+"""What a class of tables defines: its keys, its checks, other tables, and what they exclude."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from operator import methodcaller
 from typing import Any, ClassVar, get_args, get_origin
 
@@ -10,7 +10,31 @@ from pydantic.fields import FieldInfo
 
 from .faults import Fault, SceneError, shorten, suggest_name
 from .keys import split_key
-from .valid_entries import ValidEntries
+
+
+class InvalidEntryError(LookupError):
+    """Raised when a check reads an invalid or missing entry, so that the check is skipped."""
+
+
+class ValidEntries(dict[str, Any]):
+    """Valid entries of a table by dotted key; other keys raise `InvalidEntryError`.
+
+    A look-up of any other key raises `InvalidEntryError`. `given` contains the keys that the scene
+    gives, with valid or invalid values.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.given: set[str] = set()
+
+    def __missing__(self, key: str) -> Any:
+        raise InvalidEntryError(key)
+
+    def add(self, key: str, inner: "ValidEntries") -> None:
+        """Add the valid entries of the inner table `key`."""
+        self.update({f"{key}.{name}": value for name, value in inner.items()})
+        self.given.update(f"{key}.{name}" for name in inner.given)
+
 
 Check = Callable[[ValidEntries], Iterable[Fault]]
 
@@ -144,3 +168,30 @@ def to_python(value: Any) -> Any:
         case list() | tuple():
             return tuple(map(to_python, value))
     return value
+
+
+def exactly_one(*keys: str) -> Check:
+    """Return a check that reports a fault unless exactly one of some keys is given."""
+
+    def check(entries: ValidEntries) -> Iterator[Fault]:
+        if not entries.given.intersection(keys):
+            yield Fault(keys[0], "nothing", f"exactly one of {_join_keys(keys)}")
+        yield from not_both(*keys)(entries)
+
+    return check
+
+
+def not_both(*keys: str) -> Check:
+    """Return a check that reports a fault if more than one of some keys is given."""
+
+    def check(entries: ValidEntries) -> Iterator[Fault]:
+        first, *further = [key for key in keys if key in entries.given] or [""]
+        if further:
+            yield Fault(first, f"with {' and '.join(further)}", f"only one of {_join_keys(keys)}")
+
+    return check
+
+
+def _join_keys(keys: tuple[str, ...]) -> str:
+    """Return keys as a list in words: "a, b and c"."""
+    return f"{', '.join(keys[:-1])} and {keys[-1]}"

@@ -1,11 +1,5 @@
 """The public names of studies, for `__init__.py` and for type checkers."""
 
-from .axis import SAMPLE as SAMPLE
-from .axis import Axis as Axis
-from .axis import Bounds as Bounds
-from .axis import Dimension as Dimension
-from .axis import Latin as Latin
-from .axis import Values as Values
 from .case import Case as Case
 from .case import cases as cases
 from .cluster import SchedulerLostError as SchedulerLostError
@@ -13,8 +7,14 @@ from .cluster import check_installed as check_installed
 from .cluster import computed as computed
 from .cluster import local_cluster as local_cluster
 from .cost import explain_study as explain_study
+from .design import SAMPLE as SAMPLE
+from .design import Axis as Axis
+from .design import Bounds as Bounds
+from .design import Dimension as Dimension
+from .design import Latin as Latin
 from .design import Study as Study
 from .design import StudyError as StudyError
+from .design import Values as Values
 from .design import is_study as is_study
 from .figures import save_figures as save_figures
 from .results import STATUSES as STATUSES

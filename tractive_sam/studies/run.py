@@ -16,8 +16,7 @@ from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.chain import neighbour_order
 from tractive_sam.studies.cost import check_memory, estimates
 from tractive_sam.studies.design import Study
-from tractive_sam.studies.folder import Folder
-from tractive_sam.studies.results import StudyResults, open_study
+from tractive_sam.studies.results import Folder, StudyResults, open_study
 from tractive_sam.studies.task import COMPLETE, LOCKED, CaseOutcome, Task
 from tractive_sam.studies.worker import run_case, run_neighbour
 
