@@ -22,18 +22,18 @@ import pytest
 import tractive_sam
 
 LIMITS = {
-    "modules on the longest chain of imports": 13,
+    "modules on the longest chain of imports": 12,
     "modules that import each other, in any way": 0,
     "modules with TYPE_CHECKING": 3,
     "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
-    "import lines, per cent of code lines": 10.7,
-    "functions of at most 3 statements with one use": 310,
+    "import lines, per cent of code lines": 9.7,
+    "functions of at most 3 statements with one use": 300,
     "module constants": 256,
     "public names": 200,
 }
 
-SMALLEST = {"code lines of the median module": 82}
+SMALLEST = {"code lines of the median module": 100}
 """Numbers that only rise."""
 
 PACKAGE = Path(tractive_sam.__file__).parent
