@@ -1,5 +1,8 @@
 """What does not fit into the memory is refused before any of it is taken."""
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -7,6 +10,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.run import explain, memory
+from tractive_sam.run.argument_checks import read_profiles
 from tractive_sam.solvers import NEARBY
 
 FREE = 256 * 2**20
@@ -68,3 +72,60 @@ def test_memory_counts_the_vectors_of_a_linear_system(monkeypatch):
     tractions = 2 * model.grid.elements[0] * model.grid.elements[1]
     # Vectors, the responses to them and their basis, in doubles.
     assert memory.contact_bytes(model) - before == 3 * more * tractions * 8
+
+
+def measure_peak(name, settings, folder):
+    """Return the largest memory of a process that runs a scene, MiB."""
+    options = [part for one in settings for part in ("--set", one)]
+    code = (
+        "import resource, sys\n"
+        "from tractive_sam.cli.program import app\n"
+        "app(sys.argv[1:], standalone_mode=False)\n"
+        "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10)\n"
+    )
+    arguments = ["run", name, *options, "-o", f"{folder}/run.h5", "--overwrite", "--quiet"]
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+    return float(done.stdout.split()[-1])
+
+
+FATIGUE = ["fatigue.shear_yield=300", "fatigue.sensitivity=0.3", "fatigue.limit=250"]
+FINE = ["grid.elements=[256, 256]"]
+
+RUNS = {
+    "spheres": ("spheres", []),
+    "fine spheres": ("spheres", FINE),
+    "dissimilar bodies": ("spheres-dissimilar", FINE),
+    "line contact": ("cylinders", []),
+    "wear": ("twin-discs", ["wear.revolutions=300", *FINE]),
+    "transient": ("fretting", ["grid.elements=[128, 128]"]),
+    "heat": ("hot-discs", []),
+    "fatigue": ("spheres", FATIGUE),
+    "wheel and rail": ("wheel-rail", ["grid.elements=[128, 128]"]),
+    "profiles": ("wheel-wear", ["wear.revolutions=2000"]),
+}
+
+
+@pytest.fixture(scope="module")
+def programs(tmp_path_factory):
+    """Memory of the programs on this machine, MiB: of a run on a small mesh, less its own."""
+    small = ["grid.elements=[31, 31]"]
+    own = memory.scene_bytes(Model(ts.Scene.builtin("spheres").with_set(small))) / 2**20
+    return measure_peak("spheres", small, tmp_path_factory.mktemp("small")) - own
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is measured in KiB on Linux")
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_run_takes_the_memory_that_is_said(kind, programs, tmp_path):
+    name, settings = RUNS[kind]
+    scene = ts.Scene.builtin(name).with_set(settings)
+    model = Model(scene, profiles=read_profiles(scene))
+    said = programs + memory.scene_bytes(model) / 2**20
+    # The number of vectors of a linear system, and what the allocator keeps, are not known before.
+    assert measure_peak(name, settings, tmp_path) == pytest.approx(said, rel=0.15)

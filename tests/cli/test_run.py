@@ -4,6 +4,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numba
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -12,6 +13,7 @@ from tractive_sam.cli.output import report_compiling
 from tractive_sam.cli.scene_input import complete_keys, complete_scenes
 from tractive_sam.input_file import read_piped
 from tractive_sam.kernels.compiled import _Compiler
+from tractive_sam.rolling.stress import LargestStress
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 
@@ -138,8 +140,52 @@ def test_stopped_early(call, roll, error):
 def test_memory_that_does_not_suffice(call, roll):
     roll.error = MemoryError()
     result = call("run", "spheres")
+    assert result.exit_code == 3
+    assert "--resume" in result.stderr
+    assert len(open_history("spheres.h5")) == 3
+
+
+def test_memory_that_does_not_suffice_for_a_record(call, monkeypatch):
+    def fill_memory(*_arguments):
+        raise MemoryError
+
+    monkeypatch.setattr("tractive_sam.contact.Model.undeformed_gap", property(fill_memory))
+    result = call("run", "spheres")
     assert result.exit_code == 2
     assert "coarser [grid]" in result.stderr
+
+
+@pytest.mark.parametrize("scene", ["spheres", "twin-discs"])
+def test_a_contact_is_kept_if_the_memory_does_not_suffice_for_its_stress(call, monkeypatch, scene):
+    """What was computed is stored, and resumed to the results of an uninterrupted run."""
+    grid = "grid.elements=[21, 21]"
+    settings = ["--set", grid] + ["--set", "wear.revolutions=20"] * (scene == "twin-discs")
+    call("run", scene, *settings, "-o", "whole.h5")
+    whole = open_history("whole.h5")
+    kept = len(whole) - 1  # records with stress
+    computed = LargestStress.record_block
+    calls = []
+
+    def run_out_of_memory(observer, block):
+        calls.append(block)
+        if len(calls) > kept:
+            raise MemoryError
+        return computed(observer, block)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(LargestStress, "record_block", run_out_of_memory)
+        result = call("run", scene, *settings, "-o", "part.h5")
+    assert result.exit_code == 3
+    part = open_history("part.h5")
+    assert (part.status, len(part)) == ("stopped early", kept + 1)
+    assert part["P"].tolist() == whole["P"].tolist()
+    if not kept:
+        np.testing.assert_array_equal(part.field("pressure"), whole.field("pressure"))
+    assert call("run", scene, *settings, "-o", "part.h5", "--resume").exit_code == 0
+    resumed = open_history("part.h5")
+    assert resumed.finished
+    for name in ("P", "Qx", *(name for name in whole.columns if name.startswith("von_mises"))):
+        np.testing.assert_array_equal(resumed[name], whole[name])
 
 
 def test_warning_is_a_note_of_one_line_about_the_final_scene(call, roll):

@@ -94,11 +94,13 @@ def test_the_mesh_is_given_chosen_or_found():
 
 
 def test_memory_follows_the_elements():
-    # Of large meshes, which all hold as many vectors.
+    # Of large meshes, which all hold as many vectors, and those of an equally coarse mesh.
     room = [
-        memory.contact_bytes(Model(spheres(f"grid.elements=[{n}, {n}]"))) for n in (256, 512, 1024)
+        memory.contact_bytes(Model(spheres(f"grid.elements=[{n}, {n}]")))
+        for n in (256, 512, 1024, 2048)
     ]
-    for coarse, fine in pairwise(room):
+    added = [fine - coarse for coarse, fine in pairwise(room)]
+    for coarse, fine in pairwise(added):
         assert fine / coarse == pytest.approx(4.0, rel=0.1)  # sizes of transforms are rounded up
 
 

@@ -84,6 +84,7 @@ def _compute(
     from tractive_sam.run import roll, show_roll_progress
 
     before = _modified_at(path)
+    keeps = f"{path} contains the records so far, and --resume continues it"
     try:
         shown = show_roll_progress(scene, True, console(stderr=True))
         with report_compiling(), shown as progress, report_warnings() as notes:
@@ -92,8 +93,11 @@ def _compute(
             )
     except KeyboardInterrupt:
         written = resume or _modified_at(path) != before
-        cure = f"; {path} contains the records so far, and --resume continues it"
-        raise incomplete_exit(f"interrupted{cure if written else ''}") from None
+        raise incomplete_exit(f"interrupted{f'; {keeps}' if written else ''}") from None
+    except MemoryError:
+        if _modified_at(path) == before or not len(ts.open_history(path)):
+            raise
+        raise incomplete_exit(f"the memory is too small; {keeps} where more is free") from None
     except OSError as error:
         raise incomplete_exit(f"{path} cannot be written: {error}") from None
     return history, {str(note.message) for note in notes}

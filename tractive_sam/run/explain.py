@@ -56,7 +56,7 @@ class TypicalWork:
     overhead: float = 4e-4
 
 
-PROGRAM_MEMORY = 250
+PROGRAM_MEMORY = 220
 """Memory that a process takes before any scene, MiB."""
 
 

@@ -5,14 +5,21 @@ import math
 from tractive_sam.compute import available_memory
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
+from tractive_sam.operators.stress_layers import layer_cache
 from tractive_sam.results import FIELDS
-from tractive_sam.rolling import process_of
+from tractive_sam.rolling import process_of, process_type
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.solvers import NEARBY
 
 FIELD_COPIES = 3.5
 """Memory used while the stress of one plane is computed and written, in addition to all planes,
 over the numbers of that plane (measured on `spheres` with 40,000 depths)."""
+
+PROFILE_BYTES = 30.0 * 2**20
+"""Memory of the programs that find the contacts of profiles of wheel and rail."""
+
+_COARSE_VECTORS = 0.75 * NEARBY.krylov * NEARBY.gmres_from
+"""Numbers, for each field, of the Krylov space of the coarser mesh on which a large one starts."""
 
 FITS = 0.9
 """Fraction of the free memory that a proposed size takes."""
@@ -30,11 +37,33 @@ def contact_bytes(model: Model) -> float:
     # from which they are made, and the Krylov space: on a large mesh in single precision, on others
     # all vectors of a system, the responses to them and their orthonormal basis.
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
-    krylov = 25 if elements >= NEARBY.gmres_from else 3 * NEARBY.krylov
-    spectra = 1.5 * (9 if fields == 3 else 3)
-    block = 8.0 * (padded * (spectra + 3.75 * fields + 5) + krylov * fields * elements)
-    observers = process_of(model).following
-    return block * len(model.blocks) + sum(observer.bytes_needed(model) for observer in observers)
+    spectra = padded * (1.5 * (9 if fields == 3 else 3) + 3.75 * fields + 5)
+    vectors = 3.0 * NEARBY.krylov * elements
+    if elements >= NEARBY.gmres_from:
+        vectors = 25.0 * elements + _COARSE_VECTORS
+    process, schedule = process_of(model), model.scene.schedule
+    # Of the patches of a wheel, plans and tables remain; measured on `wheel-rail`.
+    patches = 1 if schedule.in_sequence else 1 + _count_records(model)
+    # Rectangles around a contact that changes as it wears have spectra and buffers of their own.
+    sizes = min(3, max(0, _count_records(model) - 2)) if model.scene.wear is not None else 0
+    rectangles = 48.0 * sizes * elements
+    block = 8.0 * (patches * (spectra + vectors * fields) + rectangles)
+    observed = sum(observer.bytes_needed(model) for observer in process.following)
+    return block * len(model.blocks) + observed
+
+
+def _count_records(model: Model) -> int:
+    """Return the number of records that the process of a model will probably write."""
+    return process_type(model.scene).expected_records(model.scene, model.grid.dx)
+
+
+def search_bytes(model: Model) -> float:
+    """Return the memory, bytes, in which [subsurface] seeks the largest stress; 0 without it.
+
+    Spectra of the tractions and of surface displacements, and the stress at the surface; a part of
+    them takes the place of vectors of the solver.
+    """
+    return 0.0 if model.scene.subsurface is None else 8.0 * 17 * math.prod(model.grid.elements)
 
 
 def stress_bytes(model: Model) -> float:
@@ -52,10 +81,12 @@ def fatigue_bytes(model: Model) -> float:
     table, (nx, ny) = model.scene.fatigue, model.grid.elements
     if table is None:
         return 0.0
-    # Layers extend beyond the mesh; a few of both bodies are in memory at a time.
-    layers = 3 * len(COMPONENTS) * 4 * nx * ny
-    blocks = len(model.blocks)
-    return 8.0 * len(table.bodies) * (blocks * layers + FIELD_COPIES * 20 * table.elements * ny)
+    # Layers of three lengths extend beyond the mesh, with their transforms.
+    layers = 7 * len(COMPONENTS) * 4 * nx * ny
+    results = FIELD_COPIES * 20 * table.elements * ny
+    tables = 8.0 * 20 * nx * ny * table.elements
+    cached = min(float(layer_cache.max_bytes), tables)
+    return 8.0 * len(table.bodies) * (len(model.blocks) * layers + results) + cached
 
 
 def records_bytes(model: Model) -> float:
@@ -67,7 +98,9 @@ def records_bytes(model: Model) -> float:
 
 def scene_bytes(model: Model) -> float:
     """Return the estimated memory of a roll that writes its records to a file, bytes."""
-    return contact_bytes(model) + stress_bytes(model) + fatigue_bytes(model)
+    profiles = 0.0 if model.scene.wheelset is None else PROFILE_BYTES
+    of_stress = search_bytes(model) + stress_bytes(model) + fatigue_bytes(model)
+    return contact_bytes(model) + of_stress + profiles
 
 
 def check_solve(model: Model) -> None:
@@ -91,11 +124,10 @@ def check_roll(model: Model, in_memory: bool) -> None:
     SceneError
         With the setting that would fit.
     """
+    free, stress = available_memory(), stress_bytes(model)
+    contact = scene_bytes(model) - stress + (records_bytes(model) if in_memory else 0.0)
+    _check_mesh(model, contact)
     check_solve(model)
-    free, contact, stress = available_memory(), contact_bytes(model), stress_bytes(model)
-    if in_memory:
-        contact += records_bytes(model)
-        _check_mesh(model, contact)
     if contact + stress > free:
         elements = required(model.scene.subsurface, "subsurface").elements
         fits = int(FITS * (free - contact) / stress * elements)
@@ -120,7 +152,9 @@ def _check_mesh(model: Model, needed: float) -> None:
     if needed <= free:
         return
     nx, ny = model.grid.elements
-    share = FITS * free / needed
+    # What does not depend on the mesh, as far as it leaves half of the memory to the rest.
+    fixed = min(0.5 * FITS * free, 8.0 * fields_per_operator(model) * _COARSE_VECTORS)
+    share = (FITS * free - fixed) / (needed - fixed)
     per_side = share ** (1.0 / sum(n > 1 for n in (nx, ny)))
     fits = " x ".join(str(max(1, int(per_side * n))) for n in (nx, ny))
     shortage = f"{nx} x {ny}, for which {_describe_shortage(needed, free)}"

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import chain
 from pathlib import Path
 from time import perf_counter
+from traceback import clear_frames
 from types import TracebackType
 from typing import Any, Self
 
@@ -115,7 +116,16 @@ class Recording:
         recorder = Recorder(self.columns, self.measured)
         with sink:
             for step in chain(first, process.steps(start)):
-                record = process.record(step, recorder)
+                try:
+                    record = process.record(step, recorder)
+                except MemoryError as error:
+                    clear_frames(error.__traceback__)  # they hold arrays
+                    # The contact is kept without what observers add, and computed again by resume.
+                    kept = process.record(replace(step, observed={}), recorder)
+                    if step is not start:  # stress belongs to all fields in the file
+                        kept = replace(kept, fields={})
+                    sink.append(kept, step.grid, None)
+                    raise
                 seconds = perf_counter() - began
                 record = replace(record, values={**record.values, "seconds": seconds})
                 began = perf_counter()

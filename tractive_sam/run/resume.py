@@ -14,7 +14,7 @@ from tractive_sam.results import UNNAMED, History, LawRecord, Quantity, describe
 from tractive_sam.rolling import Observer, Step, StoredStep, continuing_rows, process_type
 from tractive_sam.scene import Scene, use_contents
 from tractive_sam.schema import required
-from tractive_sam.store import DamagedError, ResultsError, read_state
+from tractive_sam.store import DamagedError, ResultsError, has_state, read_state
 
 FREE = (
     *("title", "solver", "grid", "load_history"),  # the blocks of a load history count
@@ -66,6 +66,8 @@ def last_step(
     _check_laws(history, path, (laws or Laws.of(scene)).differences_from(scene))
     _check_columns(history, path, columns)
     rows = continuing_rows(history)
+    if rows.size and not has_state(path, rows[-1]):
+        rows = rows[:-1]
     if not rows.size:
         return None
     row, place = int(rows[-1]), history[history.coordinate.name]

@@ -15,6 +15,7 @@ from .lock import hold_lock as hold_lock
 from .netcdf import netcdf_format as netcdf_format
 from .netcdf import read_netcdf as read_netcdf
 from .netcdf import write_netcdf as write_netcdf
+from .reader import has_state as has_state
 from .reader import open_history as open_history
 from .reader import read_state as read_state
 from .volume import Image as Image

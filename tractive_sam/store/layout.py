@@ -326,6 +326,7 @@ def _link_axes(
 
 def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> None:
     """Create the datasets of the state from which a run resumes."""
+    state.attrs["record"] = -1  # none yet
     first, *axes = _link_axes(state, grid, history)
     for name, quantity in FIELDS.items():
         create_rows(state, name, quantity, (first, *axes), rows=len(first))

@@ -109,6 +109,12 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
     return fields
 
 
+def has_state(path: str | PathLike, row: int) -> bool:
+    """Return whether a file has the state after a row; without it a contact was all that fitted."""
+    with open_results(Path(path)) as file:
+        return file.version == 1 or int(file.attribute("state", "record")) >= row
+
+
 def _read_history(file: ResultsFile) -> History:
     """Return the history in a file; fields, stress and fatigue are read when accessed."""
     n, m = file.records, file.length("fields/record")

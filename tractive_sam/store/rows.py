@@ -147,6 +147,8 @@ def drop_after_state(file: h5py.File) -> None:
     continues = history["converged"][:] > 0.0
     if "next_step" in history:  # a record between two steps has none
         continues &= np.isfinite(history["next_step"][:])
+    if (last := int(file["state"].attrs.get("record", -1))) >= 0:
+        continues[last + 1 :] = False
     count = len(continues) - int(np.argmax(continues[::-1])) if continues.any() else 0
     if count == len(continues):
         return
