@@ -15,9 +15,6 @@ FIELD_COPIES = 3.5
 """Memory used while the stress of one plane is computed and written, in addition to all planes,
 over the numbers of that plane (measured on `spheres` with 40,000 depths)."""
 
-PROFILE_BYTES = 30.0 * 2**20
-"""Memory of the programs that find the contacts of profiles of wheel and rail."""
-
 _COARSE_VECTORS = 0.75 * NEARBY.krylov * NEARBY.gmres_from
 """Numbers, for each field, of the Krylov space of the coarser mesh on which a large one starts."""
 
@@ -98,7 +95,8 @@ def records_bytes(model: Model) -> float:
 
 def scene_bytes(model: Model) -> float:
     """Return the estimated memory of a roll that writes its records to a file, bytes."""
-    profiles = 0.0 if model.scene.wheelset is None else PROFILE_BYTES
+    # The programs that find the contacts of profiles of wheel and rail.
+    profiles = 0.0 if model.scene.wheelset is None else 30.0 * 2**20
     of_stress = search_bytes(model) + stress_bytes(model) + fatigue_bytes(model)
     return contact_bytes(model) + of_stress + profiles
 
