@@ -41,7 +41,7 @@ def contact_bytes(model: Model) -> float:
     process, schedule = process_of(model), model.scene.schedule
     # Of the patches of a wheel, plans and tables remain; measured on `wheel-rail`.
     patches = 1 if schedule.in_sequence else 1 + _count_records(model)
-    # Rectangles around a contact that changes as it wears have spectra and buffers of their own.
+    # Each rectangle around a contact that changes as it wears has its spectra and buffers.
     sizes = min(3, max(0, _count_records(model) - 2)) if model.scene.wear is not None else 0
     rectangles = 48.0 * sizes * elements
     block = 8.0 * (patches * (spectra + vectors * fields) + rectangles)
