@@ -3,7 +3,7 @@
 Between the knots all prescribed quantities are linear in the distance. A stretch without length is
 a jump: the loads that jump take a shift, a step without distance. So is the place between two
 stages; each stage rolls or shifts. Steps end at every knot
-(`rolling.control.Stops`). A distance to save between two steps is reached by a shorter step from
+(`rolling.process.Stops`). A distance to save between two steps is reached by a shorter step from
 the first of them, from which nothing continues: what is stored does not change what is computed.
 
 Within a stretch tractions change smoothly, so they can be extrapolated. A step starts its search at

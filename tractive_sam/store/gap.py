@@ -31,8 +31,8 @@ from tractive_sam.text_table import (
 
 NAMES = ("x", "y", "separation")
 LARGEST = 1e30
-"""Largest magnitude of coordinates and separations, mm, at which no formula overflows. Equal to the
-limit in `scene.quantities`, which would load the scene reader."""
+"""Largest magnitude of coordinates and separations, mm, at which no formula overflows. Equal to
+`schema.LARGEST`, which would load the reader of scenes."""
 
 Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
