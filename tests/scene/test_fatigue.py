@@ -22,6 +22,7 @@ WHOLE = {"shear_yield": 300.0, "criterion": "dang-van", "sensitivity": 0.333, "l
         ({"criterion": "orthogonal-shear"}, "sensitivity"),
         ({"criterion": "fatemi-socie", "shear_yield": None}, "yield_strength"),
         ({"criterion": "tresca"}, "criterion"),
+        ({"criterion": "package.module:Law", "sensitivity": None, "limit": None}, "limit"),
         ({"exponent": 1e3}, "exponent"),
         ({"cycles": 0.0}, "cycles"),
         ({"elements": 3}, "elements"),

@@ -103,14 +103,15 @@ class FatigueVolume(Table):
     depth_exponent: NotNegative = entry("exponent of the depth", default=7.0 / 3.0, le=10.0)
 
 
-def _check_limit_of_volume(entries: ValidEntries) -> Iterator[Fault]:
-    """Report [fatigue.volume] without the limit of the criterion."""
-    if entries["volume"] is not None and entries["limit"] is None:
-        yield Fault(
-            "limit",
-            "nothing",
-            "a number above 0: [fatigue.volume] needs the utilisation of the criterion",
-        )
+def _check_limit_is_given(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a user-defined criterion, or [fatigue.volume], without the limit of the criterion."""
+    if entries["limit"] is not None:
+        return
+    if isinstance(entries["criterion"], NamedLaw):
+        yield Fault("limit", "nothing", f"a number above 0, which {entries['criterion']} needs")
+    if entries["volume"] is not None:
+        cure = "a number above 0: [fatigue.volume] needs the utilisation of the criterion"
+        yield Fault("limit", "nothing", cure)
 
 
 CriterionName = Literal["dang-van", "crossland", "findley", "fatemi-socie", "orthogonal-shear"]
@@ -175,7 +176,7 @@ class Fatigue(LawTable):
         _check_table_has_purpose,
         _check_sensitivity,
         _check_yield_of_criterion,
-        _check_limit_of_volume,
+        _check_limit_is_given,
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
