@@ -32,8 +32,8 @@ import tractive_sam as ts
 from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.cli import app, main
 from tractive_sam.store import HistoryWriter, ResultsError, open_history, writer
-from tractive_sam.store.checkpoints import Checkpoints
 from tractive_sam.store.opening import open_results
+from tractive_sam.store.writer import Checkpoints
 
 FOREVER = 10**9
 FAULTS = [

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import tractive_sam as ts
 from tractive_sam import plot
 from tractive_sam.cli import app
-from tractive_sam.cli.plot import Format
+from tractive_sam.cli.show import Format
 from tractive_sam.results.grid import Grid
 from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history

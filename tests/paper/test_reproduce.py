@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from tests.browser import needs_browser
 from tractive_sam import plot
 from tractive_sam.cli import app
-from tractive_sam.cli.plot import Format
+from tractive_sam.cli.show import Format
 from tractive_sam.paper import CHAPTERS, FULL, Chapter, Picture, Statement, Verdict, reproduce
 from tractive_sam.paper.page import text
 from tractive_sam.store import open_history

@@ -19,7 +19,7 @@ from tractive_sam.results.stored_fields import FIELDS
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
-from tractive_sam.store.format_version import FORMAT_VERSION
+from tractive_sam.store.datasets import FORMAT_VERSION
 
 AS_WRITTEN = (
     "grid.half_length=[0.35, 0.9]",

@@ -15,7 +15,7 @@ from tractive_sam.store import (
     open_history,
     results_writer,
 )
-from tractive_sam.store.checkpoints import Checkpoints
+from tractive_sam.store.writer import Checkpoints
 
 
 def test_a_second_run_is_refused_while_the_first_rolls(tmp_path):

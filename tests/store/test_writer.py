@@ -8,7 +8,7 @@ import pytest
 from tests.store.sample_records import SCENE, make_record, mesh, records
 from tractive_sam.results.history import History
 from tractive_sam.store import HistoryWriter, ResultsError, open_history
-from tractive_sam.store.checkpoints import Checkpoints
+from tractive_sam.store.writer import Checkpoints
 
 
 def test_file_and_memory_hold_the_same(finished):
@@ -67,7 +67,7 @@ def test_records_wait_for_a_checkpoint(path, monkeypatch):
 
 def test_checkpoints_take_their_share_of_the_time(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("tractive_sam.store.checkpoints.perf_counter", lambda: now[0])
+    monkeypatch.setattr("tractive_sam.store.writer.perf_counter", lambda: now[0])
     checkpoints = Checkpoints(share=0.1)
     assert checkpoints.is_due
     with checkpoints.take():

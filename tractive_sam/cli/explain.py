@@ -1,4 +1,4 @@
-"""``tractive-sam explain``: describe what a scene, a study or a table models, before it is run."""
+"""Commands ``explain``, ``keys`` and ``scenes``: what is modelled, every key, built-in scenes."""
 
 from collections.abc import Iterable
 from contextlib import suppress
@@ -6,16 +6,25 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich import box
 from rich.table import Table
 
 from tractive_sam.cli.output import (
     console,
     invalid_exit,
+    print_line,
     print_note,
     report_compiling,
     report_warnings,
 )
-from tractive_sam.cli.scene_input import Allow, SceneName, Settings, read_scene
+from tractive_sam.cli.scene_input import (
+    Allow,
+    SceneName,
+    Settings,
+    complete_builtin,
+    complete_tables,
+    read_scene,
+)
 
 
 def explain(
@@ -102,3 +111,64 @@ def _mention_tables(study: str) -> None:
         TableDesign.from_toml(study)
         cure = "for a table of creep forces write its tolerance into the file: tolerance = 0.02"
         print_note(f"{study} is read as a study; {cure}")
+
+
+_Table = Annotated[str | None, typer.Argument(metavar="TABLE", autocompletion=complete_tables)]
+
+
+def keys(table: _Table = None) -> None:
+    """List every key of a scene with its meaning, unit, allowed values and default.
+
+    Parameters
+    ----------
+    table
+        A table, for example wear or body.A; by default, all tables.
+    """
+    from tractive_sam.scene import Scene
+    from tractive_sam.schema import key_groups, shorten, suggest_name
+
+    groups = list(key_groups(Scene))
+    names = [name for group in groups for name in group.names if name]
+    wanted = None if table is None else table.strip("[]")
+    if wanted is not None and wanted not in names:
+        allowed = suggest_name(wanted, names)
+        raise invalid_exit(f"a scene has no table {shorten(table)}; {allowed}")
+    out = console()
+    for group in groups:
+        inside = wanted is None or any(f"{name}.".startswith(f"{wanted}.") for name in group.names)
+        if not (inside and group.keys):
+            continue
+        heading = ", ".join(f"[{name}]" for name in group.names if name) or "Above all tables"
+        out.print(f"\n{heading}", style="bold")
+        out.print(group.about.split("\n\n")[0].replace("\n", " "))
+        rows = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        for head in ("key", "meaning, unit", "allowed", "default"):
+            rows.add_column(head, overflow="fold")
+        for key in group.keys:
+            rows.add_row(key.name, key.meaning, key.allowed, key.default)
+        out.print(rows)
+
+
+_Name = Annotated[str | None, typer.Option(metavar="NAME", autocompletion=complete_builtin)]
+
+
+def scenes(write: _Name = None) -> None:
+    """List the built-in scenes, or write one to a file that you can edit.
+
+    Parameters
+    ----------
+    write
+        Write this scene to NAME.toml, with a comment on every key.
+    """
+    from tractive_sam.output_file import write_file
+    from tractive_sam.scene import Scene, builtin_names, commented_scene
+
+    if write is not None:
+        path = Path(f"{write}.toml")
+        write_file(path, commented_scene(write), exclusive=True)
+        print_line(path)
+        return
+    table = Table.grid(padding=(0, 2))
+    for name in builtin_names():
+        table.add_row(name, Scene.builtin(name).title)
+    console().print(table)

@@ -12,10 +12,9 @@ import typer
 from typer.core import TyperGroup
 
 from tractive_sam import interrupt
-from tractive_sam.cli.explain import explain
+from tractive_sam.cli.explain import explain, keys, scenes
 from tractive_sam.cli.export import export
 from tractive_sam.cli.fit import fit
-from tractive_sam.cli.keys import keys
 from tractive_sam.cli.locus import locus, wear
 from tractive_sam.cli.output import (
     ExitStatus,
@@ -26,14 +25,10 @@ from tractive_sam.cli.output import (
     replace_missing_signs,
     running_command,
 )
-from tractive_sam.cli.plot import plot
-from tractive_sam.cli.report import report
 from tractive_sam.cli.reproduce import reproduce
 from tractive_sam.cli.run import run
-from tractive_sam.cli.scenes import scenes
-from tractive_sam.cli.show import show
+from tractive_sam.cli.show import plot, report, show, study_show
 from tractive_sam.cli.study import study
-from tractive_sam.cli.study_show import study_show
 from tractive_sam.cli.table import table
 from tractive_sam.safe_text import printable_text
 

@@ -13,7 +13,7 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
-from tractive_sam.cli.plot import Format
+from tractive_sam.cli.show import Format
 
 
 def reproduce(

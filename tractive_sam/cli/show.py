@@ -1,17 +1,28 @@
-"""``tractive-sam show``: print a results file or a table of creep forces."""
+"""Commands ``show``, ``plot``, ``report``, ``study-show``: a file as text, figures, a page."""
 
 import csv
 import json
+import re
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, TypeAlias
 
 import typer
+from rich import box
+from rich.table import Table
 
 import tractive_sam as ts
 from tractive_sam.cli.explain import print_description
-from tractive_sam.cli.fit import show_fit
-from tractive_sam.cli.output import console, invalid_exit, print_line
+from tractive_sam.cli.fit import plot_fit, show_fit, write_fit_report
+from tractive_sam.cli.output import (
+    console,
+    invalid_exit,
+    print_line,
+    print_message,
+    print_note,
+    refuse,
+    report_warnings,
+)
 from tractive_sam.safe_text import csv_cell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
@@ -90,3 +101,226 @@ def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
         print_line(json.dumps(table_as_dict(table), allow_nan=False))
     else:
         print_description(table.title, explain_table(table))
+
+
+Format: TypeAlias = Literal["png", "pdf", "svg"]
+"""Formats of figures as choices of an option, as `tractive_sam.plot.FORMATS`."""
+
+
+def _parse_width(text: str) -> float:
+    """Return the width in mm of a text as "84mm" or "84"; raise an error outside 30 to 1000."""
+    number = re.fullmatch(r"(\d+(?:\.\d+)?)\s*(?:mm)?", text.strip())
+    if number is None or not 30.0 <= float(number[1]) <= 1000.0:
+        raise typer.BadParameter(f"{text!r} is not a width; use 30mm to 1000mm, as in 84mm")
+    return float(number[1])
+
+
+Measured = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.csv",
+        help="Draw measured points and the rms of their differences from the results. The CSV "
+        "file has the column revolution (or distance) and further columns, for example "
+        "Qx_over_P or 'worn_mass B'.",
+    ),
+]
+
+
+def plot(
+    file: Results,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")] = None,
+    format: Format = "png",
+    units: Literal["hertz", "si-mm"] = "hertz",
+    dpi: Annotated[int, typer.Option(min=20, max=1200)] = 200,
+    block: Annotated[list[str] | None, typer.Option(metavar="BLOCK")] = None,
+    title: Annotated[bool, typer.Option("--title/--no-title")] = True,
+    width: Annotated[float | None, typer.Option(parser=_parse_width, metavar="WIDTH")] = None,
+    measured: Measured = None,
+    animated: Annotated[bool, typer.Option("--animate")] = False,
+) -> None:
+    """Draw every figure that applies to a results file.
+
+    Parameters
+    ----------
+    output
+        Folder of the figures; by default, FILE-figures in the working folder.
+    format
+        Format of the figures.
+    units
+        Divide by the Hertzian half-widths and pressure, or use mm and MPa.
+    dpi
+        Dots per inch of PNG figures.
+    block
+        Also draw a block of a duty cycle, by its name or its index from 0, into a separate
+        folder; all: every block. May be repeated.
+    title
+        Draw titles.
+    width
+        Width of every figure, for example 84mm for a journal column.
+    animated
+        Also write evolution.gif, an animation of the stored revolutions.
+    """
+    if plot_fit(file, output, format, dpi, measured is not None):
+        return
+    from tractive_sam.plot import Measurements, animate, save_all
+    from tractive_sam.store import open_history
+
+    history = open_history(file)
+    with refuse(LookupError):
+        every = range(len(history.block_names))
+        blocks = every if block == ["all"] else [*map(history.place_of, block or ())]
+    with refuse(ValueError), report_warnings():
+        points = None if measured is None else Measurements.from_file(measured)
+        folder = output or Path(f"{file.stem}-figures")
+        paths = save_all(
+            history, folder, format, units=units, dpi=dpi, blocks=blocks, titles=title,
+            width=width, measured=points,
+        )  # fmt: skip
+        if animated:
+            paths.append(animate(history, folder / "evolution.gif"))
+    if not paths:
+        raise invalid_exit(f"{file} contains no record to draw; resume its run")
+    if not history.finished:
+        print_note(f"{file} is {history.status}: {history.message}")
+    if history.block_names and not block:
+        names = ", ".join(history.block_names)
+        print_note(f"--block NAME draws a block of the duty cycle: {names}; --block all draws each")
+    for path in paths:
+        print_line(path)
+
+
+def report(
+    file: Results,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.html")] = None,
+    measured: Measured = None,
+) -> None:
+    """Write a results file as one interactive page, which needs no other file and no network.
+
+    Parameters
+    ----------
+    output
+        The page; an existing page is replaced. By default, FILE.html in the working folder.
+    """
+    if write_fit_report(file, output, measured is not None):
+        return
+    from tractive_sam import pages
+    from tractive_sam.plot import Measurements
+    from tractive_sam.store import open_history
+
+    history = open_history(file)
+    if not len(history):
+        raise invalid_exit(f"{file} has no record to show; resume its run")
+    path = output or Path(f"{file.stem}.html")
+    with refuse(ValueError), report_warnings():
+        points = None if measured is None else Measurements.from_file(measured)
+        pages.report(history, path, points)
+    if not history.finished:
+        print_note(f"{file} is {history.status}: {history.message}")
+    print_line(path)
+
+
+def study_show(
+    directory: Annotated[Path, typer.Argument(metavar="DIR")],
+    csv: Annotated[Path | None, typer.Option(metavar="FILE")] = None,
+    netcdf: Annotated[Path | None, typer.Option(metavar="FILE")] = None,
+    figures: Annotated[Path | None, typer.Option(metavar="DIR")] = None,
+    quantity: Annotated[list[str] | None, typer.Option(metavar="NAME")] = None,
+    units: Annotated[bool, typer.Option("--units")] = False,
+    at: Annotated[list[str] | None, typer.Option(metavar="KEY=VALUE")] = None,
+    format: Format = "png",
+) -> None:
+    """Show all cases of a study with their last records, even while it is running.
+
+    Parameters
+    ----------
+    directory
+        The folder of a study.
+    csv
+        Write all quantities of all cases as CSV.
+    netcdf
+        Write all quantities as netCDF, as functions of the axes, for xarray.
+    figures
+        Draw quantities as functions of one or two axes, into a folder.
+    quantity
+        Quantity to draw and to write as CSV, for example Qx_over_P; may be repeated.
+    units
+        Write units into the headings of the CSV, for example Qx [N].
+    at
+        Fix an axis in figures, if more than two vary; may be repeated.
+    format
+        Format of the figures.
+    """
+    from tractive_sam.scene import parse_settings
+    from tractive_sam.studies import open_study, save_figures
+
+    results, names = open_study(directory), tuple(quantity or ())
+    fixed = parse_settings(at or ())
+    written = []
+    with refuse(ValueError):
+        if csv is not None:
+            results.save_csv(csv, quantities=names, units=units)
+            written.append(csv)
+        if netcdf is not None:
+            results.save_netcdf(netcdf)
+            written.append(netcdf)
+        if figures is not None:
+            written += save_figures(results, figures, quantities=names, at=fixed, format=format)
+    if (csv, netcdf, figures) == (None, None, None):
+        console().print(_case_table(results))
+    print_failures(results)
+    report_versions(results)
+    if results.damage_note:
+        print_note(results.damage_note)
+    counts = [f"{count} {status}" for status, count in results.counts.items() if count]
+    print_message(f"{len(results)} cases: {', '.join(counts)}")
+    for path in written:
+        print_line(path)
+
+
+def print_failures(results: "ts.StudyResults", max_lines: int = 10) -> None:
+    """Print the failed cases of a study with their messages, at most `max_lines` of them."""
+    failed = [row for row in results.rows if row.status == "failed"]
+    for row in failed[:max_lines]:
+        print_message((f"{row.case} failed: ", "bold red"), row.message)
+    if len(failed) > max_lines:
+        print_message(f"and {len(failed) - max_lines} more")
+
+
+def report_versions(results: "ts.StudyResults") -> None:
+    """Print a note if several versions of this package computed the cases of a study."""
+    if len(results.versions) > 1:
+        counts = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
+        cure = "to compute them again, remove the files of one version (see study-show --csv)"
+        if results.study.keep == "scalars":
+            cure = "in a new folder this version computes all of them"
+        print_note(f"several versions computed the cases: {counts}; {cure}")
+
+
+def _case_table(results: "ts.StudyResults") -> Table:
+    """Return a terminal table of the cases of a study: changed keys, status and results."""
+    from tractive_sam.cli.tables import select_columns
+    from tractive_sam.description import format_setting
+    from tractive_sam.results import columns
+
+    keys = [key for dimension in results.study.dimensions for key in dimension.columns]
+    scene = results.study.scene
+    shown = [
+        column
+        for column in select_columns(columns(scene))
+        if column.name != "residual" and not (scene.line and "_y" in column.name)
+    ]
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("case", justify="right")
+    for key in keys:
+        table.add_column(key.replace(".", ".\n"), justify="right")
+    table.add_column("status")
+    for column in shown:
+        table.add_column(column.heading, justify="right", no_wrap=True)
+    for row in results.rows:
+        changes = [format_setting(row.case.changes[key]) for key in keys]
+        numbers = [
+            column.format_value(row.last[column.name]) if column.name in row.last else ""
+            for column in shown
+        ]
+        table.add_row(str(row.case.number), *changes, row.status, *numbers)
+    return table

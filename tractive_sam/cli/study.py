@@ -51,7 +51,7 @@ def study(
         run programs through them; by default, they do.
     """
     from tractive_sam import studies
-    from tractive_sam.cli.study_show import print_failures, report_versions
+    from tractive_sam.cli.show import print_failures, report_versions
 
     check_workers(scheduler, workers)
     if scheduler is not None and encrypted:

@@ -3,13 +3,13 @@
 from .creep_table import TABLE_FORMAT as TABLE_FORMAT
 from .creep_table import StoredTable as StoredTable
 from .creep_table import read_creep_table as read_creep_table
+from .datasets import FORMAT_VERSION as FORMAT_VERSION
+from .datasets import versions as versions
 from .errors import DamagedError as DamagedError
 from .errors import FileInUseError as FileInUseError
 from .errors import GapError as GapError
 from .errors import ResultsError as ResultsError
 from .errors import StorageError as StorageError
-from .format_version import FORMAT_VERSION as FORMAT_VERSION
-from .format_version import versions as versions
 from .gap import read_gap as read_gap
 from .lock import hold_lock as hold_lock
 from .netcdf import netcdf_format as netcdf_format

@@ -1,7 +1,15 @@
-"""Datasets of a results file: scales, rows of records, and their description."""
+"""Datasets of a results file: texts, scales, rows of records; and the versions of packages.
+
+HDF5 stores texts of variable length in a heap that all texts of a file share. The heap has no
+checksum, and HDF5 may never return from a damaged heap. So the package reads only texts of fixed
+length.
+"""
 
 import math
+import platform
 from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 import h5py
@@ -9,6 +17,58 @@ import numpy as np
 
 from tractive_sam.results import Quantity
 from tractive_sam.scene import Plane
+
+
+def set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
+    """Set an HDF5 attribute to a text of fixed length."""
+    encoded = text.encode()
+    node.attrs.create(name, encoded, dtype=_text_type(encoded))
+
+
+def decode_text(value: str | bytes) -> str:
+    """Return an HDF5 text as str; ValueError unless it is text in UTF-8.
+
+    Raises
+    ------
+    ValueError
+        If it is not a text in UTF-8.
+    """
+    if not isinstance(value, str | bytes):
+        raise ValueError(f"{value!r} is not a text")
+    return value.decode() if isinstance(value, bytes) else value.encode().decode()
+
+
+def create_text(group: h5py.Group, name: str, text: str) -> h5py.Dataset:
+    """Create an HDF5 dataset with one text."""
+    encoded = text.encode()
+    return group.create_dataset(name, data=np.array(encoded, _text_type(encoded)))
+
+
+def _text_type(encoded: bytes) -> np.dtype:
+    """Return the HDF5 type of an encoded text with a final zero byte."""
+    return h5py.string_dtype("utf-8", len(encoded) + 1)
+
+
+FORMAT = "tractive-sam history"
+FORMAT_VERSION = 2
+"""Increased when readers of the version before would misread the file. Version 1 is still read, see
+`legacy_format`. A new column needs no new version: a missing column reads as nan."""
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python, this package and the five it computes with, by name."""
+    packages = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
+    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
+
+
+@cache  # reading the description of a package takes milliseconds
+def _version(package: str) -> str:
+    """Return the version of an installed package, or a note that it is missing."""
+    try:
+        return version(package)
+    except PackageNotFoundError:  # run from a source tree
+        return "not installed"
+
 
 COMPRESSED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 """Filters of fields."""

@@ -16,8 +16,7 @@ from tractive_sam.input_file import open_regular
 from tractive_sam.scene import ALONG, TEXTS
 from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
-from tractive_sam.store.hdf5_file import open_to_read
-from tractive_sam.store.hdf5_guard import get_member, numeric_dataset
+from tractive_sam.store.hdf5_guard import get_member, numeric_dataset, open_to_read
 from tractive_sam.store.numpy_guard import read_archive, read_array
 from tractive_sam.text_table import (
     LENGTHS,

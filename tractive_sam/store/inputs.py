@@ -11,10 +11,9 @@ import numpy as np
 from tractive_sam.rail import Profile, RailSections
 from tractive_sam.results import Quantity
 from tractive_sam.scene import FileContent, Scene
-from tractive_sam.store.datasets import COMPRESSED, create_scale, describe_dataset
+from tractive_sam.store.datasets import COMPRESSED, create_scale, describe_dataset, set_text
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import ResultsFile, open_results
-from tractive_sam.store.texts import set_text
 
 _PARTS = ("y", "z", "tangent_y", "tangent_z")
 """Numbers of profiles: points and tangents."""

@@ -65,15 +65,19 @@ from tractive_sam.results import columns as columns_of
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.store.datasets import (
     COMPRESSED,
+    FORMAT,
+    FORMAT_VERSION,
     create_labels,
     create_rows,
     create_scale,
+    create_text,
+    decode_text,
     describe_dataset,
     plane_path,
+    set_text,
+    versions,
 )
-from tractive_sam.store.format_version import FORMAT, FORMAT_VERSION, versions
 from tractive_sam.store.inputs import add_inputs
-from tractive_sam.store.texts import create_text, decode_text, set_text
 
 RUNNING = ("running", "the computation has not ended yet, or was killed")
 """Status and message of a run that has not ended."""

@@ -18,8 +18,12 @@ from tractive_sam.extras import require_extra
 from tractive_sam.input_file import open_regular
 from tractive_sam.output_file import describe_os_error, write_file
 from tractive_sam.store.errors import DamagedError, ResultsError
-from tractive_sam.store.hdf5_file import open_to_read
-from tractive_sam.store.hdf5_guard import check_claimed_size, get_member, has_endless_heap
+from tractive_sam.store.hdf5_guard import (
+    check_claimed_size,
+    get_member,
+    has_endless_heap,
+    open_to_read,
+)
 
 _SEAL = b"\nSHA-256 of the bytes before this line: "
 

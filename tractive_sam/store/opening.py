@@ -9,16 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.output_file import describe_os_error
+from tractive_sam.store.datasets import FORMAT, FORMAT_VERSION, decode_text
 from tractive_sam.store.errors import DamagedError, ResultsError
-from tractive_sam.store.format_version import FORMAT, FORMAT_VERSION
-from tractive_sam.store.hdf5_file import open_to_read
 from tractive_sam.store.hdf5_guard import (
     check_claimed_size,
     get_member,
     has_endless_heap,
     numeric_dataset,
+    open_to_read,
 )
-from tractive_sam.store.texts import decode_text
 
 
 @contextmanager

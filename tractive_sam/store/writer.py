@@ -1,4 +1,4 @@
-"""Streams records into a results file that is complete at every moment.
+"""Streams records into a results file that is complete at every time.
 
 At a checkpoint a copy replaces the file (`atomic_rewrite`). The copy contains all records so far
 and the state from which rolling resumes. So the file can be read at any time. If the process is
@@ -7,9 +7,11 @@ schedules the copies. A copy is also made when more than `PENDING_BYTES` wait, a
 after an exception.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from time import perf_counter
 from types import TracebackType
 from typing import Self
 from uuid import uuid4
@@ -22,11 +24,37 @@ from tractive_sam.results import Grid, LawRecord, Quantity, Record, widen_field
 from tractive_sam.scene import Scene
 from tractive_sam.store import layout, legacy_format, rows, write_access
 from tractive_sam.store.atomic import atomic_rewrite
-from tractive_sam.store.checkpoints import Checkpoints
+from tractive_sam.store.datasets import set_text
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import open_results
 from tractive_sam.store.reader import open_history, read_state
-from tractive_sam.store.texts import set_text
+
+
+class Checkpoints:
+    """Timer of checkpoints that limits the share of the wall time spent on them.
+
+    Parameters
+    ----------
+    share : float
+        Largest share of the wall time; infinite for a checkpoint after every record.
+    """
+
+    def __init__(self, share: float = 0.02) -> None:
+        self._share, self._next = share, -math.inf
+
+    @property
+    def is_due(self) -> bool:
+        """Whether it is time for the next checkpoint."""
+        return perf_counter() >= self._next
+
+    @contextmanager
+    def take(self) -> Iterator[None]:
+        """Measure the duration of the block, one checkpoint, and schedule the next one."""
+        start = perf_counter()
+        yield
+        end = perf_counter()
+        self._next = end + (end - start) / self._share
+
 
 PENDING_BYTES = 2**24
 """Largest size of the fields that wait for the next copy, bytes."""
