@@ -27,13 +27,13 @@ LIMITS = {
     "modules with TYPE_CHECKING": 3,
     "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
-    "import lines, per cent of code lines": 9.7,
+    "import lines, per cent of code lines": 9.6,
     "functions of at most 3 statements with one use": 300,
     "module constants": 256,
     "public names": 200,
 }
 
-SMALLEST = {"code lines of the median module": 100}
+SMALLEST = {"code lines of the median module": 106}
 """Numbers that only rise."""
 
 PACKAGE = Path(tractive_sam.__file__).parent
