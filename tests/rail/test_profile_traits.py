@@ -2,6 +2,7 @@
 
 import re
 import tracemalloc
+import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -298,6 +299,23 @@ def test_the_tape_line_is_compared_with_the_back_of_the_wheel(tmp_path, place):
         assert bool(note) == (abs(place + 70.0) > 1.0)
         assert f"tape_line = {-place:g}" in note or not note
         assert not check_datum(profile, -place)
+
+
+@pytest.mark.parametrize("z", [-4.0, -0.9, 0.9, 5.0])
+def test_the_height_at_the_tread_datum_is_stated_with_the_radius(tmp_path, z):
+    path = tmp_path / "a.whl"
+    path.write_bytes(lines(change=shift(0.0, z))(WHEEL))
+    profile = read_profile(path, "wheel")
+    note = check_datum(profile, 70.0, 460.0)
+    assert bool(note) == (abs(z) > 1.0)
+    assert f"{460.0 + z:g} mm, and not wheel.radius" in note or not note
+    wheel = {"profile": path, "radius": 460.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ts.SceneWarning)
+        one = ts.Scene(**{**TABLES, "wheel": wheel, "wheelset": {"load": 1e4}})
+    plain = ts.Scene(**{**TABLES, "wheelset": {"load": 1e4}})
+    radii = [s.wheel_rail.patches[0].rolling_radius for s in (plain, one)]
+    assert radii[1] - radii[0] == pytest.approx(z, abs=1e-2)  # four digits in the file
 
 
 def test_the_direction_of_a_tread_without_its_flange_is_not_guessed():

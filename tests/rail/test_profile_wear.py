@@ -91,6 +91,26 @@ def test_wear_follows_the_frictional_work(scene):
     assert history["worn_volume"][-1, 0] == pytest.approx(volume, rel=1e-3)
 
 
+@pytest.mark.parametrize("heated", [False, True])
+def test_wear_has_the_friction_of_the_tractions(scene, heated):
+    """Archard's law, where friction varies in the patch: in full slip volume = k times p s.
+
+    With the friction of other places the wear would be another by the ratio of both.
+    """
+    ramp = {"friction.across": ((735.0, 0.2), (745.0, 1.0))}
+    position = {"wheelset.y": 3.0, "wheelset.yaw": 15.0, "wear.revolutions": 1}
+    one = scene.replace(duty=None, **position, **ramp)
+    if heated:
+        warm = {"friction.temperature": ((20.0, 1.0), (500.0, 0.8)), "creepage.speed": 2e4}
+        one = one.replace(heat={"bulk": 20.0}, **warm)
+    contact = ts.solve(one.replace(wear=None))
+    assert contact.stick_fraction == 0.0
+    slid = np.hypot(*contact.slip) * contact.pressure
+    expected = 2.0e-5 * 1e-3 * slid.sum() * contact.grid.element_area
+    # The load is shared to 1e-4.
+    assert ts.roll(one)["worn_section"][-1].sum() == pytest.approx(expected, rel=1e-4)
+
+
 @pytest.mark.slow
 def test_no_node_gains_material(worn):
     assert (np.diff(worn.wheel_depth, axis=0) >= 0.0).all()

@@ -61,6 +61,7 @@ def test_spherical_profiles_have_the_gap_of_spheres():
 
 
 CREEPAGE = {"longitudinal": -1e-3, "lateral": 5e-4, "spin": 1e-4}
+SLIDES = {"longitudinal": 0.0, "lateral": 0.05, "spin": 0.0}
 
 
 @pytest.mark.parametrize(
@@ -206,7 +207,7 @@ def test_friction_dissipates_the_work_supplied():
 
 def test_a_stripe_of_friction_is_a_place_on_the_rail():
     """Both patches slide entirely: each has the friction at its place in the track."""
-    one = scene(4.92, yaw=11.8).replace(**{"creepage.lateral": 0.05})
+    one = scene(4.92, yaw=11.8).replace(creepage=SLIDES)
     y = sorted(ts.roll(one)["contact_y"])
     middle = sum(y) / 2.0
     wet = one.replace(**{"friction.across": ((middle - 0.5, 0.2), (middle + 0.5, 1.0))})
@@ -215,6 +216,26 @@ def test_a_stripe_of_friction_is_a_place_on_the_rail():
     assert ratio[np.argsort(history["contact_y"])] == pytest.approx([0.2, 1.0], abs=1e-3)
     with pytest.raises(ts.SceneError, match="across"):
         one.replace(**{"friction.across": ((-5.0, 0.2), (5.0, 1.0))})
+
+
+RAMP = ((735.0, 0.2), (745.0, 1.0))
+"""Friction across the patch near y = 739 mm, from about 0.4 to 0.85 times mu."""
+
+
+@pytest.mark.parametrize("strength", [None, 1e9])
+def test_friction_varies_within_a_patch(strength):
+    """Each row of full slip has the friction of its place in the track."""
+    changes = {"friction.across": RAMP, "friction.strength": strength, "creepage": SLIDES}
+    contact = ts.solve(scene(3.0, yaw=8.0).replace(**changes))
+    patch = contact.scene.wheel_rail.patches[0]
+    rows = (contact.pressure > 0.0).any(axis=0)
+    y = contact.grid.y[rows]
+    ratio = np.hypot(*contact.traction).sum(axis=0) / contact.pressure.sum(axis=0).clip(1e-300)
+    # The rail is curved: the surface is 0.01 mm beside the plane of the patch, 2e-4 of the factor.
+    place = patch.origin[1] + y * math.cos(patch.angle)
+    expected = 0.3 * np.interp(place, *np.transpose(RAMP))
+    assert np.ptp(expected) > 0.05
+    assert ratio[rows] == pytest.approx(expected, abs=2e-3)
 
 
 def test_a_wheel_without_a_flange_rests_on_its_rail(tmp_path):
@@ -243,9 +264,18 @@ def test_left_and_right_are_mirrored():
 
 
 def test_given_creepages_replace_those_of_the_wheelset():
-    one = scene().replace(**{"creepage.longitudinal": -0.001})
+    with pytest.warns(ts.SceneWarning, match="lateral and spin are 0") as notes:
+        one = scene().replace(**{"creepage.longitudinal": -0.001})
+    motion = scene().wheel_rail.creepages
+    assert f"creepage.lateral = {motion[1]:.4g}, creepage.spin = {motion[2]:.4g}" in str(
+        notes[0].message
+    )
+    (pitch,) = (row.text for row in one.wheelset.describe(one) if row.label == "pitch")
+    assert "not used" in pitch
     contact = ts.solve(one)
     assert (contact.xi_x, contact.xi_y, contact.spin) == (-0.001, 0.0, 0.0)
+    with pytest.warns(ts.SceneWarning, match="wheelset.pitch"):
+        scene(pitch=0.0).replace(creepage=CREEPAGE)
     faster = scene().replace(**{"creepage.speed": 2e4})
     assert faster.creepage.spin == scene().creepage.spin
 

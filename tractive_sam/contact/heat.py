@@ -198,9 +198,10 @@ def wear_law_at(model: Model, contact: State) -> WearLaw | None:
 
     def complete(part: WearLaw) -> WearLaw:
         if isinstance(part, ArchardByWork) and part.friction:
-            friction = part.friction.on_rows(model.lateral_positions)
+            friction = part.friction
             if required(scene.friction, "friction").temperature is not None:
                 friction = friction_at_temperature(model, required(temperature, "heat"))
+            friction = friction.on_rows(model.grid.y, model.lateral_positions)
             part = replace(part, friction=friction, length=model.grid.dx)
         if scene.wear is not None and scene.wear.temperature:
             degrees, factors = np.array(scene.wear.temperature).T
@@ -214,12 +215,14 @@ def wear_law_at(model: Model, contact: State) -> WearLaw | None:
 def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCoulomb:
     """Return the friction law at surface temperatures (n_x, n_y); raise if it depends on none.
 
+    As `Laws.friction`, it is not yet a law on the rows of the mesh (`FrictionLaw.on_rows`).
+
     Raises
     ------
     ValueError
         If the law cannot depend on temperature.
     """
-    law = model.friction_law
+    law = model.laws.friction
     if not isinstance(law, FallingCoulomb):
         raise ValueError(
             f"friction.temperature: the friction law {type(law).__name__} replaces that of the "

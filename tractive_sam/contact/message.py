@@ -137,17 +137,19 @@ def too_steep(steepness: float, in_step: bool = False) -> str:
     """
     if in_step:
         power = 10 ** math.floor(math.log10(max(steepness, 1.0)))
+        by = f" (more than {power} times)" if power > 1 else ""
         return (
-            f"friction.law: friction falls {power} or more times as fast with sliding as all "
-            "elements together deform, so a step may have several solutions; friction.start "
+            "friction.law: with sliding, friction falls faster than the elastic traction of all "
+            f"elements together rises{by}, so a step may have several solutions; friction.start "
             'selects the solution with less sliding, "rest", or with more sliding, "sliding", in '
             "every step, and the course may lead to another solution than steady rolling with the "
             "same values; for a single solution increase transient.step, friction.memory or "
             "friction.half_speed"
         )
     return (
-        f"friction.law: friction falls {steepness:.1g} times as fast with sliding as an element "
-        "deforms, so several solutions may exist, and the mesh decides which one is found; "
+        "friction.law: with sliding, friction falls faster than the elastic traction of an element "
+        f"rises ({steepness:.3g} times; allowed for a single solution: less than 1), so several "
+        "solutions may exist, and the mesh decides which one is found; "
         'friction.start selects the solution reached from friction at rest, "rest", or at high '
         'speed, "sliding"; for a single solution increase friction.memory or friction.half_speed, '
         "or coarsen the mesh if there is a friction.layer"

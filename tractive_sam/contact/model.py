@@ -321,7 +321,7 @@ class Model:
     @cached_property
     def friction_law(self) -> FrictionLaw:
         """Friction law on the rows of the mesh; Coulomb's with mu = 1 without friction."""
-        return (self.laws.friction or Coulomb()).on_rows(self.lateral_positions)
+        return (self.laws.friction or Coulomb()).on_rows(self.grid.y, self.lateral_positions)
 
     @property
     def lateral_positions(self) -> np.ndarray:

@@ -182,9 +182,9 @@ class LateralFactor:
         """Return the factor on friction at lateral positions y, mm."""
         return np.interp(y, self.y, self.factor)
 
-    def on_rows(self, y: np.ndarray) -> "LateralFactor":
-        """Return this function tabulated at the rows y of a mesh, mm."""
-        return LateralFactor(y, self.at(y))
+    def on_rows(self, y: np.ndarray, place: np.ndarray) -> "LateralFactor":
+        """Return the factor at places as a function of the rows y of a mesh there, mm."""
+        return LateralFactor(y, self.at(place))
 
 
 def _spacing(x: np.ndarray) -> float:
@@ -254,9 +254,14 @@ class FallingCoulomb(Coulomb):
         """Whether the bound depends on slip: with `sliding`, at a positive, finite speed."""
         return self.sliding is not None and 0.0 < self.speed < np.inf
 
-    def on_rows(self, y: np.ndarray) -> "FallingCoulomb":
-        """Return the law with its lateral factor tabulated at the rows y of a mesh, mm."""
-        return self if self.lateral is None else replace(self, lateral=self.lateral.on_rows(y))
+    def on_rows(self, y: np.ndarray, place: np.ndarray) -> "FallingCoulomb":
+        """Return the law with its lateral factor on a mesh.
+
+        Parameters as in `FrictionLaw.on_rows`.
+        """
+        if self.lateral is None:
+            return self
+        return replace(self, lateral=self.lateral.on_rows(y, place))
 
     def at_speed_ratio(self, ratio: float) -> "FallingCoulomb":
         """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law.

@@ -179,8 +179,16 @@ class FrictionLaw(Law, ABC):
         """Return the law at `ratio` times the rolling speed, 0: static; default: this law."""
         return self
 
-    def on_rows(self, y: np.ndarray) -> "FrictionLaw":
-        """Return the law for a mesh with rows at lateral positions y, mm; by default this law."""
+    def on_rows(self, y: np.ndarray, place: np.ndarray) -> "FrictionLaw":
+        """Return the law for a mesh; by default this law.
+
+        Parameters
+        ----------
+        y : ndarray, shape (n_y,)
+            Rows of the mesh, mm, as `bound` has them.
+        place : ndarray, shape (n_y,)
+            Their lateral positions, mm, where friction is described: on a rail those in the track.
+        """
         return self
 
     def weakened(self, factor: float) -> "FrictionLaw":
@@ -320,9 +328,9 @@ class ScaledFriction(FrictionLaw):
         """
         return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
 
-    def on_rows(self, y: np.ndarray) -> "ScaledFriction":
-        """Return the law for a mesh with rows at lateral positions y, mm."""
-        return replace(self, law=self.law.on_rows(y))
+    def on_rows(self, y: np.ndarray, place: np.ndarray) -> "ScaledFriction":
+        """Return the law on a mesh, with its factor (`FrictionLaw.on_rows`)."""
+        return replace(self, law=self.law.on_rows(y, place))
 
     def at_speed_ratio(self, ratio: float) -> "ScaledFriction":
         """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law."""

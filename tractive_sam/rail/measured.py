@@ -64,8 +64,11 @@ def from_measurement(
     return _fit_spline(ordered, smoothing, digit)
 
 
-def check_datum(profile: Profile, tape_line: float) -> str:
-    """Return a note if the back of a wheel is not where its tape line is, or not known; else "".
+def check_datum(profile: Profile, tape_line: float, radius: float = 460.0) -> str:
+    """Return notes on a wheel whose origin may not be its tread datum; "" if there are none.
+
+    They compare the back of the wheel with the tape line, and the height of the tread at y = 0
+    with zero.
 
     Parameters
     ----------
@@ -73,6 +76,8 @@ def check_datum(profile: Profile, tape_line: float) -> str:
         Profile of a wheel. Its back is known if the profile begins with a steep face.
     tape_line : float
         Distance of the tread datum from the back, mm.
+    radius : float
+        Radius of the wheel at z = 0, mm.
 
     Raises
     ------
@@ -84,7 +89,8 @@ def check_datum(profile: Profile, tape_line: float) -> str:
     face = profile.at(np.linspace(0.0, min(0.5, profile.s[-1]), 20), 1)
     has_back = abs(face[:, 0].mean()) < 0.17 * abs(face[:, 1].mean())  # 80 degrees
     if points[top, 1] - np.median(points[:, 1]) < 10.0 or points[top, 0] > points[:, 0].mean():
-        return "it has no flange, so that its origin, the tread datum, is not checked"
+        note = "it has no flange, so that its origin, the tread datum, is not checked"
+        return "; ".join(filter(None, (note, _check_height(profile, radius))))
     back = float(points[: top + 1, 0].min())
     shift = -tape_line - back if has_back else -tape_line + 15.0 - float(points[top, 0])
     if abs(shift) > 20.0:
@@ -96,12 +102,26 @@ def check_datum(profile: Profile, tape_line: float) -> str:
             f"{tape_line:g} mm from the back; add {shift:.4g} to all y (XOffset of Miniprof, "
             "shift.y of SIMPACK, or the column y), or correct tape_line"
         )
+    note = ""
     if has_back and abs(shift) > 1.0:
-        return (
+        note = (
             f"its back is at y = {back:.4g} mm, and not {tape_line:g} mm from its origin, the "
             f"tread datum; set tape_line = {-back:.4g}, or add {shift:.4g} to all y"
         )
-    return ""
+    return "; ".join(filter(None, (note, _check_height(profile, radius))))
+
+
+def _check_height(profile: Profile, radius: float) -> str:
+    """Return a note if the tread is more than 1 mm from z = 0 at the tread datum; else ""."""
+    y, depth = profile.points[:, 0], float(profile.height(0.0))
+    if abs(depth) <= 1.0 or not y.min() <= 0.0 <= y.max():
+        return ""
+    worn = ", unless this is wear since the radius was measured" if depth < 0.0 else ""
+    return (
+        f"its tread is at z = {depth:.4g} mm (downwards) at the tread datum, y = 0, where the "
+        f"rolling radius is thus {radius + depth:.6g} mm, and not wheel.radius = {radius:g} mm; "
+        f"let z be 0 there{worn} (YOffset of Miniprof, shift.z of SIMPACK, or the column z)"
+    )
 
 
 def _find_digit(values: Array) -> float:

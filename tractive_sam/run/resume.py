@@ -116,6 +116,10 @@ def describe_differences(before: Scene, requested: Scene) -> str:
     most_listed = 5
     stored, current, files = before.settings(), requested.settings(), requested.inputs
     keys = sorted(_differing_keys(stored, current), key=lambda key: (key not in files, key))
+    # Other entries, as the radii of a wheel, follow from those that were given.
+    entries = before.entries(), requested.entries()
+    given = [key for key in keys if any(_find_entry(one, key) is not None for one in entries)]
+    keys = given or keys
     listed = [_describe_difference(stored, current, key) for key in keys[:most_listed]]
     more = [f"and {len(keys) - most_listed} more"] if len(keys) > most_listed else []
     return "; ".join(listed + more)

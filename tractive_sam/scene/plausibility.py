@@ -457,6 +457,7 @@ def scene_notes(scene: Any) -> Iterator[str]:
             yield from (f"{name}.profile: {note}" for note in table.notes)
     yield from _unused_entries(scene)
     yield from _creepage_without_friction(scene)
+    yield from _replaced_motion(scene)
 
 
 def _unused_entries(scene: Any) -> Iterator[str]:
@@ -476,3 +477,22 @@ def _creepage_without_friction(scene: Any) -> Iterator[str]:
     if nonzero := [key for key, value in scene.creepage.settings().items() if value]:
         keys = ", ".join(f"creepage.{key}" for key in nonzero)
         yield f"{keys}: without [friction] there is no traction; add friction.mu"
+
+
+def _replaced_motion(scene: Any) -> Iterator[str]:
+    """Yield notes on creepages that are 0, and on a pitch that is not used, as others are given."""
+    if scene.wheelset is None or scene.wheel_rail.is_motion(scene.creepage):
+        return
+    motion = dict(zip(("longitudinal", "lateral", "spin"), scene.wheel_rail.creepages, strict=True))
+    given = scene.creepage.entries()
+    zero = {key: value for key, value in motion.items() if key not in given}
+    if zero and len(zero) < len(motion):
+        keys = ", ".join(f"creepage.{key}" for key in motion if key in given)
+        values = ", ".join(f"creepage.{key} = {value:.4g}" for key, value in zero.items())
+        yield (
+            f"{keys}: [creepage] replaces all creepages due to the motion of the wheelset, so that "
+            f"{' and '.join(zero)} {'is' if len(zero) == 1 else 'are'} 0, and wheelset.pitch is "
+            f"not used; if this is not meant, add those of the motion ({values}), or give none"
+        )
+    elif not zero and "pitch" in scene.wheelset.entries():
+        yield "wheelset.pitch: not used, as [creepage] replaces the motion; remove one of them"

@@ -153,7 +153,8 @@ class WheelTable(_ProfileTable):
         """Notes on the file and its tread datum."""
         yield from self._describe_file(self.profile, "wheel")
         with suppress(ValueError):
-            if note := check_datum(self._read(self.profile, "wheel"), self.tape_line):
+            profile = self._read(self.profile, "wheel")
+            if note := check_datum(profile, self.tape_line, self.radius):
                 yield note
 
     def describe(self, scene: Any) -> Iterator[Row]:
@@ -295,7 +296,10 @@ class WheelsetTable(Table):
             f"{along}y = {self.y:g} mm, yaw {self.yaw:g} mrad, roll {1e3 * contact.roll:.4g} mrad"
         )
         yield Row("wheelset", f"{place}, {self.side} wheel, {load}", brief=True)
-        yield Row("pitch", _PITCHES.get(self.pitch, f"{self.pitch}, given"))
+        pitch = _PITCHES.get(self.pitch, f"{self.pitch}, given")
+        if not contact.is_motion(scene.creepage):
+            pitch = "not used: [creepage] replaces the creepages due to the motion of the wheelset"
+        yield Row("pitch", pitch)
         for patch in contact.patches:
             angle = f"angle {math.degrees(patch.angle):.2f} deg"
             text = f"{angle}, rolling radius {patch.rolling_radius:.2f} mm"
