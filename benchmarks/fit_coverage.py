@@ -217,6 +217,17 @@ def cases() -> list[Case]:
         for outliers in (0.0, 0.1)
     ]
     tail += [
+        Case(
+            (("absolute", force, n, 0.02),),
+            {"loss": loss, "scatter": True},
+            f"{loss}, scatter",
+            outliers,
+        )
+        for loss in ("soft_l1", "huber", "cauchy", "arctan")
+        for n in (10, 50)
+        for outliers in (0.0, 0.1)
+    ]  # fmt: skip
+    tail += [
         Case((("absolute", "wear_profile", n, 0.05),), note="offset, tilt, level") for n in (12, 50)
     ]
     tail += [

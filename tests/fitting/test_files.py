@@ -147,6 +147,16 @@ def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
     assert found.solves == len(done) > before
 
 
+@pytest.mark.parametrize(("key", "value"), [("friction.mu", 0.5), ("solver.tolerance", 3e-7)])
+def test_the_file_of_a_changed_scene_names_the_changed_key(spheres, tmp_path, key, value):
+    path, data = tmp_path / "FIT.nc", creep_data(spheres, {"friction.mu": 0.35})
+    design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    ts.fit(design | {"curve": 0}, path)
+    changed = {"curve": 0, "scene": spheres.replace(**{key: value})}
+    with pytest.raises(ts.ResultsError, match=f"another scene .*{key}"):
+        ts.fit(design | changed, path)
+
+
 def test_the_file_of_another_scene_is_refused(fitted, rig, tmp_path):
     other = tmp_path / "FIT.toml"
     text = FIT.replace('"creep.csv"', f'"{rig / "creep.csv"}"')

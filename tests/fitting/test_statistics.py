@@ -5,9 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 from scipy.stats import chi2, norm, t
 
 import tractive_sam as ts
+from tractive_sam.fitting import log_posterior
+from tractive_sam.fitting.estimate import LOSSES, Loss
 
 VALUES = np.array([0.21, 0.34, 0.42, 0.25, 0.31])
 N, Z = VALUES.size, norm.ppf(0.975)
@@ -94,6 +97,72 @@ def test_the_scatter_of_the_data_does_not_widen_a_prior(line):
     mean = (information * VALUES.mean() + 1e4 * 0.3) / (information + 1e4)
     # the search ends within 0.03 of the standard deviation
     assert found.values["friction.mu"] == pytest.approx(mean, abs=0.03 * found.sd["friction.mu"])
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_robust_loss_is_one_of_the_data_and_priors_stay_quadratic(line, loss):
+    """Estimate and posterior are those of the loss of data, per its information, and a square."""
+    values, mean, sd, s = np.array([0.300, 0.301, 0.310, 0.328]), 0.33, 0.01, 0.01
+    found = fit_mu(line, {"absolute": s}, values, [mean, sd], loss=loss)
+
+    def cost(mu):
+        of_data = LOSSES[loss](np.square((values - mu) / s))[0].sum() / Loss(loss).rise
+        return 0.5 * of_data + 0.5 * ((mu - mean) / sd) ** 2
+
+    least = minimize_scalar(cost, (0.30, 0.32), tol=1e-10).x
+    # the search ends within 0.03 of the standard deviation
+    assert found.values["friction.mu"] == pytest.approx(least, abs=0.03 * found.sd["friction.mu"])
+    data = {"values": {"Qx_over_P": values}, "observe": "Qx_over_P", "noise": {"absolute": s}}
+    prior = [{"key": "friction.mu", "prior": [mean, sd]}]
+    design = {"scene": line, "free": ["friction.mu"], "data": [data], "parameter": prior}
+    density, _ = log_posterior(design | {"loss": loss})
+    fall = density([0.305]) - density([0.33])
+    # predictions are accurate to 1e-6 of 30 standard deviations
+    assert fall == pytest.approx(cost(0.33) - cost(0.305), abs=1e-3)
+
+
+@pytest.mark.parametrize("intervals", ["linear", "profile"])
+@pytest.mark.parametrize("loss", LOSSES)
+def test_a_precise_prior_has_its_own_interval_with_any_loss(line, loss, intervals):
+    mean, sd = 0.34, 1e-4
+    found = fit_mu(line, {"absolute": 0.1}, prior=[mean, sd], loss=loss, intervals=intervals)
+    ends = (mean - Z * sd, mean + Z * sd)
+    # five values of 0.1 move the mean and the width by 1e-5; a profile ends within 2 % of the root
+    assert found.interval("friction.mu") == pytest.approx(ends, abs=0.03 * Z * sd)
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_intervals_of_an_absolute_noise_are_symmetric_with_loss_and_prior(line, loss):
+    found = fit_mu(line, {"absolute": 0.01}, VALUES, [0.33, 0.02], loss=loss)
+    reach = np.abs(np.subtract(found.interval("friction.mu"), found.values["friction.mu"]))
+    # the search ends within 0.03 of the standard deviation, where the slope is not quite zero
+    assert reach == pytest.approx(Z * found.sd["friction.mu"], rel=0.05)
+
+
+@pytest.mark.parametrize("loss", [name for name in LOSSES if name != "linear"])
+def test_an_outlier_does_not_change_a_robust_scatter_without_limit(line, loss):
+    """However far it is, it counts as one beyond its standard deviation."""
+    values = 0.3 + 0.01 * norm.ppf((np.arange(20) + 0.5) / 20)
+    found = [
+        fit_mu(line, {"absolute": 0.01}, np.append(values[1:], far), loss=loss, scatter=True)
+        for far in (0.5, 30.0)
+    ]
+    near, far = (one.dataset.attrs["scatter"] for one in found)
+    assert far == pytest.approx(near, rel=0.1)  # the estimate moves by part of its deviation
+    assert far == pytest.approx(1.0, abs=0.3)  # one of twenty is beyond all others
+    low, high = found[1].interval("friction.mu")
+    assert low < 0.3 < high < 0.32
+
+
+@pytest.mark.parametrize("loss", LOSSES)
+def test_scatter_is_in_proportion_to_the_data(line, loss):
+    """The stated noise is a first guess alone, however wrong it is."""
+    found = [
+        fit_mu(line, {"absolute": s}, 0.3 + 0.1 * (VALUES - 0.3), loss=loss, scatter=True)
+        for s in (1e-5, 1e-2, 1.0)
+    ]
+    noise = np.array([1e-5, 1e-2, 1.0]) * [one.dataset.attrs["scatter"] for one in found]
+    assert noise == pytest.approx(noise[0], rel=0.02)  # the search ends within 0.03 deviations
 
 
 def test_precise_data_of_one_parameter_leave_others_determined(line):

@@ -13,22 +13,31 @@ from scipy.stats import t as student
 
 from tractive_sam.fitting.problem import FitProblem
 
-LOSSES: Mapping[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]] = {
-    "linear": lambda z: (z, np.ones_like(z)),
-    "soft_l1": lambda z: (2.0 * (np.sqrt(1.0 + z) - 1.0), 1.0 / np.sqrt(1.0 + z)),
+LOSSES: Mapping[str, Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]] = {
+    "linear": lambda z: (z, np.ones_like(z), np.zeros_like(z)),
+    "soft_l1": lambda z: (
+        2.0 * (np.sqrt(1.0 + z) - 1.0), (1.0 + z) ** -0.5, -0.5 * (1.0 + z) ** -1.5
+    ),
     "huber": lambda z: (
         np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0),
-        np.where(z <= 1.0, 1.0, 1.0 / np.sqrt(np.maximum(z, 1.0))),
+        np.maximum(z, 1.0) ** -0.5,
+        np.where(z <= 1.0, 0.0, -0.5 * np.maximum(z, 1.0) ** -1.5),
     ),
-    "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z)),
-    "arctan": lambda z: (np.arctan(z), 1.0 / (1.0 + z**2)),
-}
-"""Losses of squared residuals, and their derivatives, see `scipy.optimize.least_squares`."""
+    "cauchy": lambda z: (np.log1p(z), 1.0 / (1.0 + z), -((1.0 + z) ** -2.0)),
+    "arctan": lambda z: (
+        np.arctan(z), 1.0 / (1.0 + z**2), -2.0 * z / np.square(1.0 + z**2)
+    ),
+}  # fmt: skip
+"""Losses of squared residuals z and their two derivatives, see `scipy.optimize.least_squares`."""
 
 
 @dataclass(frozen=True)
 class Loss:
-    """Loss of residuals by its name in `LOSSES`.
+    """Loss of the residuals of data by its name in `LOSSES`; priors stay quadratic.
+
+    In a cost, the loss is divided by the expected rise of twice itself at one standard deviation of
+    the estimate. Data and priors then count by their information, and the rise of twice the cost
+    is distributed as that of chi-square.
 
     Attributes
     ----------
@@ -38,12 +47,30 @@ class Loss:
 
     name: str
 
-    def cost(self, residuals: np.ndarray) -> float:
-        """Return half the sum of the losses of residuals."""
-        return 0.5 * float(LOSSES[self.name](np.square(residuals))[0].sum())
+    def terms(self, squares: np.ndarray, points: int) -> np.ndarray:
+        """Return twice the costs of squared residuals, and two derivatives, (3, residuals).
+
+        Parameters
+        ----------
+        squares : ndarray, shape (residuals,)
+            Squared residuals: first those of `points` measured values, then those of priors.
+        points : int
+            Number of measured values.
+        """
+        terms = np.stack([squares, np.ones_like(squares), np.zeros_like(squares)])
+        terms[:, :points] = np.stack(LOSSES[self.name](squares[:points])) / self.rise
+        return terms
+
+    def cost(self, residuals: np.ndarray, points: int) -> float:
+        """Return the cost of residuals of `points` measured values, then of priors."""
+        return 0.5 * float(self.terms(np.square(residuals), points)[0].sum())
+
+    def roots(self, residuals: np.ndarray, points: int) -> np.ndarray:
+        """Return the factors of residuals in the equivalent least squares, see `cost`."""
+        return np.sqrt(self.terms(np.square(residuals), points)[1])
 
     def weights(self, residuals: np.ndarray) -> np.ndarray:
-        """Return the weights of residuals, those of the equivalent weighted least squares."""
+        """Return the weights of residuals of data: 1 for those that are small."""
         return LOSSES[self.name](np.square(residuals))[1]
 
     def inflation(self, residuals: np.ndarray, unknowns: int) -> float:
@@ -65,11 +92,10 @@ class Loss:
         if self.name == "linear":
             return 1.0
         weights, squares, slopes = _normal_moments(self)
-        h, share = 1e-4, unknowns / residuals.size
-        ends = [(residuals + d) * self.weights(residuals + d) for d in (-h, h)]
-        bends = (ends[1] - ends[0]) / (2.0 * h)
+        share, z = unknowns / residuals.size, np.square(residuals)
+        _, weight, change = LOSSES[self.name](z)
+        bends = weight + 2.0 * z * change
         bend = max(float(bends.mean()), 0.2)  # all residuals may be outliers
-        weight = self.weights(residuals)
         of_data = float(np.square(weight * residuals).mean() * weight.mean()) / bend**2
         of_data /= max(1.0 - share, share)
         few = (1.0 + share * float(bends.var()) / bend**2) ** 2
@@ -77,14 +103,23 @@ class Loss:
 
     @property
     def rise(self) -> float:
-        """Expected rise of twice the cost at one standard deviation: 1 for least squares."""
+        """Expected rise of the sum of losses at one standard deviation: 1 for least squares."""
         _, squares, slopes = _normal_moments(self)
         return squares / slopes
 
-    @property
-    def slope(self) -> float:
-        """Expected weighted square of a residual: 1 for least squares."""
-        return _normal_moments(self)[2]
+    def scatter(self, residuals: np.ndarray, degrees: float) -> float:
+        """Return the scale s of residuals r: sum of (r/s)^2 is the degrees of freedom.
+
+        For robust losses, squares are bounded by 1, and so are those expected (Huber's Proposal 2,
+        Robust Statistics (1981), section 6.4): otherwise, one outlier would determine the scale.
+        """
+        squares = np.sort(np.square(residuals))
+        if self.name == "linear":
+            return math.sqrt(squares.sum() / degrees)
+        expected = chi2_distribution.cdf(1.0, 3) + chi2_distribution.sf(1.0, 1)
+        # Counting any k largest squares as 1 is an upper limit, so that the scale is the least one.
+        left = degrees * expected - np.arange(squares.size)[::-1]
+        return math.sqrt((np.cumsum(squares)[left > 0.0] / left[left > 0.0]).min())
 
 
 @cache
@@ -156,7 +191,7 @@ class Estimate:
     def cost(self, deviation: np.ndarray | None = None) -> float:
         """Return half the sum of losses, priors included, for stated standard deviations."""
         residuals = self.problem.residuals(self.u, self.predicted, deviation, self.scatter)
-        return self.loss.cost(residuals)
+        return self.loss.cost(residuals, self.residuals.size)
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -219,15 +254,13 @@ class Estimate:
     def with_scatter(self) -> "Estimate":
         """Return the estimate with the factor on the noise that makes chi-square its degrees.
 
-        Residuals count by their weights: a robust loss has a robust scatter (Huber, Robust
-        Statistics (1981), section 7.7).
+        A robust loss has a robust scatter, see `Loss.scatter`.
         """
         estimate = self
         for _ in range(50):
             if not self.by_scatter or estimate.degrees < self.fewest_degrees:
                 return estimate
-            squares = float(estimate.weights @ np.square(self.residuals))
-            scatter = math.sqrt(squares / (estimate.degrees * self.loss.slope))
+            scatter = self.loss.scatter(self.residuals, estimate.degrees)
             scatter, before = max(scatter, 1e-6), estimate.scatter  # above zero for exact data
             estimate = replace(estimate, scatter=scatter)
             if abs(scatter - before) < 1e-9 * scatter:
@@ -276,8 +309,9 @@ class Estimate:
         along = sign * np.nan_to_num(self.covariance[:, k]) / variance
         change, prior_change = self.jacobian @ along, problem.prior_jacobian(self.u) @ along
         prior = problem.prior_residuals(self.u)
-        prior_weights = self.loss.weights(prior)
         weights = self.weights / self.inflation
+        # At the minimum, the slope of the priors balances that of data with the weights of the cost
+        balance = self.loss.rise / self.inflation
         value = parameters.values(self.u)[k]
         slope = sign * float(parameters.slopes(self.u)[k])
         low, high = parameters.value_bounds
@@ -290,8 +324,8 @@ class Estimate:
                 problem.noise.residuals(m, problem.observed, deviation) / self.scatter
                 for m in (predicted, self.predicted)
             )
-            priors = np.square(prior + step * prior_change) - np.square(prior)
-            rise = weights @ (np.square(there) - np.square(here)) + prior_weights @ priors
+            priors = step * prior_change @ (step * prior_change + 2.0 * balance * prior)
+            rise = weights @ (np.square(there) - np.square(here)) + priors
             most = 1e3 * goal**2  # a factor has no residual at zero
             return float(min(np.nan_to_num(rise, nan=most), most)) - goal**2
 

@@ -19,6 +19,7 @@ from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import DONE, FitResult, Gain, Intervals
 from tractive_sam.optional import xarray
 from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.run import describe_differences
 from tractive_sam.scene import describe_changes, hashes_of
 from tractive_sam.schema import SceneError
 from tractive_sam.store import (
@@ -295,7 +296,7 @@ def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
         "chi2_high": high,
         "degrees": best.degrees,
         "scatter": best.scatter,
-        "likelihood_limit": best.loss.rise * best.quantile(fit.level) ** 2,
+        "likelihood_limit": best.quantile(fit.level) ** 2,
         "points": best.problem.observed.size,
         "iterations": best.iterations,
         "solves": solves,
@@ -337,13 +338,10 @@ def read_answers(
     if changed or before.design.fit.scene != document.fit.scene:
         if overwrite:
             return {}
+        different = describe_differences(before.design.fit.scene, document.fit.scene, free=())
+        reason = "; ".join(filter(None, (different, changed and f"{changed} has changed")))
         cure = "-o FILE.nc gives this fit another file, --overwrite replaces it"
-        reason = (
-            f"the fit of another scene: {changed} has changed"
-            if changed
-            else "the fit of another scene"
-        )
-        raise ResultsError(f"{path} holds {reason}; {cure}")
+        raise ResultsError(f"{path} holds the fit of another scene ({reason}); {cure}")
     if "answer" not in data or data.attrs.get("version") != versions()["tractive-sam"]:
         return {}  # another version may compute other numbers
     try:

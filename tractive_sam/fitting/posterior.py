@@ -64,7 +64,8 @@ def log_posterior(
             return -np.inf
         # A relative noise follows the prediction, and so does the width of its density.
         follows = problem.noise.relative > 0.0
-        return -loss.cost(residuals) - float(np.log(problem.deviation(predicted)[follows]).sum())
+        cost = loss.cost(residuals, predicted.size)
+        return -cost - float(np.log(problem.deviation(predicted)[follows]).sum())
 
     first = np.ones(problem.size)
     first[n:] = 0.0

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
@@ -115,7 +116,7 @@ class Search:
                     np.clip(u, low, high)[varies],
                     inner.slopes,
                     bounds=(low[varies], high[varies]),
-                    loss=fit.loss,
+                    loss=partial(Loss(fit.loss).terms, points=problem.observed.size),
                     ftol=self.accuracy**2 / degrees,
                     xtol=self.converged,
                     gtol=1e-8,
@@ -153,7 +154,7 @@ class Search:
         """Return the square of the step to the minimum, in standard deviations, linearised."""
         part = u[inner.varies]
         residuals = inner.residuals(part)
-        root = np.sqrt(Loss(self.fit.loss).weights(residuals))
+        root = Loss(self.fit.loss).roots(residuals, self.problem.observed.size)
         rows = root[:, None] * inner.slopes(part, self.near)
         low, high = (bound[inner.varies] for bound in self.problem.bounds)
         step = -np.linalg.lstsq(rows, root * residuals, rcond=1e-6)[0]
@@ -284,7 +285,7 @@ class ProfileLikelihood:
     @property
     def goal(self) -> float:
         """Square root of the rise of twice the cost that defines the ends of the interval."""
-        return self.best.quantile(self.fit.level) * math.sqrt(self.best.loss.rise)
+        return self.best.quantile(self.fit.level)
 
     def rise(self, u: np.ndarray, predicted: np.ndarray, gain: float = 0.0) -> float:
         """Return the rise of twice the cost from the minimum to other coordinates.
@@ -304,7 +305,8 @@ class ProfileLikelihood:
         best = self.best
         deviation = best.problem.deviation(predicted)
         residuals = best.problem.residuals(u, predicted, deviation, best.scatter)
-        rise = 2.0 * (best.loss.cost(residuals) - best.cost(deviation)) - gain
+        cost = best.loss.cost(residuals, predicted.size)
+        rise = 2.0 * (cost - best.cost(deviation)) - gain
         return max(rise, 0.0)
 
     def _end(self, sign: float, points: list[tuple[float, float]]) -> float:
@@ -425,7 +427,7 @@ class ProfileLikelihood:
             residuals = problem.residuals(u, predicted, *noise)
             if not np.isfinite(residuals).all():
                 break
-            root = np.sqrt(best.loss.weights(residuals))
+            root = best.loss.roots(residuals, problem.observed.size)
             rows = problem.residual_slopes(u, predicted, slopes, *noise)[:, varies]
             rows, residuals = root[:, None] * rows, root * residuals
             step = -np.linalg.lstsq(rows, residuals, rcond=1e-6)[0]

@@ -1,7 +1,7 @@
 """Find the last step of a results file, and check that a run may continue from it."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from os import PathLike
@@ -110,12 +110,12 @@ def report_damage(path: str | PathLike, row: int) -> Iterator[None]:
         ) from None
 
 
-def describe_differences(before: Scene, requested: Scene) -> str:
-    """List up to five differences of two scenes that prevent resuming; "" if there are none."""
+def describe_differences(before: Scene, requested: Scene, free: Collection[str] = FREE) -> str:
+    """List up to five differences of two scenes, except in entries that are free; may be ""."""
     # Number of differences of two scenes that a message lists.
     most_listed = 5
     stored, current, files = before.settings(), requested.settings(), requested.inputs
-    keys = sorted(_differing_keys(stored, current), key=lambda key: (key not in files, key))
+    keys = sorted(_differing_keys(stored, current, free), key=lambda key: (key not in files, key))
     # Other entries, as the radii of a wheel, follow from those that were given.
     entries = before.entries(), requested.entries()
     given = [key for key in keys if any(_find_entry(one, key) is not None for one in entries)]
@@ -197,22 +197,24 @@ def _check_columns(history: History, path: str | PathLike, columns: Iterable[Qua
             )
 
 
-def _differing_keys(before: Any, after: Any, key: str = "") -> list[str]:
+def _differing_keys(before: Any, after: Any, free: Collection[str], key: str = "") -> list[str]:
     """Return the dotted keys of entries that differ but must not, to resume; empty if none."""
-    if re.sub(r"\[\d+\]", "", key) in FREE:
+    if re.sub(r"\[\d+\]", "", key) in free:
         return []
     if isinstance(before, dict) and isinstance(after, dict):
         return [
             differing
             for name in {**before, **after}
             for differing in _differing_keys(
-                before.get(name), after.get(name), f"{key}.{name}".lstrip(".")
+                before.get(name), after.get(name), free, f"{key}.{name}".lstrip(".")
             )
         ]
     if _are_tables(before) and _are_tables(after) and len(before) == len(after):
         pairs = enumerate(zip(before, after, strict=True))
         return [
-            differing for k, pair in pairs for differing in _differing_keys(*pair, f"{key}[{k}]")
+            differing
+            for k, pair in pairs
+            for differing in _differing_keys(*pair, free, f"{key}[{k}]")
         ]
     arrays = isinstance(before, np.ndarray) or isinstance(after, np.ndarray)
     contents: list[Any] = [getattr(value, "content", None) for value in (before, after)]
