@@ -274,7 +274,7 @@ def profile(
     y: float = 0.0,
     z: float = 0.0,
     factor: float = 1.0,
-    signs: tuple[int, int] = (1, 1),
+    signs: tuple[float, float] = (1, 1),
     settings: dict | None = None,
     **changes: object,
 ) -> Callable:
@@ -323,6 +323,20 @@ def read_right_side(sheet: Sheet, rng: np.random.Generator) -> Sheet:
 
 def head(*lines: str) -> Callable:
     return lambda sheet, rng: replace(sheet, heading=(*sheet.heading, *lines))
+
+
+def name_inward(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    if sheet.settings.get("kind") != "rail" or sheet.names != ("y", "z"):
+        return sheet
+    units = ("millimetre", *sheet.units[1:])  # the header that states the sign is not omitted
+    return replace(sheet, names=("-y", "z"), units=units, values=sheet.values * (-1, 1))
+
+
+def go_back(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+    if "kind" not in sheet.settings or sheet.values.shape[1] != 2:
+        return sheet
+    back = sheet.values[::-1] + np.array((0.0, 1e-3))
+    return replace(sheet, values=np.concatenate((sheet.values, back)))
 
 
 def put(**changes: object) -> Callable:
@@ -405,6 +419,12 @@ TRAITS = {
     "Miniprof count": miniprof("XYPoints=9"),
     "Miniprof left": miniprof("Rail=Left"),
     "Miniprof tilt": miniprof("Tilt=2.5"),
+    "datum in a heading": profile(("# FlangeBack = -70.9",), y=0.9),
+    "magnified heights": profile(("# heights magnified 1.1 times",), signs=(1, 1.1)),
+    "mirror in a heading": profile(("Mirror: yes",), signs=(-1, 1)),
+    "unit in a comment": profile(("# z in 0.1 mm",), signs=(1, 10)),
+    "inward columns": name_inward,
+    "there and back": go_back,
 }  # fmt: skip
 """Traits by name: functions that change how a sheet is written, with the same meaning."""
 

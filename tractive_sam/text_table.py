@@ -495,6 +495,8 @@ def _find_header(
 
     def fit(line: str) -> list[str]:
         """Return a cell for each column; empty if the line is no header."""
+        if _STATEMENT.match(line):
+            return []
         candidates = [_split(line, separator)]
         if separator == " ":
             candidates.append(_split(re.sub(r"\s+(?=[\[(])", "", line), " "))

@@ -106,11 +106,11 @@ TRAITS = {
     "Fortran exponents": Trait(lines("{:.4f}D+00 {:.4f}D+00")),
     "a byte-order mark": Trait(lines("{:.4f},{:.4f}", head="y,z", encoding="utf-8-sig")),
     "UTF-16": Trait(lines(encoding="utf-16")),
-    "Windows-1252": Trait(lines(head="Prüfer: Müller", encoding="cp1252")),
+    "Windows-1252": Trait(lines(head="Prüfer: Müller", encoding="cp1252"), note="Müller"),
     "a DOS end mark": Trait(lines(tail="\x1a")),
     "inline comments": Trait(lines("{:.4f} {:.4f} # point")),
     "comment lines": Trait(lines(head="# one\n% two\n! three", tail="% end of data")),
-    "a count": Trait(lines(head="WHEEL OWN\n{n} 1")),
+    "a count": Trait(lines(head="WHEEL OWN\n{n} 1"), note="'WHEEL OWN' is taken for a title"),
     "a wrong count": Trait(lines(head="WHEEL OWN\n9999"), error="line 2"),
     "a heading of numbers": Trait(lines(head="2024 05 17 profile of axle 3"), error="line 1"),
     "exchanged columns with names": Trait(lines(head="z y", change=lambda p: p[:, ::-1])),
@@ -178,14 +178,58 @@ TRAITS = {
         miniprof("ColumnDef=Y,X", form="{:.4f}\t{:.4f}", change=lambda p: p[:, ::-1])
     ),
     "Miniprof with too many columns": Trait(miniprof("ColumnDef=X,Y"), error="ColumnDef"),
-    "a comment with a shift": Trait(simpack("# Offset: 5"), note="Offset = 5"),
+    "a comment with a shift": Trait(simpack("# Offset: 5"), note="Offset: 5"),
     "bounds around nothing": Trait(
         simpack("bound.y.min = 90", "bound.y.max = 95"), error="0 points within the bounds"
     ),
     "Miniprof without X": Trait(miniprof("ColumnDef=A,Y,C,N,K"), error="ColumnDef"),
     "Miniprof count": Trait(spoil(miniprof(), b"XYPoints=", b"XYPoints=9"), error="xypoints"),
     "Miniprof left rail": Trait(miniprof("Rail=Left", "ColumnDef=X,Y,A,C,N"), note="mirror"),
-    "Miniprof tilt": Trait(miniprof("Tilt=1.5", "ColumnDef=X,Y,A,C,N"), note="tilt = 1.5"),
+    "Miniprof tilt": Trait(miniprof("Tilt=1.5", "ColumnDef=X,Y,A,C,N"), note="Tilt=1.5"),
+    **{
+        f"{text}, in {place}": Trait(write(text), note=text)
+        for text in (
+            "WheelOffset=0.9", "FlangeBack=-70.9", "TrackShift=0.9", "ReferencePoint=0.9",
+            "offset: 0.9, 0", "lateral offset 0.9 mm", "heights magnified 1.1 times",
+            "z in 0.1 mm", "heights in cm", "Mirror: yes", "Seite: links", "Comment: z = 2 z",
+        )
+        for place, write in {
+            "a comment": lambda text: lines(head=f"# {text}"),
+            "an inline comment": lambda text: simpack(f"shift.y = 0 ! {text}"),
+        }.items()
+    },
+    **{
+        f"{text}, above the points": Trait(lines(head=text), note=text)
+        for text in ("Seite: links", "Mirror: yes", "Shift: two", "FlangeBack=-70.9")
+    },
+    "a side above the points": Trait(lines(head="Side: left"), note="Side = left"),
+    "a unit above the points": Trait(lines("{:.5f} {:.5f}", head="Units: cm", change=scale(0.1))),
+    "an unknown unit above the points": Trait(lines(head="Units: furlong"), error="furlong"),
+    "many entries": Trait(lines("{:.4f} {:.4f} # 3"), note=", and "),
+    "descriptions": Trait(lines(head="Date: 2024-05-17\nTime: 12:30:05\n# speed: 80 km/h")),
+    **{
+        f"columns {header}": Trait(lines("{:.4f},{:.4f}", head=header), error="columns")
+        for header in ("-y,z", "y inward [mm],z [mm]", "y,-z", "a1,b1", "# -y,z [mm]")
+    },
+    "signs of SIMPACK columns": Trait(
+        spoil(simpack(), b"point.begin", b"point.begin\n-y z"), error="columns -y, z"
+    ),
+    "columns y and height": Trait(lines("{:.4f};{:.4f}", head="y [mm];height [mm]")),
+    "Miniprof offset with a comma": Trait(miniprof("XOffset=2,0"), error="xoffset = '2,0'"),
+    "Miniprof offset with a unit": Trait(miniprof("XOffset=2.0 mm"), error="xoffset = '2.0 mm'"),
+    "two offsets": Trait(miniprof("XOffset=2", "XOffset=0"), error="xoffset = 2, and"),
+    "there and back": Trait(
+        lines(change=lambda p: np.concatenate((p, shift(0, 1e-3)(p[::-1])))),
+        error="return along|turn back",
+    ),
+    "two tables": Trait(
+        lambda points: lines()(points) + b"\n\n" + lines()(points),
+        error="return along|turn back",
+    ),
+    "two tables in opposite order": Trait(
+        lambda points: lines()(points) + b"\n\n" + lines()(shift(0, 0.05)(points[::-1])),
+        error="return along|turn back",
+    ),
 }  # fmt: skip
 """Traits of files by name: a new one is a line."""
 

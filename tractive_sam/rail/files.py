@@ -2,8 +2,9 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import product
 from os import PathLike
 from pathlib import Path
 from typing import Literal
@@ -12,7 +13,14 @@ import numpy as np
 
 from tractive_sam.input_file import read_text
 from tractive_sam.output_file import write_file
-from tractive_sam.text_table import TextTable, find_length_unit, parse_number, parse_table
+from tractive_sam.text_table import (
+    LENGTHS,
+    TextTable,
+    find_length_unit,
+    parse_number,
+    parse_table,
+    split_statement,
+)
 
 from .measured import UNITS, Kind, from_measurement
 from .profile import Array, Profile
@@ -30,14 +38,13 @@ Side = Literal["left", "right"]
 """Sides of a file with the profiles of both sides."""
 
 _DESCRIPTIONS = re.compile(
-    r"alarm.*|.*_alarm.*|area(gain|loss|ref)|axle.*|battery.*|bogie|car.*|chainage|chars|comment|"
-    r"crownr.*|curve|date|diameter.*|direction|empl.*|elevation|field id|file.*|flag|flange.*|flat|"
-    r"gauge.*|grade.*|hollowing.*|id|instrument.*|km|kp|line|location.*|meas\..*|mileage|mp.*|name|"
-    r"operator|originalheader|points|position|program.*|qr|rail(gaugepoint|rodlength)|rcf|"
-    r"ref(erence|point).*|rodlength|s[dh]|section.*|speed|stock|superelevation.*|temperature|time|"
-    r"title|track.*|train|type|uof.*|user.*|version|vehicle|w\d|wheel.*|windows.*|wear.*"
+    r"alarm|area(gain|loss|ref)|battery|bogie|car|chainage|chars|comment|curve|date|device|"
+    r"driver|empl(oyee)?(num|no)?|field id|file( ?name)?|flag|grade|id|instrument|km|kp|line|"
+    r"location|location_(latitude|longitude)|mileage|mp|name|operator|originalheader|"
+    r"program ?(date|name|ver|version)|qr|rcf|s[dh]|serial ?(no|number)|speed|stock|temperature|"
+    r"time|title|train|type|uof\d|user ?name|vehicle|version|w\d|windows ?version"
 )
-"""Keys of headings, in lower case, that describe a profile and do not change its points."""
+"""Keys of headings, in lower case, that describe a measurement and never its points or datum."""
 
 
 class ProfileError(ValueError):
@@ -91,7 +98,7 @@ def read_profile(
     except (OSError, UnicodeDecodeError) as error:
         raise ProfileError(f"{path}: cannot be read: {error}") from None
     try:
-        parts = re.split(r"^[ \t]*point\.(?:begin|end)\b.*$", text, flags=re.MULTILINE)
+        parts = re.split(r"^[ \t]*point\.(?:begin|end)\b", text, flags=re.MULTILINE)
         if len(parts) > 1:
             points, inside, notes = _read_simpack(parts, kind, unit, side)
         else:
@@ -121,15 +128,22 @@ def _read_simpack(
         raise ValueError(f"{len(parts) - 1} marks point.begin and point.end; {cure}")
     if side is not None:
         raise ValueError(f"side = {side}, and one profile; allowed: no side")
-    section, keys, remarks = "", dict[str, str](), dict[str, str]()
+    used = r"shift\.[yz]|rotate|bound\.[yz]\.(min|max)|mirror\.[yz]|inversion|point\.dist\.min"
+    used += r"|units\.(len|ang)(\.f)?|header\.(type|version)"
+    section, keys, unused = "", dict[str, str](), list[str]()
     for line in (parts[0] + parts[2]).splitlines():
-        content = line.partition("!")[0].strip()
-        if remark := re.fullmatch(r"[#%!]\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*)", line.strip()):
-            remarks[remark[1]] = remark[2]
+        content, _, remark = line.strip().partition("!")
+        content = content.strip()
+        unused.append(remark.strip())
         if mark := re.fullmatch(r"(\w+)\.(begin|end)", content):
             section = mark[1] if mark[2] == "begin" else ""
-        elif entry := re.fullmatch(r"([\w.]+)\s*=\s*(.*)", content):
-            keys[("header." if section == "header" else "") + entry[1]] = entry[2].strip(" '\"")
+            continue
+        entry = re.fullmatch(r"([\w.]+)\s*=\s*(.*)", content)
+        key = ("header." * (section == "header") + entry[1]) if entry else ""
+        if entry and re.fullmatch(used, key):
+            _state(keys, key, entry[2].strip(" '\""))
+        else:
+            unused.append(content.lstrip("#% "))
     stated = _read_number(keys, "header.type", float(kind == "wheel"))
     if stated != float(kind == "wheel"):
         raise ValueError(f"type = {stated:g}, and a {kind}; allowed: 0 of a rail, 1 of a wheel")
@@ -137,22 +151,28 @@ def _read_simpack(
     values = table.numbers()
     if values.shape[1] not in (2, 3):
         raise ValueError(f"{values.shape[1]} columns of points; allowed: y, z, and a weight")
-    used = r"shift\.[yz]|rotate|bound\.[yz]\.(min|max)|mirror\.[yz]|inversion|point\.dist\.min"
-    used += r"|units\.(len|ang)(\.f)?|header\.(type|version)"
-    unused = {key: text for key, text in keys.items() if not re.fullmatch(used, key)}
-    unused |= remarks | {key: text for key, (_, text) in table.statements().items()}
-    notes = [*_describe_unused(unused)]
+    names = [name.lower() for name in table.names]
+    if (names and names[:2] != ["y", "z"]) or any(table.units[:2]):
+        raise ValueError(f"columns {', '.join(table.labels)}; allowed: y, z, and a weight")
+    factor = _find_simpack_unit(keys, unit)
+    notes = [*_describe_unused([*unused, *(text for _, text in table.remarks)], factor)]
     if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
         notes.append("the weights of the points, their third column, are not used")
     points, inside = _apply_steps(values[:, :2], keys)
-    return points * _find_simpack_unit(keys, unit), inside, notes
+    return points * factor, inside, notes
+
+
+def _state(keys: dict[str, str], key: str, text: str) -> None:
+    """Add an entry of a heading; raise a ValueError if it was stated with another value."""
+    if keys.setdefault(key, text) != text:
+        raise ValueError(f"{key} = {keys[key]}, and {key} = {text}; allowed: one of them")
 
 
 def _read_number(keys: Mapping[str, str], key: str, default: float = 0.0) -> float:
     """Return the number of a key; raise a ValueError if it is not finite."""
     number = parse_number(keys[key]) if key in keys else default
     if number is None or not math.isfinite(number):
-        raise ValueError(f"{key} = {keys[key]!r}; allowed: a finite number")
+        raise ValueError(f"{key} = {keys[key]!r}; allowed: a finite number, without a unit")
     return number
 
 
@@ -199,43 +219,57 @@ def _find_simpack_unit(keys: Mapping[str, str], unit: str | None) -> float:
 
 def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tuple[Array, list[str]]:
     """Return points, mm, and notes, from a table of a plain or Miniprof file."""
-    statements = {key: text for key, (_, text) in table.statements().items()}
-    number = len(table.rows)
-    for key in ("xypoints", "points"):
-        expected = parse_number(statements.get(key, "").split(",")[0])
-        if expected is not None and expected != number:
-            raise ValueError(f"{number} points, and {key} = {expected:g}; the file may be cut off")
-    if "end mark" in statements.get("points", "") and table.remarks[-1][1] != "end":
-        raise ValueError("the end mark is missing: the file is cut off")
+    statements, unused = _read_heading(table)
     columns, mirrored = _choose_columns(table, statements, side)
     values = table.numbers(columns)
     notes = []
-    offsets = [parse_number(statements.pop(f"{axis}offset", "0")) for axis in "xy"]
-    if None in offsets:
-        raise ValueError("XOffset, YOffset; allowed: numbers")
-    points = (values + np.array(offsets, dtype=float)) * (-1.0 if mirrored else 1.0, 1.0)
+    offsets = np.array([_read_number(statements, f"{axis}offset") for axis in "xy"])
+    points = (values + offsets) * (-1.0 if mirrored else 1.0, 1.0)
     remarks, rest = [text for _, text in table.remarks], len(table.rows[0]) - len(columns)
     if "the first column holds row numbers" in remarks or (columns == [1, 2] and not table.names):
         notes.append("the first column is taken for row numbers")
     elif rest and "columndef" not in statements and not table.names and side is None:
         notes.append(f"the first two columns are used, and {rest} more are not")
-    stated = {statements.pop(key, "") for key in ("unit", "units", "length unit")} - {""}
-    units = [table.units[k] for k in columns if table.units] + [find_length_unit(t) for t in stated]
-    known = {name for name in units if name}
-    if len(known) > 1 and unit is None:
-        raise ValueError(f"units {', '.join(sorted(known))}; allowed: one unit, or give unit")
-    if known - UNITS.keys() and unit is None:
-        raise ValueError(f"unit {known.pop()}; allowed: {', '.join(UNITS)}, or give unit")
-    name = unit or (known.pop() if known else "mm")
+    elif _is_title(table):
+        notes.append(f"the line {' '.join(table.labels)!r} is taken for a title")
+    units = {table.units[k] for k in columns if table.units} - {""}
+    units |= {
+        find_length_unit(statements[key]) or statements[key]
+        for key in ("unit", "units", "length unit")
+        if key in statements
+    }
+    if len(units) > 1 and unit is None:
+        raise ValueError(f"units {', '.join(sorted(units))}; allowed: one unit, or give unit")
+    name = unit or (units.pop() if units else "mm")
+    if name not in UNITS:
+        raise ValueError(f"unit {name}; allowed: {', '.join(UNITS)}, or give unit")
     notes += [
-        f"the file states {key.capitalize()} = {text}: set mirror = true if its y points to the "
-        "track centre"
+        f"the file states {key.capitalize()} = {statements[key]}: set mirror = true if its y "
+        "points to the track centre"
         for key in ("rail", "side")
-        if (text := statements.pop(key, "")).lower().startswith("l")
+        if statements.get(key, "").lower().startswith("l")
     ]
-    used = ("xypoints", "points", "columndef")
-    notes += _describe_unused({k: t for k, t in statements.items() if k not in used})
-    return points * UNITS[name], notes
+    return points * UNITS[name], [*notes, *_describe_unused(unused, UNITS[name])]
+
+
+def _read_heading(table: TextTable) -> tuple[dict[str, str], list[str]]:
+    """Return the entries that are used, by key, and the texts of the others."""
+    number, statements, unused = len(table.rows), dict[str, str](), list[str]()
+    counts, used = r"xypoints|points|number of points", r"[xy]offset|columndef|(length )?units?"
+    known = rf"{number}( \d+)*|.*: y and z in mm, y outward, z down"  # count; see write_profile
+    for _, text in table.remarks:
+        key, value = split_statement(text)
+        expected = parse_number(value.split(",")[0]) if re.fullmatch(counts, key) else None
+        if expected is not None and expected != number:
+            raise ValueError(f"{number} points, and {key} = {expected:g}; the file may be cut off")
+        side = key in ("rail", "side") and re.fullmatch(r"(?i)l.*|r|right", value)
+        if expected is not None or side or re.fullmatch(used, key):
+            _state(statements, key, value)
+        elif not re.fullmatch(known, text):
+            unused.append(text)
+    if "end mark" in statements.get("points", "") and table.remarks[-1][1] != "end":
+        raise ValueError("the end mark is missing: the file is cut off")
+    return statements, unused
 
 
 def _choose_columns(
@@ -249,7 +283,8 @@ def _choose_columns(
             cure = "allowed: a name for each column, with X and Y"
             raise ValueError(f"ColumnDef = {statements['columndef']}; {cure}")
     width = len(table.rows[0])
-    axes = (("y", "z"), ("x", "y"), ("x", "z"), ("lateral", "height"), ("lateral", "vertical"))
+    axes = [("y", "z"), ("x", "y"), ("x", "z")]
+    axes += product(("lateral", "y", "x"), ("height", "vertical"))
     sides = {
         which: [names.index(f"{axis}{join}{ending}") for axis in pair]
         for which in ("left", "right")
@@ -275,10 +310,20 @@ def _choose_columns(
         return [names.index(name) for name in pairs[0]], False
     if not names and width > 2 and _is_numbered(table):
         return [1, 2], False
-    if names and width > 2:
-        listed = ", ".join(filter(None, table.names))
-        raise ValueError(f"columns {listed}; allowed: columns y and z, or x and y")
+    if names and not _is_title(table):
+        listed = ", ".join(filter(None, table.labels))
+        raise ValueError(
+            f"columns {listed}; allowed: columns y and z, x and y, x and z, or lateral and height, "
+            "without signs and directions; or the file without this line if it names no columns"
+        )
     return [0, 1], False
+
+
+def _is_title(table: TextTable) -> bool:
+    """Return whether the header of two columns is a title of two words, and names no column."""
+    words = [label.lower() for label in table.labels]
+    known = {"lateral", "height", "vertical"}.intersection(words)
+    return len(words) == 2 and not known and all(re.fullmatch(r"[^\W\d_]{3,}", w) for w in words)
 
 
 def _is_two_sided(table: TextTable) -> bool:
@@ -296,17 +341,30 @@ def _is_numbered(table: TextTable) -> bool:
     return counted and abs(np.sign(np.diff(y)).mean()) > 0.9
 
 
-def _describe_unused(entries: Mapping[str, str]) -> Iterator[str]:
-    """Yield a note that lists the entries of a heading that are not used, except descriptions."""
-    unused = [
-        f"{key} = {text}"
-        for key, text in entries.items()
-        if not _DESCRIPTIONS.fullmatch(key.removeprefix("header.").lower())
-        if parse_number(text) != 0.0
-        and (parse_number(text.split()[0] if text else "") is not None or key == "approx.smooth")
-    ]
+def _describe_unused(texts: Iterable[str], unit: float) -> Iterator[str]:
+    """Yield a note that lists the lines that are not used, and state something.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        Comments and entries of a file.
+    unit : float
+        Unit of its lengths, mm: another unit in a text is a statement, as are numbers and values.
+    """
+
+    def is_stated(text: str) -> bool:
+        key, value = split_statement(text)
+        if text.endswith(("=", ":")) or (key and parse_number(value) == 0.0):
+            return False
+        if _DESCRIPTIONS.fullmatch(key) and "=" not in value:
+            return False
+        units = {find_length_unit(word) for word in re.findall(r"\w+", text) if word != "in"}
+        return bool(key or re.search(r"\d", text) or {LENGTHS[u] for u in units if u} - {unit})
+
+    unused = [text if len(text) <= 60 else text[:57] + "..." for text in filter(is_stated, texts)]
     if unused:
-        yield f"entries of the file that are not used: {', '.join(unused[:10])}"
+        more = f", and {len(unused) - 6} more" if len(unused) > 6 else ""
+        yield f"entries of the file that are not used: {', '.join(unused[:6])}{more}"
 
 
 def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:

@@ -53,6 +53,7 @@ def from_measurement(
             f"the points turn back at point {k} ({points[k - 1, 0]:g}, {points[k - 1, 1]:g}) mm; "
             "allowed: points in their order along the profile"
         )
+    _check_return(points)
     _check_crossing(points)
     digit = math.hypot(*(_find_digit(column) for column in points.T))
     points = points * _find_signs(points, kind)
@@ -298,6 +299,25 @@ def _check_size(points: Array, kind: Kind) -> None:
         units = [unit for unit, factor in UNITS.items() if lower <= width * factor <= upper]
         hint = f"; its unit is probably {' or '.join(units)}: give unit" if units else ""
         raise ValueError(f"a {kind} {width:.4g} mm wide; allowed: {lower:g} to {upper:g} mm{hint}")
+
+
+def _check_return(points: Array) -> None:
+    """Raise a ValueError if a quarter of a profile or more lies on another part of it."""
+    if abs(np.sign(np.diff(points[:, 0])).sum()) == len(points) - 1:
+        return  # a graph over y
+    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    step = max(0.5, s[-1] / 2000)
+    at = np.arange(0.0, s[-1], step)
+    path = np.stack([np.interp(at, s, column) for column in points.T], axis=1)
+    pairs = scipy.spatial.cKDTree(path).query_pairs(1.5 * step, output_type="ndarray")
+    pairs = pairs[np.abs(pairs[:, 0] - pairs[:, 1]) > 10]
+    share = np.unique(pairs).size / len(path)
+    if share > 0.25:
+        y, z = path[pairs[len(pairs) // 2, 0]]
+        raise ValueError(
+            f"{100 * share:.0f} % of the points return along the profile, as at ({y:.4g}, {z:.4g}) "
+            "mm; allowed: each part once: keep the points of one pass of the instrument"
+        )
 
 
 def _check_crossing(points: Array, most: int = 10**7) -> None:
