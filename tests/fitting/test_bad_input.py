@@ -40,6 +40,8 @@ TESTS = {
         fitted(scene="spheres-orthotropic", free=["friction.mu"]), "fit.free"),
     "a pair and one of its numbers": (
         fitted(free=["friction.mu", "friction.mu[0]"]), "fit.free"),
+    "a list for the scene": (fitted(scene=[1]), "fit.scene"),
+    "a number for the scene": (fitted(scene=5), "fit.scene"),
     "no scene of this name": (fitted(scene="sphere"), "fit.scene"),
     "a scene with [accuracy]": (
         fitted(scene={"body": {"A": {"young": 2e5, "poisson": 0.3, "radius_x": 10.0,
@@ -197,3 +199,18 @@ def test_a_parameter_without_influence_has_a_note(spheres):
     )
     (text,) = found.undetermined
     assert text.startswith("body.A.density is not determined")
+
+
+def test_a_noise_out_of_range_is_reported(spheres):
+    """The square of a residual over its noise would exceed the range of numbers."""
+    precise = creep_data(spheres, {"friction.mu": 0.35}) | {"noise": {"absolute": 1e-300}}
+    with pytest.raises(FitError) as caught:
+        ts.fit({"scene": spheres, "free": ["friction.mu"], "data": [precise]})
+    assert [fault.key for fault in caught.value.faults] == ["fit.data.noise"]
+
+
+def test_a_value_near_zero_with_relative_noise_does_not_end_a_fit(spheres):
+    tiny = creep_data(spheres, {"friction.mu": 0.35})
+    tiny["values"]["Qx_over_P"][0] = 1e-300
+    found = ts.fit({"scene": spheres, "free": ["friction.mu"], "data": [tiny]})
+    assert found.values["friction.mu"] > 0.0

@@ -3,6 +3,7 @@ import sys
 
 import pytest
 
+from tractive_sam.store import ResultsError
 from tractive_sam.store.lock import FileInUseError, hold_lock, is_locked
 
 
@@ -14,6 +15,15 @@ def test_one_holder_at_a_time(tmp_path):
             pass
     assert not path.exists()
     assert not is_locked(path)
+
+
+def test_a_link_is_no_lock(tmp_path):
+    path, target = tmp_path / "lock", tmp_path / "target"
+    target.write_text("unharmed")
+    path.symlink_to(target)
+    with pytest.raises(ResultsError, match="is a link; remove it"), hold_lock(path):
+        pass
+    assert target.read_text() == "unharmed"
 
 
 def test_lock_ends_with_its_process(tmp_path):

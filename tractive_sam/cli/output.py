@@ -267,8 +267,15 @@ def exit_after(error: Exception) -> typer.Exit | None:
 
     Returns None after any other error.
     """
+    from tempfile import gettempdir
+
     from tractive_sam.extras import MissingExtraError
-    from tractive_sam.output_file import OutputError, OutputPlaceError
+    from tractive_sam.output_file import (
+        OutputError,
+        OutputPlaceError,
+        describe_os_error,
+        is_disk_failure,
+    )
     from tractive_sam.schema import SceneError
     from tractive_sam.store import GapError, ResultsError, StorageError
 
@@ -285,8 +292,12 @@ def exit_after(error: Exception) -> typer.Exit | None:
         case OutputError():
             status = ExitStatus.INCOMPLETE
         case OSError() if error.filename is not None:  # without one, it is of the output itself
-            cure = "choose another file, or change its permissions"
-            text = f"{error.filename} cannot be used: {error.strerror}; {cure}"
+            place = error.filename2 or error.filename  # of a copy: the new file
+            reason = f"{error.strerror}; choose another file, or change its permissions"
+            if is_disk_failure(error):
+                temporary = str(place).startswith(gettempdir())
+                reason = describe_os_error(error) + ("; TMPDIR names the folder" * temporary)
+            text = f"{place} cannot be used: {reason}"
         case MemoryError():
             cure = "choose a coarser [grid]; tractive-sam explain estimates the memory of a scene"
             text = f"the memory is too small; {cure}"

@@ -138,14 +138,18 @@ class Search:
         return estimate
 
     def _check_start(self, residuals: np.ndarray, predicted: np.ndarray) -> None:
-        """Raise a FitError if the residuals at the start of a search are not finite."""
-        if np.isfinite(residuals).all():
+        """Raise a FitError unless the squares of the residuals at the start are finite."""
+        largest, limit = np.abs(residuals).max(initial=0.0), 1e100
+        if largest < limit:
             return
         problem = self.problem
         key, cure = "fit.parameter", "other starts, or a scene that can be computed there"
         reason = problem.failures[-1] if problem.failures else "no result"
         value = f"first values at which the scene cannot be computed ({reason})"
-        if np.isfinite(predicted).all():
+        if np.isfinite(largest):
+            key, cure = "fit.data.noise", "values and noise in the units of the columns"
+            value = f"a value that differs from the model by {largest:.2g} times its noise"
+        elif np.isfinite(predicted).all():
             key, cure = "fit.data", "data of the sign of the model, or { relative = ... }"
             value = "noise by a factor, and predictions that are zero or of another sign"
         raise FitError([Fault(key, value, cure)])

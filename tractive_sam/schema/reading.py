@@ -7,11 +7,11 @@ run on the entries that are valid.
 import functools
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, is_dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from typing import Annotated, Any, get_args
 
-from pydantic import ConfigDict, TypeAdapter, ValidationError
+from pydantic import ConfigDict, PydanticUserError, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from .faults import Fault, SceneError, shorten
@@ -199,6 +199,8 @@ def _adapter(table: type[TableBase], key: str) -> TypeAdapter[Any]:
     """Return pydantic's validator of the values of a key, cached."""
     info = table.model_fields[key]
     kind: Any = Annotated[info.annotation, key, *info.metadata]  # built at run time
-    # A record has a configuration already.
     strict = ConfigDict(strict=True, arbitrary_types_allowed=True)
-    return TypeAdapter(kind, config=None if is_dataclass(info.annotation) else strict)
+    try:
+        return TypeAdapter(kind, config=strict)
+    except PydanticUserError:  # records and tables have a configuration already
+        return TypeAdapter(kind)

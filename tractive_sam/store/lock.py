@@ -7,7 +7,7 @@ from pathlib import Path
 
 from filelock import FileLock, Timeout
 
-from tractive_sam.store.errors import FileInUseError
+from tractive_sam.store.errors import FileInUseError, ResultsError
 
 
 @contextmanager
@@ -23,6 +23,8 @@ def hold_lock(path: Path) -> Iterator[None]:
     ------
     FileInUseError
         If another process holds the lock.
+    ResultsError
+        If the lock file is a link.
     OSError
         If the lock file cannot be created.
     """
@@ -34,6 +36,8 @@ def hold_lock(path: Path) -> Iterator[None]:
     except Timeout:
         raise FileInUseError(f"another process holds {path}; wait until it ends") from None
     except OSError as error:
+        if path.is_symlink():
+            raise ResultsError(f"{path} is a link; remove it: locks are regular files") from error
         if error.errno not in no_locks:
             raise
     try:
