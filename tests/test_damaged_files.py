@@ -191,6 +191,63 @@ def test_changed_numbers_of_a_fit_are_shown_or_refused(files, tmp_path, number):
         check_commands(path, ("show", "plot"))
 
 
+COMMANDS = (
+    *("run FILE -o made.h5", "run spheres -o FILE --resume", "run spheres -o made.h5 --start FILE"),
+    *("explain FILE", "show FILE", "show FILE --json", "plot FILE -o made", "report FILE -o made"),
+    *(
+        "export FILE -o made.vtkhdf",
+        "locus FILE -o made.csv",
+        "wear FILE -o made",
+        "study-show FILE",
+    ),
+    *(
+        "fit FILE -o made.nc",
+        "fit FIT.toml -o FILE",
+        "study FILE -o made",
+        "table FILE --text made",
+    ),
+    *("study STUDY.toml -o FILE", "run spheres --set gap.file='FILE'"),
+)
+"""Commands that read a file of any kind."""
+
+CONTENTS = {
+    "zeros": lambda _: bytes(4096),
+    "half": lambda content: content[: len(content) // 2],
+    "hole": lambda content: content[:2000] + bytes(2000) + content[4000:],
+    "bits": lambda content: bytes(byte ^ (k % 97 == 5) for k, byte in enumerate(content)),
+    "claims HDF5": lambda _: b"\x89HDF\r\n\x1a\n" + bytes(2000),
+    "one key": lambda _: b"scene = 1\n[fit]\nscene = [1]\n",
+}
+"""Damaged or hostile content of a file, made of its right content."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".toml", ".h5", ".nc", ".csv"])
+def test_every_command_ends_with_a_message(files, tmp_path, monkeypatch, suffix):
+    """A matrix of kinds of files, contents and commands; a hole may be in unused space."""
+    monkeypatch.chdir(tmp_path)
+    right = SPHERES.to_toml().encode()
+    if suffix == ".h5":
+        ts.roll(SPHERES, "right.h5")
+        right = (tmp_path / "right.h5").read_bytes()
+    elif suffix == ".nc":
+        right = files["fit"].read_bytes()
+    path = tmp_path / f"x{suffix}"
+    data = '[[fit.data]]\nvary = "creepage.longitudinal"\nobserve = "Qx_over_P"\nnoise = 0.05\n'
+    fit = f'[fit]\nscene = "spheres"\nfree = "friction.mu"\n{data}file = "{path.name}"\n'
+    (tmp_path / "FIT.toml").write_text(fit)
+    (tmp_path / "STUDY.toml").write_text(f'scene = "{path.name}"\naxis = 3\n')
+    for content, change in CONTENTS.items():
+        for command in COMMANDS:
+            for made in tmp_path.glob("made*"):
+                shutil.rmtree(made) if made.is_dir() else made.unlink()
+            path.write_bytes(change(right))
+            with np.errstate(all="ignore"):
+                found = CliRunner().invoke(app, command.replace("FILE", path.name).split())
+            allowed = (0, 2, 3) if content == "hole" else (2, 3)
+            assert found.exit_code in allowed, (content, command, found.exception)
+
+
 def check_commands(path, commands):
     """Run commands on a file; each ends without a traceback, with a known exit status."""
     for command in commands:

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import h5py
 import numpy as np
 import pytest
 from typer.testing import CliRunner
@@ -12,6 +13,7 @@ from typer.testing import CliRunner
 import tractive_sam as ts
 from tractive_sam.cli import app
 from tractive_sam.schema import NamedLaw, load_law_class, named_law
+from tractive_sam.store.layout import set_scene
 from tractive_sam.studies.cluster import _call_with_laws
 from tractive_sam.tables.solving import Job, solve_jobs
 
@@ -375,3 +377,44 @@ class TestImports:
         assert ran.exit_code == 2
         assert "friction.law" in ran.stderr
         assert not (tmp_path / "imported").exists()
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize(
+        "table", ["friction", "wear", "elasticity", "fatigue", "process", "observer"]
+    )
+    def test_no_command_imports_what_a_file_names(self, received, tmp_path, monkeypatch, table):
+        """Names in scenes, studies, fits and results files."""
+        monkeypatch.chdir(tmp_path)
+        tired = {"criterion": "crossland", "sensitivity": 0.3, "limit": 1.0, "bodies": ["A"]}
+        tables = {
+            "friction": lambda name: DISCS.friction.entries() | {"law": name},
+            "wear": lambda name: {"law": name, "revolutions": 2, "save": [0, 2]},
+            "elasticity": lambda name: {"law": name},
+            "fatigue": lambda name: tired | {"criterion": name},
+            "process": lambda name: {"name": name, "end": 3},
+            "observer": lambda name: [{"name": name}],
+        }
+        base = DISCS.replace(wear=None) if table == "process" else DISCS
+        ts.roll(base, "right.h5")
+        axis = '[[axis]]\nkey = "load.normal"\nvalues = [100.0, 200.0]\n'
+        data = '[[fit.data]]\nobserve = "Qx"\nnoise = 0.1\nvalues = { Qx = [1.0] }\n'
+        Path("fit.toml").write_text(f'[fit]\nscene = "s.toml"\nfree = "load.normal"\n{data}')
+        Path("study.toml").write_text(f'scene = "s.toml"\n{axis}')
+        commands = (
+            *("run s.toml -o a.h5 --overwrite", "explain s.toml", "export s.toml -o a.vtkhdf"),
+            *("explain study.toml", "fit fit.toml -o a.nc", "show right.h5"),
+            "run s.toml -o right.h5 --resume",
+        )
+        before = set(sys.modules)
+        for name in HOSTILE[::4]:
+            scene = base.replace(**{table: tables[table](name)})
+            Path("s.toml").write_text(scene.to_toml())
+            with h5py.File("right.h5", "r+") as file:
+                set_scene(file, scene)
+            for command in commands:
+                found = CliRunner().invoke(app, command.split())
+                assert found.exit_code in (0, 2), (name, command, found.exception)
+                assert found.exit_code == 2 or command.startswith(("show", "fit")), (name, command)
+        modules = {name.partition(":")[0] for name in HOSTILE}
+        assert not modules & (set(sys.modules) - before)
+        assert not received.exists()

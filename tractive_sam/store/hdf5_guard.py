@@ -9,6 +9,7 @@ size; HDF5 never returns from an object of size zero. Source: HDF5 file format s
 "Disk Format: Level 1E - Global Heap".
 """
 
+import hashlib
 import mmap
 from pathlib import Path
 from struct import unpack_from
@@ -17,6 +18,27 @@ import h5py
 
 from tractive_sam.input_file import open_regular
 from tractive_sam.store.errors import ResultsError
+
+SEAL = b"\nSHA-256 of the bytes before this line: "
+"""Begin of the last line of netCDF files of this package, after the end of their HDF5 data."""
+
+
+def has_seal(path: Path) -> bool:
+    """Return whether a file ends with the hash of its bytes; ValueError if the hash is another."""
+    with open_regular(path) as file:
+        length = file.seek(0, 2) - len(SEAL) - 64
+        file.seek(max(length, 0))
+        seal = file.read()
+        if not seal.startswith(SEAL):
+            return False
+        file.seek(0)
+        found, rest = hashlib.sha256(), length
+        while block := file.read(min(rest, 2**20)):
+            found.update(block)
+            rest -= len(block)
+        if seal != SEAL + found.hexdigest().encode():
+            raise ValueError("its content is not what was written")
+    return True
 
 
 def open_to_read(path: Path) -> h5py.File:
@@ -38,8 +60,10 @@ def open_to_read(path: Path) -> h5py.File:
         If another process has it open for writing.
     OSError
         If the file is not a regular file, not an HDF5 file, or is damaged.
+    ValueError
+        If its last line is the hash of another content.
     """
-    open_regular(path).close()
+    has_seal(path)  # HDF5 may never return from a damaged file
     try:
         return h5py.File(path, "r", driver="stdio", locking=False)
     except OSError as error:

@@ -15,17 +15,16 @@ from typing import Any
 import h5py
 
 from tractive_sam.extras import require_extra
-from tractive_sam.input_file import open_regular
 from tractive_sam.output_file import describe_os_error, write_file
 from tractive_sam.store.errors import DamagedError, ResultsError
 from tractive_sam.store.hdf5_guard import (
+    SEAL,
     check_claimed_size,
     get_member,
     has_endless_heap,
+    has_seal,
     open_to_read,
 )
-
-_SEAL = b"\nSHA-256 of the bytes before this line: "
 
 
 def write_netcdf(
@@ -62,7 +61,7 @@ def write_netcdf(
     with h5netcdf.File(memory, "w") as file:
         sealed = dataset.assign_attrs(checksum="SHA-256 in the last line of the file")
         sealed.dump_to_store(H5NetCDFStore(file), encoding={**(encoding or {}), **checked})
-    seal = _SEAL + hashlib.sha256(memory.getbuffer()).hexdigest().encode()
+    seal = SEAL + hashlib.sha256(memory.getbuffer()).hexdigest().encode()
     memory.seek(0, 2)
     memory.write(seal)
     write_file(path, memory.getbuffer())
@@ -87,7 +86,7 @@ def open_netcdf(path: Path, cure: str = "make it again") -> Iterator[h5py.File]:
         reads its content.
     """
     try:
-        sealed = _has_seal(path)
+        sealed = has_seal(path)
         if has_endless_heap(path):
             raise ValueError("its texts")
         with open_to_read(path) as file:
@@ -100,24 +99,6 @@ def open_netcdf(path: Path, cure: str = "make it again") -> Iterator[h5py.File]:
     except Exception as error:  # h5py raises many types of errors for damaged files
         problem = describe_os_error(error) if isinstance(error, OSError) else str(error)
         raise DamagedError(f"{path} is damaged or cannot be read: {problem}; {cure}") from error
-
-
-def _has_seal(path: Path) -> bool:
-    """Return whether a file ends with the hash of its bytes; ValueError if the hash is another."""
-    with open_regular(path) as file:
-        length = file.seek(0, 2) - len(_SEAL) - 64
-        file.seek(max(length, 0))
-        seal = file.read()
-        if not seal.startswith(_SEAL):
-            return False
-        file.seek(0)
-        found, rest = hashlib.sha256(), length
-        while block := file.read(min(rest, 2**20)):
-            found.update(block)
-            rest -= len(block)
-        if seal != _SEAL + found.hexdigest().encode():
-            raise ValueError("its content is not what was written")
-    return True
 
 
 def _check_members(file: h5py.File) -> None:

@@ -128,7 +128,10 @@ def _read_history(file: ResultsFile) -> History:
     dims += tuple((name,) for name in PROFILES)
     quantities = columns(scene, _read_user_defined("history", dims, file))
     user_fields = {field.name: field for field in _read_user_defined("fields", ((),), file)}
-    coordinate = find_by_role(quantities.values(), COORDINATE).name
+    try:
+        coordinate = find_by_role(quantities.values(), COORDINATE).name
+    except LookupError as error:  # the scene names a process that has not written the file
+        raise file.damage_error(f"history: {error}") from None
     stored_fields = _stored_names("fields", (*storable_fields(scene), *user_fields), file)
     for name in stored_fields:
         file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
