@@ -43,6 +43,7 @@ _MISSING = frozenset(
 
 _NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
 _STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
+_PER_CENT = re.compile(r"(?<![^\W_])(per[\s_-]?cent|pct|prozent)(?![^\W_])", re.IGNORECASE)
 
 
 class TextError(ValueError):
@@ -203,8 +204,8 @@ class TextTable:
             allowed += ", without separators of thousands"
         raise TextError(place, allowed)
 
-    def check_remark(self, line: int, text: str, units: Collection[str]) -> None:
-        """Raise a TextError for a remark that states a scale, an offset, or other units or rows.
+    def check_remark(self, line: int, text: str, units: Collection[str]) -> bool:
+        """Return whether a remark states something; TextError for a scale, other units or rows.
 
         Parameters
         ----------
@@ -212,18 +213,34 @@ class TextTable:
             The remark.
         units : collection of str
             Units that are used.
+
+        Returns
+        -------
+        bool
+            True for a number, an assignment or a unit, except a number of rows that is correct.
         """
         key, value = split_statement(text)
         place = f"line {line}, {text[:60]!r}"
         cure = "the file without this line, if it does not apply"
-        if key in ("points", "number of points", "data points", "rows") and value.isdigit():
-            rows, columns = len(self.rows), len(self.rows[0])
-            if int(value) not in (rows, columns, rows * columns):
+        rows, columns = len(self.rows), len(self.rows[0])
+        counts = _find_counts(text)
+        corner = self.names or parse_number(self.rows[0][0], self.decimal)
+        shapes = [(rows, columns), *([] if corner else [(rows - 1, columns - 1)])]
+        whole = [rows, *(math.prod(shape) for shape in shapes)]
+        is_grid = columns <= 3 and bool(re.match(r"n ?(cols|rows|[xy]\b)|[xy]", text.lower()))
+        if counts:
+            fits = sorted(counts) in map(sorted, shapes)
+            if len(counts) == 1:
+                n = counts[0]
+                fits = n in sum(shapes, ()) or (is_grid and n > 0 and rows % n == 0)
+            if len(counts) == 2 or re.search("point|pixel|sample|value", text.lower()):
+                fits |= math.prod(counts) in whole
+            if not fits:
                 raise TextError(f"{place}, but {rows} rows", "a complete file; or " + cure)
-        scales = r"\b(scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+)\b"
-        if re.search(scales, key) and value.lower() not in ("1", "1.0", "0", "0.0", "no", "off"):
+            return False
+        if _states_scale(key, value, text):
             raise TextError(f"{place}, which is not applied", f"numbers to which it is; or {cure}")
-        words = re.split(r"[\s,;:=]+", value)
+        words = re.split(r"[\s,;:=]+", _PER_CENT.sub("%", value))
         for before, word in zip(["", *words], words, strict=False):
             inner = word.strip("[](){}<>.")
             stated = inner if key or inner != word or before in ("in", "unit", "units") else ""
@@ -234,6 +251,8 @@ class TextTable:
                 raise TextError(
                     f"{place}, with the unit {stated}", f"units in the header; or {cure}"
                 )
+        is_count = text.replace(" ", "").isdigit() and text.split(maxsplit=1)[0] == str(rows)
+        return not is_count and bool(key or "%" in words or re.search(r"[\d:=]", text))
 
     def statements(self) -> dict[str, tuple[int, str]]:
         """Return (line, value) by lower-case key of remarks "key: value" or "key = value"."""
@@ -256,6 +275,13 @@ class TextTable:
             units=self.units[1:],
             remarks=[*self.remarks, (self.lines[0], "the first column holds row numbers")],
         )
+
+
+def describe_unused(remarks: Sequence[tuple[int, str]]) -> str:
+    """Return the lines of comments and headings that are not used, as text for a note."""
+    first = ", ".join(f"line {line} {text[:40]!r}" for line, text in remarks[:3])
+    more = f" and {len(remarks) - 3} more" if len(remarks) > 3 else ""
+    return f"comments and headings are not used: {first}{more}"
 
 
 def read_table(path: str | PathLike[str], max_bytes: int = 2**26) -> TextTable:
@@ -352,6 +378,33 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
     labels = tuple(header[0]) if header else ()
     table = TextTable(rows, lines, labels, names, units, sorted(remarks), decimal)
     return table.without_row_numbers()
+
+
+def _find_counts(text: str) -> list[int]:
+    """Return numbers of rows, columns or points that a remark states; empty without them."""
+    what = "(?:points|rows|columns|lines|samples|pixels|values|profiles)"
+    count = rf"(?:number of |data |no\.? of )?{what}|n ?(?:cols|rows|x|y)|[xy][ _-]?(?:res|pixels)"
+    match = re.fullmatch(rf"(?:{count})\s*[:=\s]\s*(\d+)", text.strip(), re.IGNORECASE)
+    match = match or re.fullmatch(rf"(\d+)\s+{what}", text.strip(), re.IGNORECASE)
+    match = match or re.search(rf"\b(\d+)\s*[x×*]\s*(\d+)\s+{what}\b", text, re.IGNORECASE)
+    return [int(number) for number in match.groups()] if match else []
+
+
+def _states_scale(key: str, value: str, text: str) -> bool:
+    """Return whether a remark states a scale, an offset or a sign that changes the numbers."""
+    scale = r"scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+|upside"
+    if re.search(rf"\b({scale})\b", key):
+        return value.lower() not in ("1", "1.0", "0", "0.0", "no", "off", "none", "false")
+    more = rf"{scale}|divided|magnif\w*|amplif\w*|verst(?:ä|ae)rk\w*|conversion|calibration"
+    number = r"(?![01](?:\.0*)?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
+    patterns = (
+        rf"\b(?:{more})\b(?:[\s:=]|by|of|is|factor|times)*{number}",
+        r"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b",
+        r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b",  # z x 1000
+        r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]",
+        r"\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
+    )
+    return any(re.search(pattern, text, re.IGNORECASE) for pattern in patterns)
 
 
 def _is_mark(cell: str) -> bool:
@@ -545,17 +598,22 @@ def _read_unit(text: str) -> str | None:
 
 def _parse_label(label: str, unit: str = "") -> tuple[str, str]:
     """Return the name and the unit of a column; an error if a row of units has another unit."""
+    # Other words may be part of a name.
+    units = {unit: unit for unit in ("kN", "N", "MPa", "GPa", "kPa", "Nm", "mrad", "rad", "deg")}
     name, stated = label.strip().strip("'\""), ""
     brackets, last_word = r"(.+?)[\s_]*[\[({<](.*)[\])}>]", r"(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)"
+    ratio = re.fullmatch(r"(.*?\w)(?:[\s_]+in)?[\s_,/]*([%‰])", _PER_CENT.sub("%", name))
     match = re.fullmatch(f"{brackets}|{last_word}", name)
-    if match and match[1]:
-        name, stated = match[1], find_length_unit(match[2]) or match[2].strip()
-    elif match and find_length_unit(match[4]):
-        name, stated = match[3], find_length_unit(match[4]) or ""
+    if ratio:
+        name, stated = ratio[1], ratio[2]
+    elif match and match[1]:
+        name, stated = match[1], find_length_unit(match[2]) or _PER_CENT.sub("%", match[2].strip())
+    elif match and (found := find_length_unit(match[4]) or units.get(match[4])):
+        name, stated = match[3], found
     elif short := re.fullmatch(r"([^\W\d_]+)_([^\W_]+)", name):
-        found = find_length_unit(short[2])
+        found = find_length_unit(short[2]) or units.get(short[2])
         name, stated = (short[1], found) if found else (name, "")
-    below = (_read_unit(unit) or unit) if unit else ""
+    below = (_read_unit(_PER_CENT.sub("%", unit)) or unit) if unit else ""
     if stated and below and stated != below:
         raise TextError(f"column {label!r} in {below}", "one unit for each column")
     return name, stated or below

@@ -173,7 +173,7 @@ def test_a_fault_of_a_data_file_is_reported(case, tmp_path):
 
 
 def test_files_of_spreadsheets_are_read(tmp_path):
-    text = "# rig 3\ncreepage.longitudinal;slip;Qx_over_P\n-0,001;0,1;0,17\n\n-0,002;0,2;0,26\n"
+    text = "# rig\ncreepage.longitudinal;slip;Qx_over_P\n-0,001;0,1;0,17\n\n-0,002;0,2;0,26\n"
     (tmp_path / "creep.csv").write_text(text)
     data = {"file": str(tmp_path / "creep.csv"), "observe": "Qx_over_P", "noise": 0.05}
     problem = make_problem(
@@ -181,6 +181,28 @@ def test_files_of_spreadsheets_are_read(tmp_path):
     )
     assert problem.observed.tolist() == [0.17, 0.26]
     assert problem.series[0].measured.settings[1] == {"creepage.longitudinal": -0.002}
+
+
+@pytest.mark.parametrize(
+    ("heading", "label"),
+    [
+        ("# slip in per cent", "slip"),
+        ("# percent", "slip"),
+        ("# creepage x 1000", "slip"),
+        ("# creepage in 10^-3", "slip"),
+        *(("#", label) for label in ("Slip %", "Slip_pct", "Slip in %", "slip in per cent")),
+    ],
+)
+def test_per_cent_is_used_refused_or_named(tmp_path, heading, label):
+    (tmp_path / "creep.csv").write_text(f"{heading}\n{label};Qx_over_P\n-0.1;0.17\n-0.2;0.26\n")
+    data = {"file": str(tmp_path / "creep.csv"), "observe": "Qx_over_P", "noise": 0.05}
+    data |= {"vary": "creepage.longitudinal", "columns": {"creepage.longitudinal": label}}
+    if heading != "#":
+        with pytest.raises((FitError, ts.SceneWarning), match="line 1"):
+            make_problem(read_design(fitted() | {"data": [data]}).fit)
+        return
+    problem = make_problem(read_design(fitted() | {"data": [data]}).fit)
+    assert problem.series[0].measured.settings[1]["creepage.longitudinal"] == pytest.approx(-0.002)
 
 
 def test_all_faults_are_reported_at_once():

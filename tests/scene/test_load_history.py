@@ -1,5 +1,7 @@
 """Blocks of a measured load history."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -230,3 +232,29 @@ def test_a_study_over_the_levels(loads):
     (loads.parent / "study.toml").write_text(text)
     study = ts.Study.from_toml(loads.parent / "study.toml")
     assert study.scene.load_history.file == loads
+
+
+@pytest.mark.parametrize(
+    ("values", "found"),
+    [
+        ([300, 310, 9999, 305, 9999, 320], "line 4, loads.csv, line 6, a mark of missing"),
+        ([300, 310, 7000, 305, 330, 320], "line 4, more than 20 times the median"),
+        ([0.3, 0.31, 0.29, 0.33, 0.3, 0.3], "kN"),
+        ([300, 310, 320, 305, 330, "\n310", 300, 320], "empty line at line 8"),
+        ([300, "310 # tare: 50 N", 300], "line 3 'tare: 50 N'"),
+        ([300, "310 # forces per wheelset (2 wheels)", 300], "2 wheels"),
+    ],
+)
+def test_doubtful_rows_of_a_history_are_named(tmp_path, values, found):
+    path = tmp_path / "loads.csv"
+    path.write_text("\n".join(map(str, ("normal", *values))) + "\n")
+    with pytest.warns(ts.SceneWarning, match=re.escape(found)):
+        ts.blocks_of(path)
+
+
+@pytest.mark.filterwarnings("ignore::tractive_sam.schema.PlausibilityWarning")  # of small loads
+def test_loads_far_below_the_load_of_the_scene_are_named(loads):
+    """Loads in kN, far below those of the scene, but possible in N."""
+    loads.write_text("normal\n1.5\n1.6\n1.4\n")
+    with pytest.warns(ts.SceneWarning, match=r"1 % of load\.normal"):
+        DISCS.replace(load_history={"file": str(loads)})

@@ -28,7 +28,7 @@ def write_columns(path, points):
 
 
 def write_matrix(path):
-    rows = [["y \\ x", *Y], *([x, *row] for x, row in zip(X, SEPARATION, strict=True))]
+    rows = [["x \\ y", *Y], *([x, *row] for x, row in zip(X, SEPARATION, strict=True))]
     path.write_text("\n".join(",".join(map(str, row)) for row in rows))
 
 
@@ -141,7 +141,11 @@ def test_units_are_those_of_the_file(tmp_path):
     path = tmp_path / "gap.h5"
     write_hdf5(path, x=X, y=Y, separation=1e3 * SEPARATION)
     with h5py.File(path, "r+") as file:
-        file["separation"].attrs["units"] = "um"
+        file["separation"].attrs["Unit"] = "um"
+    with pytest.raises(GapError, match="units of x, y"):
+        read_gap(path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["units"] = "mm"
     np.testing.assert_allclose(read_gap(path)[2], SEPARATION, rtol=1e-15)  # one product
     with h5py.File(path, "r+") as file:
         file["separation"].attrs["units"] = "furlong"
@@ -155,7 +159,7 @@ PROFILES = {
     "semicolon.csv": "y [mm];z [µm]\n" + "\n".join(f"{y};{z}" for y, z in ROWS),
     "comma.csv": "y_mm,z_um\n" + "\n".join(f"{y},{z}" for y, z in ROWS),
     "decimal.csv": "Y [mm]; Z [um]\n" + "\n".join(f"{y}; {z}".replace(".", ",") for y, z in ROWS),
-    "tab.txt": "# stylus 2 um\n# y (mm)\tz (um)\n"
+    "tab.txt": "# stylus\n# y (mm)\tz (um)\n"
     + "\n".join(f"{y}\t{z}".replace(".", ",") for y, z in ROWS),
     "space.dat": "y [mm]  z [um]\n"
     + "\n".join(f"{y}   {z}" for y, z in zip(Y[::-1], HEIGHT[::-1], strict=True)),
@@ -258,7 +262,7 @@ MATRIX = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in 1e-3 * SEPARATIO
 
 def test_a_matrix_uses_its_heading(tmp_path):
     """Rows lie along x; a size is that of all points, each in the middle of its share."""
-    heading = "# Channel: Height\n# Width: 8.00 mm\n# Height: 1.5 mm\n# Value units: m\n"
+    heading = "# Channel\n# Width: 8.00 mm\n# Height: 1.5 mm\n# Value units: m\n"
     path = write_text(tmp_path / "map.txt", heading + MATRIX)
     with pytest.warns(ts.SceneWarning, match=r"0\.5 and 2 mm"):
         x, y, separation = read_gap(ts.Gap(file=path))
@@ -349,3 +353,79 @@ def test_names_choose_the_columns(tmp_path):
         read_gap(ts.Gap(file=path, body="A"))
     inward = read_gap(ts.Gap(file=path, body="A", positive="inward"))[2]
     np.testing.assert_allclose(inward, -separation, rtol=1e-15)
+
+
+GRID = "\n".join(" ".join(f"{v:.9g}" for v in row) for row in POINTS) + "\n"
+STATED = {
+    "y\\x": ("y\\x 0 1 2\n0 1 1 1\n1 1 2 1\n", {}, "another layout"),
+    "corner unit": ("x/y[um] 0 1 2\n0 1 1 1\n1 1 2 1\n", {}, "line 1"),
+    "columns": ("# columns: y x z\n" + GRID, {}, "another layout"),
+    "assigned columns": ("# Columns = y, x, z\n" + GRID, {}, "another layout"),
+    "format": ("Format: Y X Z\n" + GRID, {}, "another layout"),
+    "rows": ("# rows: y, columns: x\n" + MATRIX, {"step": [1, 1]}, "another layout"),
+    "origin": ("# Origin: lower left\n" + MATRIX, {"step": [1, 1]}, "Origin"),
+    "dx": ("# dx = 0.1\n" + MATRIX, {"step": [1, 1], "unit": "mm"}, "gap.step"),
+    "pixel": ("# pixel size: 0.1\n" + MATRIX, {"step": [1, 1], "unit": "mm"}, "gap.step"),
+    "count": ("# Columns: 12\n" + MATRIX, {"step": [1, 1]}, "but 3 rows"),
+    "counts": ("# 12 x 9 points\n" + MATRIX, {"step": [1, 1]}, "but 3 rows"),
+    "xres": ("# xres = 12\n" + MATRIX, {"step": [1, 1]}, "but 3 rows"),
+    "ESRI": ("ncols 12\nnrows 9\n" + MATRIX, {"step": [1, 1]}, "but 3 rows"),
+    "points with a step": (GRID, {"step": [1, 1]}, "three columns"),
+    "sign": ("# positive: down\n" + MATRIX, {"step": [1, 1]}, "gap.positive"),
+    "direction": ("# Direction: into the material\n" + MATRIX, {"step": [1, 1]}, "gap.positive"),
+    "strengthening": ("# Verstaerkung: 1000\n" + MATRIX, {"step": [1, 1]}, "not applied"),
+    "amplification": ("Amplification: 10\n" + MATRIX, {"step": [1, 1]}, "not applied"),
+    "conversion": ("Conversion=10\n" + MATRIX, {"step": [1, 1]}, "not applied"),
+    **{
+        name: (f"y [mm];{name} [mm]\n0;1\n1;2\n", {"body": "A"}, "columns y")
+        for name in ("-z", "z inverted", "1000*z", "z*1e3", "z x1000", "z x 10")
+    },
+}
+
+
+@pytest.mark.parametrize("case", STATED)
+def test_stated_layouts_and_scales_that_are_not_used_are_refused(tmp_path, case):
+    text, settings, named = STATED[case]
+    path = write_text(tmp_path / "map.txt", text)
+    with pytest.raises(GapError, match=named):
+        read_gap(ts.Gap(file=path, **settings))
+
+
+@pytest.mark.parametrize(
+    "heading", ["# rows: x, columns: y", "# dx = 1", "# 3 x 4 points", "ncols 4", "# xres: 4"]
+)
+def test_stated_layouts_that_are_used_give_no_note(tmp_path, heading):
+    path = write_text(tmp_path / "map.txt", f"{heading}\n{MATRIX}")
+    assert read_gap(ts.Gap(file=path, step=[1.0, 1.0]))[2].shape == SEPARATION.shape
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "value", "found"),
+    [
+        ("separation", "scale", 1000.0, "scale = 1000"),
+        ("separation", "z_offset", 5.0, "z_offset"),
+        ("separation", "positive", "down", "positive"),
+        ("/", "units", "furlong", "furlong"),
+        ("/", "pixels", 12, "file.pixels"),
+        ("y", "comment", "every 2 mm", "y.comment"),
+    ],
+)
+def test_attributes_that_are_not_used_are_refused_or_named(tmp_path, place, name, value, found):
+    path = tmp_path / "gap.h5"
+    write_hdf5(path, x=X, y=Y, separation=SEPARATION)
+    with h5py.File(path, "r+") as file:
+        file[place].attrs[name] = value
+    with pytest.raises((GapError, ts.SceneWarning), match=found):
+        read_gap(path)
+
+
+def test_other_arrays_of_a_file_are_named(tmp_path):
+    arrays = {"x": X, "y": Y, "separation": SEPARATION}
+    write_hdf5(tmp_path / "a.h5", **arrays, quality=SEPARATION)
+    np.savez(tmp_path / "a.npz", **arrays, quality=SEPARATION)
+    for name in ("a.h5", "a.npz"):
+        with pytest.warns(ts.SceneWarning, match="quality"):
+            read_gap(tmp_path / name)
+    np.savez(tmp_path / "b.npz", **arrays, units=np.array(["um"]))
+    with pytest.raises(GapError, match=r"units.*gap\.unit"):
+        read_gap(tmp_path / "b.npz")

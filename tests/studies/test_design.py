@@ -132,7 +132,7 @@ def test_gap_file_that_is_set_is_next_to_the_study(written, tmp_path, setting):
 
 def test_gap_files_of_an_axis_are_the_same_from_another_folder(written, tmp_path, monkeypatch):
     for name, depth in (("one.csv", 0.001), ("two.csv", 0.002)):
-        written(f"y/x,-9.0,9.0\n-9.0,{depth},{depth}\n9.0,{depth},{depth}\n", name)
+        written(f"x/y,-9.0,9.0\n-9.0,{depth},{depth}\n9.0,{depth},{depth}\n", name)
     monkeypatch.chdir(tmp_path)
     files = {"key": "gap.file", "values": ["one.csv", "two.csv"]}
     for axis in (files, {**MU, "zip": [files]}):

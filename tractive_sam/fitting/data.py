@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from math import log
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,8 @@ import numpy as np
 from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Noise
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
-from tractive_sam.schema import Fault, shorten, suggest_name
-from tractive_sam.text_table import TextError, TextTable, find_scale, read_table
+from tractive_sam.schema import Fault, shorten, suggest_name, warn
+from tractive_sam.text_table import TextError, TextTable, describe_unused, find_scale, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +149,7 @@ def read_measured(data: Data, key: str) -> Measured:
     source = f"{key}.{'file' if data.values is None else 'values'}"
     numbers, faults = {}, []
     try:
-        columns = _table_of(data)
+        columns = _table_of(data, key)
         for name in wanted:
             column = data.columns.get(name, name)
             place = columns.find(column)
@@ -176,14 +177,15 @@ def read_measured(data: Data, key: str) -> Measured:
     return _measured(data, key, numbers)
 
 
-def _table_of(data: Data) -> TextTable:
+def _table_of(data: Data, key: str) -> TextTable:
     """Return the columns of a data set; TextError if they lack names or differ in length."""
     if data.values is None:
         table = read_table(str(data.file))
         if not table.names:
             raise TextError("no header row", "a row of column names above the numbers")
-        for line, text in table.remarks:
-            table.check_remark(line, text, table.units)
+        unused = [mark for mark in table.remarks if table.check_remark(*mark, table.units)]
+        if unused:
+            warn(f"{key}: {Path(str(data.file)).name}: {describe_unused(unused)}")
         return table
     columns = {
         name: [str(value) for value in np.atleast_1d(np.asarray(values, dtype=object))]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -27,7 +28,7 @@ from tractive_sam.schema import (
     suggest_name,
     warn,
 )
-from tractive_sam.text_table import TextError, find_scale, read_table
+from tractive_sam.text_table import TextError, describe_unused, find_scale, read_table
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .gap import TEXTS, absolute_path
@@ -184,6 +185,11 @@ def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
             cure = "[load_history] or [[duty]]: the rows of the history become the blocks"
             raise SceneError([Fault("file", "with [[duty]]", cure)])
         binned = blocks_of(history.file, history.levels)
+        loads = [b.load.normal for b in binned.blocks if b.load.normal is not None]
+        scene_load = dict(tables.get("load") or {}).get("normal")
+        if loads and isinstance(scene_load, int | float) and 1.0 <= max(loads) < scene_load / 100.0:
+            text = f"all loads are below 1 % of load.normal = {scene_load:g}"
+            warn(f"load_history: {text}; a header may state normal [kN]")
     except SceneError as error:
         faults = (
             replace(fault, key=fault.key.replace("measured", "file")) for fault in error.faults
@@ -247,6 +253,7 @@ def blocks_of(
         raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
     columns, lines = _columns(measured)
     _check_values(columns, lines)
+    _name_doubtful_rows(columns, lines)
     rows = next(iter(columns.values())).size
     values, max_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
     wrong = values[(values < 1) | (values > max_revolutions) | (values % 1 != 0)]
@@ -332,6 +339,33 @@ def _check_values(columns: Mapping[str, np.ndarray], lines: Sequence[str]) -> No
         raise SceneError(faults)
 
 
+def _name_doubtful_rows(columns: Mapping[str, np.ndarray], lines: Sequence[str]) -> None:
+    """Warn of rows with marks of missing values or single large values, and of tiny loads."""
+    for name, values in columns.items():
+        if name == "revolutions":
+            continue
+        sizes = np.abs(values)
+        marks = [v for v in np.unique(sizes) if re.fullmatch(r"9{3,}(\.9+)?|3276[78]", f"{v:.10g}")]
+        others = sizes[~np.isin(sizes, marks)]
+        median, largest = float(np.median(sizes)), float(others.max()) if others.size else np.inf
+        is_mark = np.isin(sizes, marks) & (sizes > 1.5 * largest)
+        is_peak = (sizes > 20.0 * median) & (median > 0.0)
+        is_peak &= is_peak.sum() <= max(1, sizes.size // 100)
+        for where, text in (
+            (is_mark, "a mark of missing values"),
+            (is_peak & ~is_mark, f"more than 20 times the median, {median:.4g}"),
+        ):
+            rows = np.flatnonzero(where)
+            if rows.size:
+                places = ", ".join(lines[row] for row in rows[:3])
+                more = f" and {rows.size - 3} more" if rows.size > 3 else ""
+                value = f"{name} = {values[rows[0]]:g} in {places}{more}"
+                warn(f"load_history: {value}, {text}: remove such rows if they are no loads")
+    if "normal" in columns and columns["normal"].max() < 1.0:
+        largest = float(columns["normal"].max())
+        warn(f"load_history: all loads are at most {largest:g} N; a header may state normal [kN]")
+
+
 def _columns(
     measured: str | PathLike[str] | Mapping[str, ArrayLike],
 ) -> tuple[dict[str, np.ndarray], list[str]]:
@@ -383,8 +417,7 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         used = {name: k for k, name in enumerate(table.names) if name not in unused}
         if len(used) + len(unused) < len(table.names):
             raise TextError(f"columns {', '.join(table.names)}", "each column once")
-        for line, text in table.remarks:
-            table.check_remark(line, text, table.units)
+        remarks = [mark for mark in table.remarks if table.check_remark(*mark, table.units)]
         _check_names(used)
         for name, place in used.items():
             table_name, _, key = _COLUMNS[name].rpartition(".")
@@ -401,4 +434,12 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         raise SceneError([Fault("measured", value, error.allowed)]) from None
     if unused:
         warn(f"load_history: columns of {path.name} that are not read: {', '.join(unused)}")
+    if remarks:
+        warn(f"load_history: {path.name}: {describe_unused(remarks)}")
+    known = {*table.lines, *(line for line, _ in table.remarks)}
+    gaps = [n for n in table.lines[1:] if n - 1 not in known]
+    if gaps and len(gaps) < len(table.lines) // 4:
+        places = ", ".join(map(str, gaps[:3]))
+        text = f"rows continue after an empty line at line {places}: all blocks are one history"
+        warn(f"load_history: {path.name}: {text}")
     return columns, [f"{path.name}, line {line}" for line in table.lines]

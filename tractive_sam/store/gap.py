@@ -16,6 +16,13 @@ from tractive_sam.input_file import open_regular
 from tractive_sam.scene import ALONG, TEXTS
 from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
+from tractive_sam.store.gap_statements import (
+    NAMES,
+    SCALE_NAMES,
+    name_unused,
+    read_heading,
+    read_units,
+)
 from tractive_sam.store.hdf5_guard import get_member, numeric_dataset, open_to_read
 from tractive_sam.store.numpy_guard import read_archive, read_array
 from tractive_sam.text_table import (
@@ -25,10 +32,8 @@ from tractive_sam.text_table import (
     find_length_unit,
     parse_number,
     read_table,
-    split_statement,
 )
 
-NAMES = ("x", "y", "separation")
 LARGEST = 1e30
 """Largest magnitude of coordinates and separations, mm, at which no formula overflows. Equal to
 `schema.LARGEST`, which would load the reader of scenes."""
@@ -37,6 +42,10 @@ Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 _HEIGHTS = ("separation", "gap", "z", "height", "heights", "depth", "profile", "elevation", "raw")
 """Names of the measured quantity in files, in lower case."""
+
+_PLACES = ("x", "y", "s", "lateral", "longitudinal", "position", "distance", "length", "along",
+           "lateral position", "longitudinal position", "x position", "y position")  # fmt: skip
+"""Names of a coordinate in files, in lower case."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,12 +221,9 @@ def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
         if missing:
             raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")
         datasets = {name: numeric_dataset(get_member(file, name)) for name in NAMES}
-        units = {
-            name: _known_unit(path, name, dataset.attrs.get("units", "mm"))
-            for name, dataset in datasets.items()
-        }
-        if units["x"] != units["y"]:
-            raise GapError(path, f"x in {units['x']}, y in {units['y']}", "one unit for x and y")
+        attributes = [dataset.attrs for dataset in datasets.values()]
+        units = read_units(path, settings, attributes, file.attrs)
+        name_unused(path, [name for name in file if name not in NAMES])
         x, y, values = (_unpack(dataset[()], dataset.attrs) for dataset in datasets.values())
         names = [
             {
@@ -227,9 +233,7 @@ def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
             for dimension in datasets["separation"].dims
             for scales in (dimension.values(),)
         ]
-    return _order(
-        path, x, y, values, [name - {""} for name in names], (units["x"], units["separation"])
-    )
+    return _order(path, x, y, values, [name - {""} for name in names], units)
 
 
 def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
@@ -249,13 +253,9 @@ def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
                 for variable, attribute in zip(variables, attributes, strict=True)
             )
             names = [{name} for name in variables[2].dimensions]
-            units = [
-                _known_unit(path, name, attribute.get("units", "mm"))
-                for name, attribute in zip(NAMES, attributes, strict=True)
-            ]
-    if units[0] != units[1]:
-        raise GapError(path, f"x in {units[0]}, y in {units[1]}", "one unit for x and y")
-    return _order(path, x, y, values, names, (units[0], units[2]))
+            units = read_units(path, settings, attributes, vars(file)["_attributes"])
+            name_unused(path, [name for name in file.variables if name not in NAMES])
+    return _order(path, x, y, values, names, units)
 
 
 def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
@@ -288,15 +288,6 @@ def _order(
     return _GapData(_finite(path, x, "x"), _finite(path, y, "y"), values, units)
 
 
-def _known_unit(path: Path, name: str, unit: Any) -> str:
-    """Return a stated unit as in `LENGTHS`; GapError if it is no length."""
-    text = unit.decode() if isinstance(unit, bytes) else str(unit)
-    known = find_length_unit(text)
-    if known is None:
-        raise GapError(path, f"{name} in {text}", f"units of {', '.join(LENGTHS)}")
-    return known
-
-
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in an .npy file: fields x, y, separation, or a matrix."""
     return _gap_from_array(path, settings, read_array(path))
@@ -311,6 +302,12 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     if len(measured) != 1 or "y" not in arrays:
         needed = f"y, one of {', '.join(_HEIGHTS)}, and x except for a profile; or a single array"
         raise GapError(path, f"arrays {', '.join(arrays)}", needed)
+    others = [name for name in arrays if name not in ("x", "y", measured[0])]
+    scales = [n for n in others if re.search(rf"{SCALE_NAMES}|unit", n.lower())]
+    if scales and None in (settings.unit, settings.length_unit):
+        cure = "gap.unit and gap.length_unit, and numbers without other scales"
+        raise GapError(path, f"the array {scales[0]} = {arrays[scales[0]]}"[:80], cure)
+    name_unused(path, others)
     y, values = _finite(path, arrays["y"], "y"), np.asarray(arrays[measured[0]], float)
     _check_meaning(path, settings, measured[0], "x" not in arrays)
     if "x" in arrays:
@@ -324,6 +321,7 @@ def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapD
         missing = [name for name in NAMES if name not in array.dtype.names]
         if missing:
             raise GapError(path, f"no field {', '.join(missing)}", f"fields {', '.join(NAMES)}")
+        name_unused(path, [name for name in array.dtype.names if name not in NAMES])
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
     return _gap_from_matrix(path, settings, np.asarray(array, float))
 
@@ -346,7 +344,7 @@ def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in a text file: points, a profile, heights, or a matrix with x and y."""
     table = read_table(path, 2**30)  # about 5000 x 5000 numbers
-    heading = _read_heading(path, settings, table)
+    heading = read_heading(path, settings, table)
     if table.names:
         return _gap_from_columns(path, settings, table)
     shape = len(table.rows), len(table.rows[0])
@@ -411,50 +409,14 @@ def _read_cells(
         return values
 
 
-def _read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str, Any]:
-    """Return the unit and the size of a matrix in a heading; GapError for what is not used.
-
-    Returns
-    -------
-    dict
-        "unit" of the values; "width" and "height", mm.
-    """
-    stated: dict[str, Any] = {}
-    has_units = bool(table.units) and all(table.units)
-    lengths = has_units or settings.length_unit is not None or settings.step is not None
-    heights = has_units or settings.unit is not None
-    spacings = r"unit|step|spacing|pixel|resolution|pitch|increment|sampling|\bd[xyz]\b"
-    used = [*table.units, settings.unit or "", settings.length_unit or ""]
-    for line, text in table.remarks:
-        key, value = split_statement(text)
-        words = re.split(r"[\s\[\](){},;:=]+", value)
-        found = (find_length_unit(word) for word in words if word not in ("in", "mil"))
-        units = [unit for unit in found if unit]
-        size = re.fullmatch(r"([\d.eE+-]+)\s*(\S+)", value)
-        if units and not table.names and re.search(r"^(?!.*(\b[xy]\b|lateral)).*\bunits?\b", key):
-            stated["unit"] = units[0]
-            continue
-        if key in ("width", "height") and size and units:
-            stated[key] = float(size[1]) * LENGTHS[units[0]]
-            continue
-        table.check_remark(
-            line, text, (*LENGTHS, *table.units) if heights and not has_units else used
-        )
-        if (units or re.search(spacings, key)) and not (heights and lengths):
-            keys = "gap.unit, gap.length_unit" + ("" if table.names else " and gap.step")
-            value = f"line {line}, {text[:60]!r}, which is not read"
-            raise GapError(path, value, f"{keys}, which state it; or the file without this line")
-    return stated
-
-
 def _gap_from_columns(path: Path, settings: scene.Gap, table: TextTable) -> _GapData:
     """Return the gap of a profile or of points in named columns."""
-    names = [re.sub(r"[\s_\d]+$", "", name.lower()) for name in table.names]
+    names = [re.sub(r"[\s_]*\d?$", "", name.lower()) for name in table.names]
     order = _find_columns(names)
     if order is None or settings.step is not None:
         value = f"columns {', '.join(table.labels)}" + (" and gap.step" if order else "")
-        cure = f"x, y and one of {', '.join(_HEIGHTS)}; or a coordinate and one of these"
-        raise GapError(path, value, cure)
+        cure = f"x, y and one of {', '.join(_HEIGHTS)}; or one of these and one of "
+        raise GapError(path, value, cure + ", ".join(_PLACES))
     _check_meaning(path, settings, names[order[-1]], len(order) == 2)
     units = [find_length_unit(table.units[k]) or table.units[k] for k in order]
     units = [settings.length_unit or unit for unit in units[:-1]] + [settings.unit or units[-1]]
@@ -477,16 +439,17 @@ def _gap_from_columns(path: Path, settings: scene.Gap, table: TextTable) -> _Gap
 
 def _find_columns(names: Sequence[str]) -> list[int] | None:
     """Return the indices of the place and the height, or of x, y and height; None if not clear."""
-    places = ("x", "y", "s", "lateral", "longitudinal", "position", "distance", "length", "along")
     if len(names) == 3 and {"x", "y"} < {*names}:
         k = ({0, 1, 2} - {names.index("x"), names.index("y")}).pop()
         return [names.index("x"), names.index("y"), k] if names[k] in _HEIGHTS else None
-    kinds = ["place" if n in places else "height" if n in _HEIGHTS else "" for n in names]
-    if len(names) != 2 or kinds in (["", ""], ["height", "height"]):
+    if len(names) != 2:
         return None
-    if kinds == ["place", "place"]:
-        return [0, 1] if names == ["x", "y"] else None
-    return [0, 1] if kinds[0] == "place" or kinds[1] == "height" else [1, 0]
+    if [*names] == ["x", "y"]:
+        return [0, 1]
+    for order in ([0, 1], [1, 0]):
+        if names[order[0]] in _PLACES and names[order[1]] in _HEIGHTS:
+            return order
+    return None
 
 
 def _gap_from_matrix(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
@@ -499,6 +462,11 @@ def _gap_from_matrix(path: Path, settings: scene.Gap, array: np.ndarray) -> _Gap
                 value = f"a first {name} of evenly spaced numbers, and gap.step"
                 cure = "heights alone, without coordinates or row numbers; or no gap.step"
                 raise GapError(path, value, cure)
+        if array.shape[1] == len(NAMES):
+            sizes = [np.unique(column).size for column in array.T[:2]]
+            if min(sizes) > 1 and sizes[0] * sizes[1] == len(array):
+                value = f"points of a grid, {sizes[0]} x {sizes[1]}, in three columns, and gap.step"
+                raise GapError(path, value, "a matrix of heights alone; or no gap.step")
         return _centre(array, settings.step)
     if array.ndim == 2 and array.shape[1] == 2:
         _check_meaning(path, settings, "", True)
