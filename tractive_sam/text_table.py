@@ -43,7 +43,6 @@ _MISSING = frozenset(
 
 _NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
 _STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
-_PER_CENT = re.compile(r"(?<![^\W_])(per[\s_-]?cent|pct|prozent)(?![^\W_])", re.IGNORECASE)
 
 
 class TextError(ValueError):
@@ -240,7 +239,7 @@ class TextTable:
             return False
         if _states_scale(key, value, text):
             raise TextError(f"{place}, which is not applied", f"numbers to which it is; or {cure}")
-        words = re.split(r"[\s,;:=]+", _PER_CENT.sub("%", value))
+        words = re.split(r"[\s,;:=]+", _replace_per_cent(value))
         for before, word in zip(["", *words], words, strict=False):
             inner = word.strip("[](){}<>.")
             stated = inner if key or inner != word or before in ("in", "unit", "units") else ""
@@ -378,6 +377,12 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
     labels = tuple(header[0]) if header else ()
     table = TextTable(rows, lines, labels, names, units, sorted(remarks), decimal)
     return table.without_row_numbers()
+
+
+def _replace_per_cent(text: str) -> str:
+    """Return a text with % instead of words for it."""
+    words = r"(?<![^\W_])(per[\s_-]?cent|pct|prozent)(?![^\W_])"
+    return re.sub(words, "%", text, flags=re.IGNORECASE)
 
 
 def _find_counts(text: str) -> list[int]:
@@ -602,18 +607,18 @@ def _parse_label(label: str, unit: str = "") -> tuple[str, str]:
     units = {unit: unit for unit in ("kN", "N", "MPa", "GPa", "kPa", "Nm", "mrad", "rad", "deg")}
     name, stated = label.strip().strip("'\""), ""
     brackets, last_word = r"(.+?)[\s_]*[\[({<](.*)[\])}>]", r"(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)"
-    ratio = re.fullmatch(r"(.*?\w)(?:[\s_]+in)?[\s_,/]*([%‰])", _PER_CENT.sub("%", name))
+    ratio = re.fullmatch(r"(.*?\w)(?:[\s_]+in)?[\s_,/]*([%‰])", _replace_per_cent(name))
     match = re.fullmatch(f"{brackets}|{last_word}", name)
     if ratio:
         name, stated = ratio[1], ratio[2]
     elif match and match[1]:
-        name, stated = match[1], find_length_unit(match[2]) or _PER_CENT.sub("%", match[2].strip())
+        name, stated = match[1], find_length_unit(match[2]) or _replace_per_cent(match[2].strip())
     elif match and (found := find_length_unit(match[4]) or units.get(match[4])):
         name, stated = match[3], found
     elif short := re.fullmatch(r"([^\W\d_]+)_([^\W_]+)", name):
         found = find_length_unit(short[2]) or units.get(short[2])
         name, stated = (short[1], found) if found else (name, "")
-    below = (_read_unit(_PER_CENT.sub("%", unit)) or unit) if unit else ""
+    below = (_read_unit(_replace_per_cent(unit)) or unit) if unit else ""
     if stated and below and stated != below:
         raise TextError(f"column {label!r} in {below}", "one unit for each column")
     return name, stated or below

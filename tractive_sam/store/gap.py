@@ -18,8 +18,8 @@ from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_statements import (
     NAMES,
-    SCALE_NAMES,
     name_unused,
+    names_scale,
     read_heading,
     read_units,
 )
@@ -42,10 +42,6 @@ Gap = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 _HEIGHTS = ("separation", "gap", "z", "height", "heights", "depth", "profile", "elevation", "raw")
 """Names of the measured quantity in files, in lower case."""
-
-_PLACES = ("x", "y", "s", "lateral", "longitudinal", "position", "distance", "length", "along",
-           "lateral position", "longitudinal position", "x position", "y position")  # fmt: skip
-"""Names of a coordinate in files, in lower case."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,7 +299,7 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
         needed = f"y, one of {', '.join(_HEIGHTS)}, and x except for a profile; or a single array"
         raise GapError(path, f"arrays {', '.join(arrays)}", needed)
     others = [name for name in arrays if name not in ("x", "y", measured[0])]
-    scales = [n for n in others if re.search(rf"{SCALE_NAMES}|unit", n.lower())]
+    scales = [n for n in others if names_scale(n) or "unit" in n.lower()]
     if scales and None in (settings.unit, settings.length_unit):
         cure = "gap.unit and gap.length_unit, and numbers without other scales"
         raise GapError(path, f"the array {scales[0]} = {arrays[scales[0]]}"[:80], cure)
@@ -415,8 +411,8 @@ def _gap_from_columns(path: Path, settings: scene.Gap, table: TextTable) -> _Gap
     order = _find_columns(names)
     if order is None or settings.step is not None:
         value = f"columns {', '.join(table.labels)}" + (" and gap.step" if order else "")
-        cure = f"x, y and one of {', '.join(_HEIGHTS)}; or one of these and one of "
-        raise GapError(path, value, cure + ", ".join(_PLACES))
+        cure = f"x, y and one of {', '.join(_HEIGHTS)}; or one of these and y, x, lateral, position"
+        raise GapError(path, value, cure)
     _check_meaning(path, settings, names[order[-1]], len(order) == 2)
     units = [find_length_unit(table.units[k]) or table.units[k] for k in order]
     units = [settings.length_unit or unit for unit in units[:-1]] + [settings.unit or units[-1]]
@@ -446,8 +442,10 @@ def _find_columns(names: Sequence[str]) -> list[int] | None:
         return None
     if [*names] == ["x", "y"]:
         return [0, 1]
+    places = ("x", "y", "s", "lateral", "longitudinal", "position", "distance", "length", "along",
+              "lateral position", "longitudinal position", "x position", "y position")  # fmt: skip
     for order in ([0, 1], [1, 0]):
-        if names[order[0]] in _PLACES and names[order[1]] in _HEIGHTS:
+        if names[order[0]] in places and names[order[1]] in _HEIGHTS:
             return order
     return None
 

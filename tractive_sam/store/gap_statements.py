@@ -21,8 +21,11 @@ from tractive_sam.text_table import (
 
 NAMES = ("x", "y", "separation")
 
-SCALE_NAMES = r"scal|offset|factor|gain|multipl|invert|slope|intercept|positive|\bsign|direction"
-"""Names, in lower case, of attributes and arrays that may change the numbers of a file."""
+
+def names_scale(name: str) -> bool:
+    """Return whether an attribute or array of a name may change the numbers of a file."""
+    words = "scal|offset|factor|gain|multipl|invert|slope|intercept|positive|direction"
+    return bool(re.search(rf"{words}|\bsign", name.lower()))
 
 
 def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str, Any]:
@@ -143,7 +146,7 @@ def read_units(
         for key, text in texts.items():
             has_sign = key.lower() == "positive" and "positive" in settings.model_fields_set
             trivial = text in ("1", "1.0", "0", "0.0") or has_sign
-            if re.search(SCALE_NAMES, key.lower()) and not trivial:
+            if names_scale(key) and not trivial:
                 cure = "numbers to which it is applied; units, scale_factor and add_offset of each "
                 cure += "dataset; gap.positive for a direction"
                 raise GapError(path, f"the attribute {key} = {text[:40]} of {name}", cure)
