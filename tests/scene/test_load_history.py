@@ -245,7 +245,7 @@ def test_a_study_over_the_levels(loads):
         ([300, "310 # forces per wheelset (2 wheels)", 300], "2 wheels"),
     ],
 )
-def test_doubtful_rows_of_a_history_are_named(tmp_path, values, found):
+def test_implausible_rows_of_a_history_are_named(tmp_path, values, found):
     path = tmp_path / "loads.csv"
     path.write_text("\n".join(map(str, ("normal", *values))) + "\n")
     with pytest.warns(ts.SceneWarning, match=re.escape(found)):

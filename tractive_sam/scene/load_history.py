@@ -253,7 +253,7 @@ def blocks_of(
         raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
     columns, lines = _columns(measured)
     _check_values(columns, lines)
-    _name_doubtful_rows(columns, lines)
+    _name_implausible_rows(columns, lines)
     rows = next(iter(columns.values())).size
     values, max_revolutions = columns.pop("revolutions", np.ones(rows)), 10**12
     wrong = values[(values < 1) | (values > max_revolutions) | (values % 1 != 0)]
@@ -339,7 +339,7 @@ def _check_values(columns: Mapping[str, np.ndarray], lines: Sequence[str]) -> No
         raise SceneError(faults)
 
 
-def _name_doubtful_rows(columns: Mapping[str, np.ndarray], lines: Sequence[str]) -> None:
+def _name_implausible_rows(columns: Mapping[str, np.ndarray], lines: Sequence[str]) -> None:
     """Warn of rows with marks of missing values or single large values, and of tiny loads."""
     for name, values in columns.items():
         if name == "revolutions":
