@@ -32,7 +32,7 @@ extensions = [
     "numpydoc",
     "myst_nb",
 ]
-exclude_patterns = ["_build", "_parts"]
+exclude_patterns = ["_build", "_parts", "paper.md"]
 templates_path = ["_templates"]
 
 # Every cross-reference must have a target.
