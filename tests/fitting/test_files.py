@@ -1,6 +1,7 @@
 """The file of a fit: resumed, shown, drawn, and refused if it belongs to another fit."""
 
 import json
+import re
 from contextlib import ExitStack, nullcontext
 
 import numpy as np
@@ -14,6 +15,7 @@ from tractive_sam.fitting import evaluations
 from tractive_sam.fitting.fit_file import read_answers, write_fit
 from tractive_sam.fitting.results import FitResult
 from tractive_sam.fitting.run import _unfinished, read_design
+from tractive_sam.schema import SceneWarning
 
 FIT = """
 [fit]
@@ -157,6 +159,17 @@ def test_the_file_of_a_changed_scene_names_the_changed_key(spheres, tmp_path, ke
         ts.fit(design | changed, path)
 
 
+def test_a_changed_data_file_is_named(fitted, rig, tmp_path):
+    """Its fit is replaced: the answers do not depend on the data."""
+    path, data = tmp_path / "FIT.nc", str(rig / "creep.csv")
+    path.write_bytes((rig / "FIT.nc").read_bytes())
+    design = read_design(rig / "FIT.toml")
+    stored = json.loads(ts.open_fit(path).dataset.attrs["files"])
+    assert read_answers(design, path, False, stored)
+    with pytest.warns(SceneWarning, match=re.escape(data)):
+        assert read_answers(design, path, False, stored | {data: "of other data"})
+
+
 def test_the_file_of_another_scene_is_refused(fitted, rig, tmp_path):
     other = tmp_path / "FIT.toml"
     text = FIT.replace('"creep.csv"', f'"{rig / "creep.csv"}"')
@@ -232,7 +245,7 @@ def test_a_fit_that_was_killed_ends_bit_by_bit_as_another(tmp_path):
         {"scene": scene, "free": free, "data": [data | {"noise": 0.05}], "mesh_check": False}
     )
     whole = ts.fit(design, path).dataset
-    answers = read_answers(design, path, overwrite=False)
+    answers = read_answers(design, path, overwrite=False, files={})
     for kept in (1, len(answers) // 2, len(answers) - 1):
         done = evaluations.Evaluations(evaluations.InProcess(), dict([*answers.items()][:kept]))
         write_fit(path, _unfinished(design, done))

@@ -21,7 +21,7 @@ from tractive_sam.optional import xarray
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.run import describe_differences
 from tractive_sam.scene import describe_changes, hashes_of
-from tractive_sam.schema import SceneError
+from tractive_sam.schema import SceneError, warn
 from tractive_sam.store import (
     DamagedError,
     ResultsError,
@@ -320,9 +320,22 @@ def test_variables(gains: Sequence[Gain]) -> Variables:
 
 
 def read_answers(
-    document: FitDesign, path: str | PathLike[str] | None, overwrite: bool
+    document: FitDesign, path: str | PathLike[str] | None, overwrite: bool, files: Mapping[str, str]
 ) -> dict[str, Answer]:
     """Return stored answers of an earlier run by digest, {} if none fit; raise for another scene.
+
+    Answers do not depend on the data: if a data file has changed, a note names it.
+
+    Parameters
+    ----------
+    document : FitDesign
+        The fit.
+    path : path-like or None
+        The file of the earlier run, if any.
+    overwrite : bool
+        Whether a fit of another scene may be replaced.
+    files : mapping of str to str
+        SHA-256 of the files of the scene and of the data, by path.
 
     Raises
     ------
@@ -342,6 +355,10 @@ def read_answers(
         reason = "; ".join(filter(None, (different, changed and f"{changed} has changed")))
         cure = "-o FILE.nc gives this fit another file, --overwrite replaces it"
         raise ResultsError(f"{path} holds the fit of another scene ({reason}); {cure}")
+    if changed := describe_changes(files, stored):
+        warn(
+            f"{changed} has changed since the fit in {path}, which the fit of the new data replaces"
+        )
     if "answer" not in data or data.attrs.get("version") != versions()["tractive-sam"]:
         return {}  # another version may compute other numbers
     try:

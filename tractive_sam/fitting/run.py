@@ -240,7 +240,8 @@ def fit(
     if next_test:
         check_tests(table, Parameters.of(table))
     with compute_with(workers) as compute:
-        done = Evaluations(compute, read_answers(document, path, overwrite), progress=progress)
+        answers = read_answers(document, path, overwrite, _hash_files(document))
+        done = Evaluations(compute, answers, progress=progress)
         if path is not None:
             done.save = lambda: write_fit(path, _unfinished(document, done))
         problem = make_problem(table, done)
@@ -308,13 +309,11 @@ def _fix_files(document: FitDesign) -> FitDesign:
     return document.model_copy(update={"fit": table})
 
 
-def _describe_files(document: FitDesign) -> str:
-    """Return the SHA-256 of the files of a fit by path, as JSON: of its scene and of its data."""
+def _hash_files(document: FitDesign) -> dict[str, str]:
+    """Return the SHA-256 of the files of a fit by path: of its scene and of its data."""
     data = [str(Path(table.file).absolute()) for table in document.fit.data if table.file]
-    return json.dumps(
-        {path: sha for file in data for path, sha in hash_files(file).items()}
-        | hashes_of([document.fit.scene])
-    )
+    hashes = {path: sha for file in data for path, sha in hash_files(file).items()}
+    return hashes | hashes_of([document.fit.scene])
 
 
 def _read_all(table: Fit) -> list[Measured]:
@@ -350,7 +349,7 @@ def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
         "status": "running",
         "message": f"computations stored: {len(done.stored)}; run the fit again to resume it",
         "version": versions()["tractive-sam"],
-        "files": _describe_files(document),
+        "files": json.dumps(_hash_files(document)),
     }
     return FitResult(make_dataset({"design": design, **answer_variables(done.stored)}, attributes))
 
@@ -394,5 +393,5 @@ def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult
         **test_variables(gains),
         **answer_variables(problem.evaluations.stored),
     }
-    attributes = attributes_of(best, table) | {"files": _describe_files(document)}
+    attributes = attributes_of(best, table) | {"files": json.dumps(_hash_files(document))}
     return FitResult(make_dataset(variables, attributes))
