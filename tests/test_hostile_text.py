@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from contextlib import suppress
+from hashlib import sha256
 from html.parser import HTMLParser
 from importlib.resources import files
 from types import SimpleNamespace
@@ -28,6 +29,7 @@ from tractive_sam.plot.figure import Figure
 from tractive_sam.schema import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
 from tractive_sam.store.datasets import create_text, decode_text, set_text
+from tractive_sam.store.hdf5_guard import SEAL
 from tractive_sam.studies import open_study, study
 from tractive_sam.studies.results import Folder
 from tractive_sam.tables.fmu import Description2
@@ -330,9 +332,13 @@ def shapes_of(table):
 
 
 def put_attributes(path, names, text):
+    """Change attributes of a table, with the hash at its end as a hostile writer would."""
+    path.write_bytes(path.read_bytes().partition(SEAL)[0])
     with h5py.File(path, "r+") as file:
         for name in names:
             file.attrs[name] = text.replace("\0", "")
+    content = path.read_bytes()
+    path.write_bytes(content + SEAL + sha256(content).hexdigest().encode())
 
 
 @pytest.mark.slow
@@ -340,8 +346,9 @@ def put_attributes(path, names, text):
 def test_tables(original, tmp_path, text):
     """Each attribute of a table: refused with a message, or taken as text; all of these at once."""
     path, accepted = tmp_path / "table.nc", []
+    content = original.path.read_bytes()
     for name in ("title", "design", "version", "scaling", "format", "axes", "apart"):
-        path.write_bytes(original.path.read_bytes())
+        path.write_bytes(content)
         put_attributes(path, [name], text)
         try:
             ts.open_table(path)
@@ -349,7 +356,7 @@ def test_tables(original, tmp_path, text):
         except ResultsError:
             called("show", path)
     assert "title" in accepted
-    path.write_bytes(original.path.read_bytes())
+    path.write_bytes(content)
     put_attributes(path, accepted, text)
     table = ts.open_table(path)
     assert code_of(table) == original.code

@@ -10,6 +10,7 @@ import hashlib
 import os
 import re
 import stat
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -328,3 +329,17 @@ def _is_stream(path: Path) -> bool:
         opened = str(path).startswith(("/dev/std", "/dev/fd/", "/proc/"))
         return opened or not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
     return False
+
+
+@contextmanager
+def omit_failing_figure(name: str) -> Iterator[None]:
+    """Warn that a figure is omitted if the block cannot draw it: the results do not depend on it.
+
+    System errors, such as a full disk, and a lack of memory are raised.
+    """
+    try:
+        yield
+    except (OSError, MemoryError):
+        raise
+    except Exception as error:
+        warnings.warn(f"the figure {name} is omitted: {error}", stacklevel=3)

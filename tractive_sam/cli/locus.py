@@ -67,7 +67,7 @@ def _write(locus: "ts.rail.ContactLocus", scene: "ts.Scene", output: Path) -> No
 
 def _save_figure(draw: "Callable[[], ts.plot.Figure]", path: Path) -> None:
     """Draw and save a figure and print its path; print a note if it cannot be drawn."""
-    from tractive_sam.plot.figure import omit_failing_figure
+    from tractive_sam.output_file import omit_failing_figure
 
     with report_warnings(), omit_failing_figure(path.name):
         draw().savefig(path)

@@ -21,4 +21,5 @@ from .stencil import Stencil as Stencil
 from .stress_layers import StressLayers as StressLayers
 from .stress_layers import StressPlane as StressPlane
 from .stress_layers import StripLayers as StripLayers
+from .stress_layers import layer_cache as layer_cache
 from .stress_layers import surface_stress as surface_stress

@@ -12,11 +12,10 @@ from typing import Any
 from tractive_sam import interrupt
 from tractive_sam.extras import require_extra
 from tractive_sam.markup import Html, fill
-from tractive_sam.output_file import write_file
+from tractive_sam.output_file import omit_failing_figure, write_file
 from tractive_sam.pages.data import page_data
 from tractive_sam.pages.page import fill_page
 from tractive_sam.plot import Measurements, list_figures
-from tractive_sam.plot.figure import omit_failing_figure
 from tractive_sam.results import History, describe_history
 from tractive_sam.scene import Scene
 

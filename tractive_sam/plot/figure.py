@@ -1,9 +1,7 @@
 """The figure that every function returns: without a window, and displayed once by a notebook."""
 
-import warnings
 from base64 import b64encode
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache
 from io import BytesIO
 from os import PathLike
@@ -23,27 +21,13 @@ from matplotlib.ticker import ScalarFormatter
 from PIL import Image
 
 from tractive_sam.markup import Html, fill
-from tractive_sam.output_file import OutputError, write_file
+from tractive_sam.output_file import write_file
 from tractive_sam.safe_text import printable_text
 
 _parse_math: Any = getattr(MathTextParser, "_parse_cached", None)
 if hasattr(_parse_math, "__wrapped__"):
     # Matplotlib stores 50 parsed formulas, fewer than the figures of a history contain.
     MathTextParser._parse_cached = lru_cache(500)(_parse_math.__wrapped__)  # type: ignore[attr-defined]
-
-
-@contextmanager
-def omit_failing_figure(name: str) -> Iterator[None]:
-    """Warn that a figure is omitted if the block cannot draw it: the results do not depend on it.
-
-    System errors, such as a full disk, and a lack of memory are raised.
-    """
-    try:
-        yield
-    except (OSError, MemoryError, OutputError):
-        raise
-    except Exception as error:
-        warnings.warn(f"the figure {name} is omitted: {error}", stacklevel=3)
 
 
 class InsideLayout(ConstrainedLayoutEngine):

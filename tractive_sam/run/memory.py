@@ -5,7 +5,7 @@ import math
 from tractive_sam.compute import available_memory
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.operators.stress_layers import layer_cache
+from tractive_sam.operators import layer_cache
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of, process_type
 from tractive_sam.schema import Fault, SceneError, required
