@@ -278,9 +278,14 @@ class TextTable:
 
 def describe_unused(remarks: Sequence[tuple[int, str]]) -> str:
     """Return the lines of comments and headings that are not used, as text for a note."""
-    first = ", ".join(f"line {line} {text[:40]!r}" for line, text in remarks[:3])
-    more = f" and {len(remarks) - 3} more" if len(remarks) > 3 else ""
-    return f"comments and headings are not used: {first}{more}"
+    lines = [f"line {line} {text[:40]!r}" for line, text in remarks]
+    return f"comments and headings are not used: {list_first(lines, 3)}"
+
+
+def list_first(texts: Sequence[str], most: int) -> str:
+    """Return at most `most` texts, separated by commas, and the number of the others."""
+    more = f", and {len(texts) - most} more" if len(texts) > most else ""
+    return ", ".join(texts[:most]) + more
 
 
 def read_table(path: str | PathLike[str], max_bytes: int = 2**26) -> TextTable:

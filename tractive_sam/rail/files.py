@@ -17,6 +17,7 @@ from tractive_sam.text_table import (
     LENGTHS,
     TextTable,
     find_length_unit,
+    list_first,
     parse_number,
     parse_table,
     split_statement,
@@ -363,8 +364,7 @@ def _describe_unused(texts: Iterable[str], unit: float) -> Iterator[str]:
 
     unused = [text if len(text) <= 60 else text[:57] + "..." for text in filter(is_stated, texts)]
     if unused:
-        more = f", and {len(unused) - 6} more" if len(unused) > 6 else ""
-        yield f"entries of the file that are not used: {', '.join(unused[:6])}{more}"
+        yield f"entries of the file that are not used: {list_first(unused, 6)}"
 
 
 def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:

@@ -6,10 +6,12 @@ from typing import Literal
 import numpy as np
 import scipy  # its parts are loaded when first used
 
+from tractive_sam.text_table import LENGTHS
+
 from .profile import Array, Profile
 
-UNITS = {"mm": 1.0, "m": 1e3, "in": 25.4, "cm": 10.0, "um": 1e-3}
-"""Units of length, in mm."""
+UNITS = {name: LENGTHS[name] for name in ("mm", "m", "in", "cm", "um")}
+"""Units of length of profiles, in mm."""
 
 Kind = Literal["wheel", "rail", "section"]
 """Kinds of profiles; "section" is one section of a rail with sections, which may be wider."""
@@ -149,7 +151,7 @@ def _fit_spline(points: Array, smoothing: float | None, digit: float) -> Profile
     digit : float
         Last printed digit, as the root of the sum of squares of both coordinates, mm.
     """
-    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    s = _arc_lengths(points)
     spacing, scatter = float(np.median(np.diff(s))), _estimate_scatter(points, s)
     # Of white noise through a spline; a contact does not see waves shorter than about 0.2 mm.
     slope = scatter * np.pi / (np.sqrt(3.0) * max(spacing, 0.1))
@@ -301,11 +303,21 @@ def _check_size(points: Array, kind: Kind) -> None:
         raise ValueError(f"a {kind} {width:.4g} mm wide; allowed: {lower:g} to {upper:g} mm{hint}")
 
 
+def _arc_lengths(points: Array) -> Array:
+    """Return the length of the path to each point, shape (n,), mm."""
+    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+
+
+def _is_graph(points: Array) -> bool:
+    """Return whether y increases or decreases throughout: such a profile cannot cross itself."""
+    return bool(abs(np.sign(np.diff(points[:, 0])).sum()) == len(points) - 1)
+
+
 def _check_return(points: Array) -> None:
     """Raise a ValueError if a quarter of a profile or more lies on another part of it."""
-    if abs(np.sign(np.diff(points[:, 0])).sum()) == len(points) - 1:
-        return  # a graph over y
-    s = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
+    if _is_graph(points):
+        return
+    s = _arc_lengths(points)
     step = max(0.5, s[-1] / 2000)
     at = np.arange(0.0, s[-1], step)
     path = np.stack([np.interp(at, s, column) for column in points.T], axis=1)
@@ -333,9 +345,9 @@ def _check_crossing(points: Array, most: int = 10**7) -> None:
     most : int
         Largest number of pairs.
     """
+    if _is_graph(points):
+        return
     d = np.diff(points, axis=0)
-    if abs(np.sign(d[:, 0]).sum()) == len(d):
-        return  # a graph over y
     lengths = np.hypot(*d.T)
     longest = max(2.0 * float(np.median(lengths)), float(lengths.sum()) / 20000)
     parts = np.ceil(lengths / longest).astype(int)

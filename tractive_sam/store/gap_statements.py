@@ -15,6 +15,7 @@ from tractive_sam.text_table import (
     TextTable,
     describe_unused,
     find_length_unit,
+    list_first,
     parse_number,
     split_statement,
 )
@@ -177,5 +178,4 @@ def read_units(
 def name_unused(path: Path, names: Sequence[str]) -> None:
     """Warn of attributes, datasets or arrays that are not read."""
     if names:
-        more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-        warn(f"gap: {path.name}: not read: {', '.join(names[:5])}{more}")
+        warn(f"gap: {path.name}: not read: {list_first(names, 5)}")
