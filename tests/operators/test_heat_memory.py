@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tractive_sam.operators.heat import SurfaceHeat, temperature_coefficients
-from tractive_sam.operators.heat_memory import Exponentials, HeatMemory
+from tractive_sam.operators.heat import (
+    Exponentials,
+    HeatMemory,
+    SurfaceHeat,
+    temperature_coefficients,
+)
 from tractive_sam.results import Grid
 
 KAPPA, LAM = 1.0, 1.0

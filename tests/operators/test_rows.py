@@ -6,7 +6,7 @@ from tests.operators.test_elastic import dense
 from tractive_sam.mechanics.elasticity import HalfSpaces
 from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators
-from tractive_sam.operators.rows import row_compliance
+from tractive_sam.operators.elastic import row_compliance
 
 
 def test_row_compliance_is_a_galerkin_projection():

@@ -1,19 +1,18 @@
 """What `operators` lets out, for `__init__.py` and for type checkers."""
 
 from .advection import Advection as Advection
+from .elastic import Box as Box
+from .elastic import Lattice as Lattice
 from .elastic import Operators as Operators
+from .elastic import block_mean as block_mean
+from .elastic import row_compliance as row_compliance
+from .elastic import transform_quadrant as transform_quadrant
 from .heat import STEPS_FROM as STEPS_FROM
+from .heat import HeatMemory as HeatMemory
 from .heat import SurfaceHeat as SurfaceHeat
-from .heat_memory import HeatMemory as HeatMemory
-from .influence import Box as Box
-from .influence import Lattice as Lattice
-from .influence import block_mean as block_mean
-from .influence import transform_quadrant as transform_quadrant
 from .kinematics import Kinematics as Kinematics
 from .kinematics import RollingStep as RollingStep
 from .kinematics import SteadyRolling as SteadyRolling
-from .load_extent import extent as extent
-from .rows import row_compliance as row_compliance
 from .stencil import STAGGERED as STAGGERED
 from .stencil import UPWIND as UPWIND
 from .stencil import FrictionSlip as FrictionSlip
@@ -21,5 +20,6 @@ from .stencil import Stencil as Stencil
 from .stress_layers import StressLayers as StressLayers
 from .stress_layers import StressPlane as StressPlane
 from .stress_layers import StripLayers as StripLayers
+from .stress_layers import extent as extent
 from .stress_layers import layer_cache as layer_cache
 from .stress_layers import surface_stress as surface_stress

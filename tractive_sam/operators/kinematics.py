@@ -36,8 +36,7 @@ import numpy as np
 
 from tractive_sam.compute import Convolution
 from tractive_sam.mechanics import Linearisation
-from tractive_sam.operators.elastic import Entries, Operators
-from tractive_sam.operators.influence import Box, block_mean
+from tractive_sam.operators.elastic import Box, Entries, Operators, block_mean
 from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
 
 

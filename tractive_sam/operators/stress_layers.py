@@ -24,10 +24,24 @@ from tractive_sam.kernels.stress_lattice import (
 )
 from tractive_sam.kernels.strip_stress import edge_factors
 from tractive_sam.mechanics import HalfSpaces
-from tractive_sam.operators import influence
-from tractive_sam.operators.influence import Lattice
-from tractive_sam.operators.load_extent import extent, largest_offset
+from tractive_sam.operators import elastic
+from tractive_sam.operators.elastic import Lattice
 from tractive_sam.results import Grid
+
+
+def extent(occupied: np.ndarray) -> slice:
+    """Return the slice from the first to the last True of a mask; slice(0, 1) if there is none."""
+    where = np.flatnonzero(occupied)
+    return slice(where[0], where[-1] + 1) if where.size else slice(0, 1)
+
+
+def largest_offset(occupied: np.ndarray) -> int:
+    """Return the largest distance, in elements, from a loaded element to any other on an axis.
+
+    `occupied` is a mask of the loaded places along one axis of the mesh, shape (n,).
+    """
+    loaded = extent(occupied)
+    return max(loaded.stop - 1, occupied.size - 1 - loaded.start)
 
 
 class LayerCache:
@@ -410,7 +424,7 @@ def _spectra(lattice: Lattice, body: HalfSpaces) -> tuple[np.ndarray, np.ndarray
     """Return spectra of the displacement kernels: real ones xx, xy, yy, and xz, yz."""
 
     def of(component: str) -> np.ndarray:
-        return influence.transform_displacement(lattice, body, component)
+        return elastic.transform_displacement(lattice, body, component)
 
     even = np.stack([of(component).real for component in ("xx", "xy", "yy")])
     return even, np.stack([of(component) for component in ("xz", "yz")])

@@ -2,7 +2,7 @@
 
 The frictional heat of a step is its work over its time. At the end of a step both surfaces have
 equal temperatures in contact; the heat that each body took up before makes them differ (see
-`operators.heat_memory` and `contact.heat`). A shift takes no time: its heat appears at once, and
+`operators.heat` and `contact.heat`). A shift takes no time: its heat appears at once, and
 divides as between two half-spaces, by the root of conductivity, density and heat capacity.
 """
 

@@ -1,6 +1,6 @@
 """What `solvers` lets out, for `__init__.py` and for type checkers."""
 
-from .bracketing import Bracketing as Bracketing
+from .falling_friction import Bracketing as Bracketing
 from .falling_friction import Continuation as Continuation
 from .falling_friction import FromRest as FromRest
 from .falling_friction import steepness as steepness
@@ -13,6 +13,8 @@ from .ladder import Ladder as Ladder
 from .ladder import Method as Method
 from .ladder import falling_method as falling_method
 from .nested import Nested as Nested
+from .nested import RoughSequential as RoughSequential
+from .nested import Sequential as Sequential
 from .newton import Iterate as Iterate
 from .newton import Newton as Newton
 from .newton import System as System
@@ -32,5 +34,3 @@ from .problem import report_to as report_to
 from .projection import Anderson as Anderson
 from .projection import Uzawa as Uzawa
 from .projection import combine_images as combine_images
-from .sequential import RoughSequential as RoughSequential
-from .sequential import Sequential as Sequential

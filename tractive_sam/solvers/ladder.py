@@ -2,14 +2,12 @@
 
 from dataclasses import dataclass, replace
 
-from tractive_sam.solvers.bracketing import Bracketing
-from tractive_sam.solvers.falling_friction import Continuation, FromRest, UniqueSolution
+from tractive_sam.solvers.falling_friction import Bracketing, Continuation, FromRest, UniqueSolution
 from tractive_sam.solvers.krylov import ConjugateGradients
-from tractive_sam.solvers.nested import AroundContact, Nested
+from tractive_sam.solvers.nested import AroundContact, Nested, RoughSequential, Sequential
 from tractive_sam.solvers.newton import Newton
 from tractive_sam.solvers.problem import Outcome, Problem, ProblemSolver, Start
 from tractive_sam.solvers.projection import Anderson, Uzawa
-from tractive_sam.solvers.sequential import RoughSequential, Sequential
 
 
 @dataclass(frozen=True)
