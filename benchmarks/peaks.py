@@ -39,7 +39,7 @@ from tractive_sam.reference import (
     line_shear_stress,
 )
 from tractive_sam.results import State
-from tractive_sam.results.edges import distance_to_edge, distances_to_edges
+from tractive_sam.results.state import distance_to_edge, distances_to_edges
 from tractive_sam.run import read_measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume
 from tractive_sam.subsurface.loaded_bodies import LoadedBodies

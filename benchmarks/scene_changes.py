@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 import tractive_sam as ts
-from tractive_sam.results.stored_fields import storable_fields
+from tractive_sam.results.column_table import storable_fields
 
 BODIES = {"A": "B", "B": "A"}
 

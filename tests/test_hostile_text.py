@@ -28,8 +28,8 @@ from tractive_sam.lookup import c_sources, columns_of
 from tractive_sam.plot.figure import Figure
 from tractive_sam.schema import SceneError
 from tractive_sam.store import GapError, ResultsError, layout, open_history, read_gap
-from tractive_sam.store.datasets import create_text, decode_text, set_text
-from tractive_sam.store.hdf5_guard import SEAL
+from tractive_sam.store.layout import create_text, set_text
+from tractive_sam.store.opening import SEAL, decode_text
 from tractive_sam.studies import open_study, study
 from tractive_sam.studies.results import Folder
 from tractive_sam.tables.fmu import Description2

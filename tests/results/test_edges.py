@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.results.edges import contact_extent, covered_elements
+from tractive_sam.results.state import contact_extent, covered_elements
 
 BALL = {"young": 2e5, "poisson": 0.3, "radius_x": 20.0}
 PLATE = BALL | {"radius_x": math.inf, "radius_y": math.inf}

@@ -15,11 +15,11 @@ import pytest
 from typer.testing import CliRunner
 
 from tractive_sam.cli.program import app
-from tractive_sam.results.stored_fields import FIELDS
+from tractive_sam.results.column_table import FIELDS
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
-from tractive_sam.store.datasets import FORMAT_VERSION
+from tractive_sam.store.opening import FORMAT_VERSION
 
 AS_WRITTEN = (
     "grid.half_length=[0.35, 0.9]",

@@ -16,7 +16,7 @@ import pytest
 
 from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.store import HistoryWriter, open_history, results_writer
-from tractive_sam.store.atomic import atomic_rewrite
+from tractive_sam.store.write_access import atomic_rewrite
 from tractive_sam.store.writer import Checkpoints
 
 pytestmark = pytest.mark.slow  # writers are killed, again and again

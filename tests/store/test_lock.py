@@ -4,7 +4,7 @@ import sys
 import pytest
 
 from tractive_sam.store import ResultsError
-from tractive_sam.store.lock import FileInUseError, hold_lock, is_locked
+from tractive_sam.store.write_access import FileInUseError, hold_lock, is_locked
 
 
 def test_one_holder_at_a_time(tmp_path):
@@ -30,7 +30,7 @@ def test_lock_ends_with_its_process(tmp_path):
     """However that ends; the file may stay and is taken over."""
     path = tmp_path / "lock"
     holds = (
-        "import sys, time, pathlib; from tractive_sam.store.lock import hold_lock\n"
+        "import sys, time, pathlib; from tractive_sam.store.write_access import hold_lock\n"
         "with hold_lock(pathlib.Path(sys.argv[1])): print('held', flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", holds, path], stdout=subprocess.PIPE) as holder:

@@ -22,7 +22,7 @@ from tractive_sam.store import (
     open_history,
     read_gap,
 )
-from tractive_sam.store.datasets import set_text
+from tractive_sam.store.layout import set_text
 
 X = np.linspace(-2.0, 2.0, 5)
 SECRET = 12345.0

@@ -118,7 +118,7 @@ def test_an_interrupt_after_the_file_changed_doubles_nothing(path, monkeypatch):
         raise KeyboardInterrupt
 
     writer = HistoryWriter(path, SCENE, mesh())
-    monkeypatch.setattr("tractive_sam.store.atomic.os.replace", interrupted)
+    monkeypatch.setattr("tractive_sam.store.write_access.os.replace", interrupted)
     with pytest.raises(KeyboardInterrupt), writer:
         writer.append(make_record(0, with_fields=True))
     history = open_history(path)

@@ -1,4 +1,4 @@
-"""Place of the edge of a contact beyond the centre of an element (`results.edges`), with NumPy."""
+"""Place of the edge of a contact beyond the centre of an element (`results.state`), with NumPy."""
 
 import numpy as np
 

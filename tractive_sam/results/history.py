@@ -1,8 +1,14 @@
-"""A history: all records of a computation, in memory or on disk."""
+"""A history: all records of a computation, in memory or on disk, and its worn profiles."""
+
+from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from typing import Any, Self
+from dataclasses import dataclass
+from itertools import product
+from os import PathLike
+from pathlib import Path
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -10,15 +16,17 @@ from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import text_table
 from tractive_sam.extras import check_extra
 from tractive_sam.optional import pandas, xarray
-from tractive_sam.results import exchange
+from tractive_sam.output_file import make_folder, write_table
+from tractive_sam.rail import Profile, write_profile
+from tractive_sam.results.column_table import STRESSES, storable_fields
 from tractive_sam.results.describe import balance_of, summarize_history
-from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history_data import HistoryData, LawRecord, contact_of
-from tractive_sam.results.plane_stress import PlaneStress
+from tractive_sam.results.quantity import BODIES, LABELS, Quantity
 from tractive_sam.results.record import Record, collect
 from tractive_sam.results.state import State, html_with_figure
-from tractive_sam.scene import Scene
+from tractive_sam.results.stress import BodyFatigue, PlaneStress
+from tractive_sam.scene import Scene, unworn_profiles
 
 DONE = "done"
 """The `History.status` of a complete computation."""
@@ -227,7 +235,7 @@ class History(HistoryData):
 
     def stress(
         self, body: str, plane: str, at: float | None = None, **named: float | None
-    ) -> "PlaneStress":
+    ) -> PlaneStress:
         """Return the stress of a body on a plane in one record; for a duty cycle see `block`.
 
         Parameters
@@ -327,16 +335,42 @@ class History(HistoryData):
 
     def to_dict(self) -> dict[str, Any]:
         """Return columns (no profiles), balances, totals and status as lists; None for nan."""
-        return exchange.to_dict(self)
+        balance = balance_of(self)
+        roles = {column.role for column in self.columns.values()}
+        rows: dict[str, Any] = {} if "stress_max" in roles else {name: {} for name in STRESSES}
+        for name, column in self.columns.items():
+            if column.dims[:1] == ("body",):
+                of_bodies = {
+                    body: self[name][:, BODIES.index(body)] for body in column.bodies(self.scene)
+                }
+                rows[name] = {body: values.tolist() for body, values in of_bodies.items()}
+            elif not column.is_profile:
+                rows[name] = self[name].tolist()
+        rows |= {"energy_balance": balance.energy.tolist(), "wear_balance": balance.wear.tolist()}
+        reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
+        about = {"status": self.status, "message": self.message} | reference
+        return _without_nan({**about, **rows, **self.totals})
 
     def numbers(self) -> dict[str, np.ndarray]:
         """Return all columns except profiles as arrays (n,), with names like "worn_mass A".
 
         Columns of a body, an axis or a position have names like "worn_mass A" and "p_max_at x".
         """
-        return exchange.numbers(self)
+        arrays = {}
+        for name, column in self.columns.items():
+            if column.is_profile:
+                continue
+            of_dims = {**LABELS, "block": self.block_names}
+            labels = [of_dims[dim] for dim in column.dims]
+            if column.dims[:1] == ("body",):
+                labels[0] = column.bodies(self.scene)
+            for place in product(*labels):
+                dims = zip(column.dims, place, strict=True)
+                at: tuple[Any, ...] = (..., *(of_dims[dim].index(label) for dim, label in dims))
+                arrays[" ".join((name, *place))] = self[name][at]
+        return arrays
 
-    def to_dataframe(self) -> "pandas.DataFrame":
+    def to_dataframe(self) -> pandas.DataFrame:
         """Return the arrays of `numbers` as a pandas DataFrame along the coordinate.
 
         Raises
@@ -352,7 +386,7 @@ class History(HistoryData):
         check_extra("pandas", "history.to_dataframe")
         return pandas.DataFrame(self.numbers()).set_index(self.coordinate.name)
 
-    def to_xarray(self) -> "xarray.Dataset":
+    def to_xarray(self) -> xarray.Dataset:
         """Return the columns and stored fields as an xarray Dataset, with units and coordinates.
 
         Raises
@@ -366,4 +400,149 @@ class History(HistoryData):
         True
         """
         check_extra("xarray", "history.to_xarray")
-        return exchange.to_dataset(self)
+
+        def about(quantity: Quantity) -> dict[str, str]:
+            return {"units": quantity.unit, "long_name": quantity.long_name}
+
+        along = self.coordinate
+        data = {
+            name: ((along.name, *column.dims), self[name], about(column))
+            for name, column in self.columns.items()
+            if column is not along
+        }
+        quantities = {**storable_fields(self.scene), **self.user_fields}
+        for name, rows in self.fields.items():
+            blocks = () if not self.block_names else (len(self.block_names),)
+            values = np.empty((len(rows), *blocks, *self.grid.elements))
+            for row in range(len(rows)):
+                values[row] = rows[row]
+            dims = ("saved", *("block" for _ in blocks), "x", "y")
+            data[name] = (dims, values, about(quantities[name]))
+        labels = {name: list(values) for name, values in LABELS.items()}
+        if self.block_names:
+            labels["block"] = list(self.block_names)
+        coordinates = labels | {
+            along.name: (along.name, self[along.name], about(along)),
+            "saved": ("saved", self.saved, about(along)),
+            "x": ("x", self.grid.x, {"units": "mm"}),
+            "y": ("y", self.grid.y, {"units": "mm"}),
+        }
+        attributes = {"title": self.title, "status": self.status, "message": self.message}
+        return xarray.Dataset(data, coordinates, attributes)
+
+
+def _without_nan(value: Any) -> Any:
+    """Return nested dictionaries and lists with None instead of nan and inf."""
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+@dataclass(frozen=True, eq=False)
+class WornProfiles:
+    """Wheel and rail profiles after each wear step, from a history with [wheel] and [wear].
+
+    Attributes
+    ----------
+    scene : Scene
+        The computed scene.
+    revolutions : ndarray, shape (n,)
+        Revolutions of the wheel after each step, the first one 0.
+    wheel_depth, rail_depth : ndarray, shape (n, m)
+        Depth worn off along the normals at the nodes of the profiles, mm.
+    contact_y : ndarray, shape (n, blocks)
+        Lateral position on the rail of the patch with most load in each block, mm.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
+    >>> worn = ts.WornProfiles.from_history(ts.roll(scene))
+    >>> bool(worn.wheel_depth[-1].max() > 0.0)
+    True
+    """
+
+    columns: ClassVar[tuple[Quantity, ...]] = (
+        Quantity("wheel_wear", "mm", "depth worn off the wheel, normal to it", dims=("wheel",)),
+        Quantity("rail_wear", "mm", "depth worn off the rail, normal to it", dims=("rail",)),
+        Quantity(
+            "worn_section",
+            "mm2",
+            "cross section worn off each body since it was new",
+            dims=("body",),
+        ),
+        Quantity(
+            "wear_max_error", "mm", "error bar of wear_max due to its steps", error_of="wear_max"
+        ),
+        Quantity(
+            "profile_work", "N", "frictional work per length of track since the bodies were new"
+        ),
+    )
+    """Columns of a history with worn profiles."""
+
+    scene: Scene
+    revolutions: np.ndarray
+    wheel_depth: np.ndarray
+    rail_depth: np.ndarray
+    contact_y: np.ndarray
+
+    @classmethod
+    def from_history(cls, history: History) -> WornProfiles:
+        """Read worn wheel and rail profiles from the history of a scene with [wheel] and [wear].
+
+        Raises
+        ------
+        ValueError
+            If the history belongs to another scene.
+        """
+        if "wheel_wear" not in history.columns:
+            raise ValueError(
+                "the history has no worn profiles; roll a scene with [wheel] and [wear]"
+            )
+        name = "block_contact_y" if history.block_names else "contact_y"
+        contact_y = history[name].reshape(len(history), -1)
+        wheel, rail = history["wheel_wear"], history["rail_wear"]
+        return cls(history.scene, history["revolution"], wheel, rail, contact_y)
+
+    def wheel(self, step: int = -1) -> Profile:
+        """Return the wheel profile after a wear step (default: the last), in its own frame."""
+        return self.new["wheel"].worn(self.wheel_depth[step], 1.0)
+
+    def rail(self, step: int = -1) -> Profile:
+        """Return the rail profile after a wear step (default: the last), in its own frame."""
+        return self.new["rail"].worn(self.rail_depth[step], -1.0)
+
+    @property
+    def worn_areas(self) -> dict[str, np.ndarray]:
+        """Cross section worn off "wheel" and "rail" after each step, shape (n,), mm2."""
+        depths = {"wheel": self.wheel_depth, "rail": self.rail_depth}
+        return {name: np.trapezoid(depths[name], new.s, axis=1) for name, new in self.new.items()}
+
+    @property
+    def new(self) -> dict[str, Profile]:
+        """Unworn profiles of "wheel" and "rail", in their own frames."""
+        sizes = self.wheel_depth.shape[1], self.rail_depth.shape[1]
+        return dict(zip(("wheel", "rail"), unworn_profiles(self.scene, *sizes), strict=True))
+
+    def write(self, folder: str | PathLike[str]) -> list[Path]:
+        """Write the last profiles (.prw, .prr), and area and largest depth by step (.csv).
+
+        Returns
+        -------
+        list of Path
+            The files.
+        """
+        folder = make_folder(folder)
+        last = f"{self.revolutions[-1]:g}"
+        files = [folder / f"wheel-{last}.prw", folder / f"rail-{last}.prr", folder / "wear.csv"]
+        title = f"{self.scene.title}, worn for {last} revolutions"
+        write_profile(self.wheel(), files[0], "wheel", title)
+        write_profile(self.rail(), files[1], "rail", title)
+        areas = self.worn_areas
+        depths = {"wheel": self.wheel_depth, "rail": self.rail_depth}
+        columns = {"revolution": self.revolutions}
+        columns |= {f"{name}_area": area for name, area in areas.items()}
+        columns |= {f"{name}_depth": depth.max(axis=1) for name, depth in depths.items()}
+        write_table(files[2], columns)
+        return files

@@ -9,13 +9,11 @@ from typing import Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.mechanics import Frame
-from tractive_sam.results.fatigue import BodyFatigue
+from tractive_sam.results.column_table import BOUND, HEAT_FIELDS
 from tractive_sam.results.grid import Grid
-from tractive_sam.results.heat import FlashTemperature
-from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantity import BODIES, COORDINATE, PREFIX, Quantity, find_by_role
-from tractive_sam.results.state import Cost, State, Status
-from tractive_sam.results.stored_fields import BOUND, HEAT_FIELDS
+from tractive_sam.results.state import Cost, FlashTemperature, State, Status
+from tractive_sam.results.stress import BodyFatigue, PlaneStress
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.schema import required
 

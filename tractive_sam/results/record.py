@@ -11,11 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.results.column_table import columns
+from tractive_sam.results.column_table import BOUND, FIELDS, HEAT_FIELDS, OUTSIDE, columns
 from tractive_sam.results.column_table import columns as columns_of
-from tractive_sam.results.fatigue import BodyFatigue
 from tractive_sam.results.grid import Grid, widen_field
-from tractive_sam.results.plane_stress import PlaneStress
 from tractive_sam.results.quantity import (
     BODIES,
     COORDINATE,
@@ -26,7 +24,7 @@ from tractive_sam.results.quantity import (
     find_by_role,
 )
 from tractive_sam.results.state import State
-from tractive_sam.results.stored_fields import BOUND, FIELDS, HEAT_FIELDS, OUTSIDE
+from tractive_sam.results.stress import BodyFatigue, PlaneStress
 from tractive_sam.scene import Scene
 
 

@@ -1,4 +1,4 @@
-"""A solved contact: fields, resultants, and the quality and cost of the solution."""
+"""A solved contact: fields, heat, resultants, and the quality and cost of the solution."""
 
 import math
 from collections.abc import Mapping
@@ -10,14 +10,111 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.description import html_table, text_table
+from tractive_sam.description import ShortArrays, html_table, text_table
+from tractive_sam.kernels.contact_edge import edge_place
 from tractive_sam.markup import Html
 from tractive_sam.mechanics import Frame
 from tractive_sam.optional import xarray
-from tractive_sam.results.edges import contact_extent, covered_elements
 from tractive_sam.results.grid import Grid, widen_field
-from tractive_sam.results.heat import FlashTemperature
 from tractive_sam.scene import Scene
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FlashTemperature(ShortArrays):
+    """Steady temperatures of both surfaces, and the heat flux into them.
+
+    Attributes
+    ----------
+    grid : Grid
+        The mesh.
+    touching : ndarray of bool, shape (n_x, n_y)
+        Elements in contact: both surfaces have equal temperatures there.
+    temperature : mapping of str to ndarray, shape (n_x, n_y)
+        Temperatures of the surfaces of "A" and "B", degrees C.
+    flux : mapping of str to ndarray, shape (n_x, n_y)
+        Heat flux into each surface, mW/mm²; the sum is the frictional heat, -p_t . s.
+    residual : float
+        Relative residual of the equality of both temperatures in contact.
+
+    Examples
+    --------
+    >>> hot = ts.solve(ts.Scene.builtin("hot-discs")).heat
+    >>> bool(hot.temperature_max > 100.0), round(hot.share, 3)
+    (True, 0.5)
+    """
+
+    grid: Grid
+    touching: np.ndarray
+    temperature: Mapping[str, np.ndarray]
+    flux: Mapping[str, np.ndarray]
+    residual: float = 0.0
+
+    @property
+    def temperature_A(self) -> np.ndarray:
+        """Temperature of the surface of A, degrees C."""
+        return self.temperature["A"]
+
+    @property
+    def temperature_B(self) -> np.ndarray:
+        """Temperature of the surface of B, degrees C."""
+        return self.temperature["B"]
+
+    @property
+    def into_A(self) -> np.ndarray:
+        """Heat flux into A, mW/mm²."""
+        return self.flux["A"]
+
+    @property
+    def shortfall(self) -> str:
+        """Message if the temperatures of both bodies differ in contact; empty if they are equal."""
+        if self.residual <= 1e-9:
+            return ""
+        return (
+            "not converged: heat: the shares of the bodies in the frictional heat were solved only "
+            f"to a residual of {self.residual:.1e}; check body.A.thermal and body.B.thermal, or "
+            "change grid.elements"
+        )
+
+    @cached_property
+    def _contact_temperature(self) -> np.ndarray:
+        """Temperatures of elements in contact, degrees C; -inf for the other elements."""
+        return np.where(self.touching, self.temperature["A"], -np.inf)
+
+    @property
+    def temperature_max(self) -> float:
+        """Largest temperature in the contact, degrees C; nan without contact."""
+        return float(self._contact_temperature.max()) if self.touching.any() else np.nan
+
+    @property
+    def temperature_max_at(self) -> tuple[float, float]:
+        """Place of the largest temperature, (x, y) in mm; nan without contact."""
+        if not self.touching.any():
+            return np.nan, np.nan
+        i, j = np.unravel_index(
+            np.argmax(self._contact_temperature), self._contact_temperature.shape
+        )
+        return float(self.grid.x[i]), float(self.grid.y[j])
+
+    @property
+    def temperature_mean(self) -> float:
+        """Mean temperature in the contact, degrees C; nan without contact."""
+        return (
+            float(self._contact_temperature[self.touching].mean())
+            if self.touching.any()
+            else np.nan
+        )
+
+    @property
+    def power(self) -> float:
+        """Frictional heat, W; for a line contact W/mm."""
+        total = self.flux["A"] + self.flux["B"]
+        return float(1e-3 * total.sum() * self.grid.element_area)
+
+    @property
+    def share(self) -> float:
+        """Share of body A in the frictional heat; nan without heat."""
+        into_A, total = self.flux["A"].sum(), (self.flux["A"] + self.flux["B"]).sum()
+        return float(into_A / total) if total > 0.0 else np.nan
 
 
 def html_with_figure(
@@ -430,7 +527,7 @@ class State:
         """Half the extent of the contact in x, mm.
 
         The extent is from edge to edge over all rows of elements. At an edge the squared pressure
-        extrapolates to zero (`results.edges`).
+        extrapolates to zero (`distance_to_edge`).
         """
         return 0.5 * self.grid.dx * contact_extent(self.pressure)
 
@@ -532,3 +629,84 @@ class State:
 
 Contact = State
 """Former name of `State`."""
+
+
+# Positions of the edges of a contact between the centres of elements. Towards the edge the square
+# of the pressure falls in proportion to the distance. The outermost element in contact and its
+# neighbour determine the place at which it extrapolates to zero. If the pressures were samples at
+# points, the edge would lie r²/(1 - r²) elements beyond the centre of the outermost one, with r the
+# quotient of both pressures. For elements of constant pressure the distance is a cubic in r. One
+# cubic serves all bodies and meshes, since any edge is straight on the scale of an element, and any
+# contact is in plane strain along it. Its coefficients are fitted to line contacts with edges in
+# all positions within an element of size a/728; `tests/results/test_edges.py` checks them. When an
+# element comes into contact r is zero, so the edge does not jump.
+
+
+def distance_to_edge(pressure: np.ndarray) -> np.ndarray:
+    """Return where the edge lies ahead (+x) of outermost centres, in elements; nan elsewhere.
+
+    Parameters
+    ----------
+    pressure : ndarray, shape (n, m)
+        p_n, MPa; zero outside the contact.
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+        Distance towards larger indices, in elements; nan for elements without an edge ahead.
+    """
+    distances = np.full(pressure.shape, np.nan)
+    i, j, place = _edges_ahead(pressure)
+    distances[i, j] = place
+    return distances
+
+
+def _edges_ahead(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return indices i, j of elements with an edge ahead (+x), and its distances, in elements."""
+    touching = pressure > 0.0
+    last = touching.copy()
+    last[:-1] &= ~touching[1:]
+    i, j = np.nonzero(last)
+    before = np.where(i > 0, pressure[i - 1, j], 0.0)
+    return i, j, edge_place(pressure[i, j], before)
+
+
+def distances_to_edges(pressure: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return where edges lie ahead (+x) and behind outermost centres, elements; nan elsewhere."""
+    return distance_to_edge(pressure), distance_to_edge(pressure[::-1])[::-1]
+
+
+def contact_extent(pressure: np.ndarray) -> float:
+    """Return the length along x from first to last edge, in elements; 0 without contact."""
+    rows = np.flatnonzero(pressure.any(axis=1))
+    if not rows.size:
+        return 0.0
+    first, last = rows[0], rows[-1]
+    ahead, behind = pressure[max(last - 2, 0) : last + 1], pressure[first : first + 3][::-1]
+    return float(last - first + _last_edge(ahead) + _last_edge(behind))
+
+
+def _last_edge(pressure: np.ndarray) -> float:
+    """Return where the last edge ahead lies, in elements beyond the centres of the last row.
+
+    It belongs to an element of the last two rows.
+    """
+    i, _, place = _edges_ahead(pressure)
+    return (i + place).max() - (len(pressure) - 1)
+
+
+def covered_elements(pressure: np.ndarray) -> float:
+    """Return the contact area in elements, bounded by straight lines between its edge points.
+
+    The edges lie on the lines between the centres of elements; on a mesh one element wide along
+    the first axis alone.
+    """
+    if pressure.shape[1] == 1:
+        beyond = np.array(distances_to_edges(pressure)) - 0.5
+        return np.count_nonzero(pressure > 0.0) + float(np.nansum(beyond))
+    # Reading and drawing results needs no compiler, which takes long to load.
+    from tractive_sam.kernels.contact_area import covered_area  # noqa: PLC0415
+
+    wide: np.ndarray = np.zeros((pressure.shape[0] + 4, pressure.shape[1] + 4))
+    wide[2:-2, 2:-2] = pressure
+    return covered_area(wide)

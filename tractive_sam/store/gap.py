@@ -23,8 +23,8 @@ from tractive_sam.store.gap_statements import (
     read_heading,
     read_units,
 )
-from tractive_sam.store.hdf5_guard import get_member, numeric_dataset, open_to_read
 from tractive_sam.store.numpy_guard import read_archive, read_array
+from tractive_sam.store.opening import get_member, numeric_dataset, open_to_read
 from tractive_sam.text_table import (
     LENGTHS,
     TextError,

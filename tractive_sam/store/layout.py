@@ -30,16 +30,27 @@ A netCDF reader looks for the dimensions of a variable in the group of the varia
 /grid/y are therefore hard-linked into the groups that need them. The value record of a row of
 /fields or /stress is its row in /history. All numbers have a checksum, and HDF5 adds checksums of
 its metadata.
+
+HDF5 stores texts of variable length in a heap that all texts of a file share. The heap has no
+checksum, and HDF5 may never return from a damaged heap. So the package reads only texts of fixed
+length.
 """
 
 import hashlib
 import json
+import math
+import platform
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache, partial
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import h5py
 import numpy as np
 
+from tractive_sam.rail import Profile, RailSections
 from tractive_sam.results import (
     BOUND,
     COLUMNS,
@@ -62,22 +73,230 @@ from tractive_sam.results import (
     storable_fields,
 )
 from tractive_sam.results import columns as columns_of
-from tractive_sam.scene import Scene, block_label
-from tractive_sam.store.datasets import (
-    COMPRESSED,
+from tractive_sam.scene import FileContent, Plane, Scene, block_label
+from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.opening import (
     FORMAT,
     FORMAT_VERSION,
-    create_labels,
-    create_rows,
-    create_scale,
-    create_text,
+    ResultsFile,
     decode_text,
-    describe_dataset,
-    plane_path,
-    set_text,
-    versions,
+    open_results,
 )
-from tractive_sam.store.inputs import add_inputs
+
+
+def set_text(node: h5py.Group | h5py.Dataset, name: str, text: str) -> None:
+    """Set an HDF5 attribute to a text of fixed length."""
+    encoded = text.encode()
+    node.attrs.create(name, encoded, dtype=_text_type(encoded))
+
+
+def create_text(group: h5py.Group, name: str, text: str) -> h5py.Dataset:
+    """Create an HDF5 dataset with one text."""
+    encoded = text.encode()
+    return group.create_dataset(name, data=np.array(encoded, _text_type(encoded)))
+
+
+def _text_type(encoded: bytes) -> np.dtype:
+    """Return the HDF5 type of an encoded text with a final zero byte."""
+    return h5py.string_dtype("utf-8", len(encoded) + 1)
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python, this package and the five it computes with, by name."""
+    packages = ("tractive-sam", "numpy", "scipy", "numba", "pyfftw", "h5py")
+    return {"python": platform.python_version()} | {name: _version(name) for name in packages}
+
+
+@cache  # reading the description of a package takes milliseconds
+def _version(package: str) -> str:
+    """Return the version of an installed package, or a note that it is missing."""
+    try:
+        return version(package)
+    except PackageNotFoundError:  # run from a source tree
+        return "not installed"
+
+
+COMPRESSED: dict[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+"""Filters of fields."""
+
+CHUNK_BYTES = 4096
+"""Least size of a chunk: a page of the disk. The checksum of a chunk of zeros is zero, so the
+loss of a page that contains all of a chunk with its checksum would not be noticed."""
+
+
+def create_labels(group: h5py.Group, name: str, values: Sequence[str], about: str) -> None:
+    """Create an HDF5 dimension scale of texts of variable length.
+
+    Some of them do not support texts of fixed length. So these texts have a variable length, and
+    this package never reads them.
+    """
+    dataset = group.create_dataset(name, data=values)
+    dataset.make_scale(name)
+    describe_dataset(dataset, Quantity(name, "1", about))
+
+
+def create_scale(
+    group: h5py.Group, name: str, values: np.ndarray, quantity: Quantity
+) -> h5py.Dataset:
+    """Create an HDF5 dimension scale that can grow."""
+    chunk = max(len(values), CHUNK_BYTES // 8)
+    dataset = group.create_dataset(
+        name, data=values, maxshape=(None,), chunks=(chunk,), fletcher32=True
+    )
+    dataset.make_scale(name)
+    return describe_dataset(dataset, quantity)
+
+
+def create_rows(
+    group: h5py.Group,
+    name: str,
+    quantity: Quantity,
+    dimensions: tuple[h5py.Dataset, ...],
+    rows: int = 0,
+    coordinate: str = "",
+    **filters: str | int | bool,
+) -> h5py.Dataset:
+    """Create a dataset of one row per record that can grow; unknown values are nan or -1 (int)."""
+    shape = tuple(len(scale) for scale in dimensions[1:])
+    min_rows = math.ceil(CHUNK_BYTES / (8 * math.prod(shape)))
+    dataset = group.create_dataset(
+        name,
+        shape=(rows, *shape),
+        dtype=int if quantity.whole else float,
+        maxshape=(None,) * len(dimensions),
+        chunks=(1 if filters else max(min_rows, rows), *shape),
+        fillvalue=-1 if quantity.whole else np.nan,
+        fletcher32=True,
+        **filters,
+    )
+    for k, scale in enumerate(dimensions):
+        h5py.h5ds.attach_scale(dataset.id, scale.id, k)
+    return describe_dataset(dataset, quantity, coordinate if coordinate != name else "")
+
+
+def describe_dataset(dataset: h5py.Dataset, quantity: Quantity, along: str = "") -> h5py.Dataset:
+    """Store the unit and description of a quantity in a new dataset, and return the dataset."""
+    texts = {"units": quantity.unit, "long_name": quantity.long_name}
+    texts |= {"coordinates": along} if along else {}
+    # h5py's low-level interface is faster: a file has hundreds of these attributes.
+    kind = h5py.h5t.py_create(h5py.string_dtype(), logical=True)
+    scalar = h5py.h5s.create(h5py.h5s.SCALAR)
+    for name, text in texts.items():
+        attribute = h5py.h5a.create(dataset.id, name.encode(), kind, scalar)
+        attribute.write(np.array(text, h5py.string_dtype()))
+    return dataset
+
+
+def plane_path(body: str, plane: Plane | str, block: int | None = None) -> str:
+    """Return the path "[block-k/]body/plane", within /stress, of a plane's group."""
+    return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
+
+
+def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
+    """Add an array to the group of arrays from which a run resumes."""
+    chunks = tuple(max(1, n) for n in values.shape)
+    about = {"chunks": chunks, "maxshape": (None,) * values.ndim, "fletcher32": True}
+    describe_dataset(
+        state.create_dataset(name, data=values, **about), Quantity(name, "", "to continue from")
+    )
+
+
+_PARTS = ("y", "z", "tangent_y", "tangent_z")
+"""Numbers of profiles: points and tangents."""
+
+
+def add_inputs(file: h5py.File, scene: Scene) -> None:
+    """Add the content of the files that a scene names, with its hashes, to a results file."""
+    for key, (_, content, reading) in scene.inputs.items():
+        group = file.require_group("inputs").create_group(key)
+        hashes = json.dumps(content.hashes)
+        for name, text in (("path", content.path), ("hashes", hashes), ("reading", reading)):
+            set_text(group, name, text)
+        parsed = content.get(reading)
+        if notes := getattr(parsed, "notes", ()):
+            set_text(group, "notes", json.dumps(notes))
+        match parsed:
+            case Profile() as profile:
+                _add_arrays(group, {"s": profile.s}, _split(profile.points, profile.tangents))
+            case RailSections() as rail:
+                axes = {"x": rail.x, "node": np.arange(float(rail.points.shape[1]))}
+                _add_arrays(group, axes, _split(rail.points, rail.tangents))
+            case (x, y, separation):
+                _add_arrays(group, {"x": x, "y": y}, {"separation": separation})
+
+
+def read_inputs(file: ResultsFile) -> list[FileContent]:
+    """Return the contents of the files that the scene of a results file names."""
+    contents: dict[str, FileContent] = {}
+    for key in file.names("inputs") if "inputs" in file else ():
+        group = f"inputs/{key}"
+        path, hashes, reading = (file.text(group, name) for name in ("path", "hashes", "reading"))
+        try:
+            files = {str(name): str(digest) for name, digest in json.loads(hashes).items()}
+            content = contents.setdefault(path, FileContent(path, files, is_stored=True))
+            if f"{group}/separation" in file:  # may be large
+                content.parsed[reading] = partial(_read_map, file.path, group, hashes)
+            elif f"{group}/z" in file:
+                content.parsed[reading] = _read_profile(file, group)
+        except (ValueError, AttributeError) as error:
+            raise file.damage_error(f"{group}: {error}") from None
+    return [*contents.values()]
+
+
+def _split(points: np.ndarray, tangents: np.ndarray) -> dict[str, np.ndarray]:
+    """Return the parts of points and tangents, shape (..., 2), by name."""
+    parts = np.moveaxis(np.concatenate((points, tangents), axis=-1), -1, 0)
+    return dict(zip(_PARTS, parts, strict=True))
+
+
+def _add_arrays(
+    group: h5py.Group, axes: dict[str, np.ndarray], arrays: dict[str, np.ndarray]
+) -> None:
+    """Add the axes of arrays as scales, and the arrays with checksums."""
+    about = {
+        "x": "position along the track",
+        "y": "lateral position",
+        "z": "height, positive downwards",
+        "s": "arc length",
+        "node": "number of a point of a section",
+        "tangent_y": "derivative of y",
+        "tangent_z": "derivative of z",
+        "separation": "separation added to the radii",
+    }
+    for name, values in axes.items():
+        create_scale(group, name, values, Quantity(name, "mm", about[name]))
+    for name, values in arrays.items():
+        dataset = group.create_dataset(
+            name, data=values, chunks=True, fletcher32=True, **COMPRESSED
+        )
+        for k, axis in enumerate(axes):
+            h5py.h5ds.attach_scale(dataset.id, group[axis].id, k)
+        describe_dataset(dataset, Quantity(name, "mm", about[name]))
+
+
+def _read_profile(file: ResultsFile, group: str) -> Profile | RailSections:
+    """Return the profile, or the sections of a rail, in a group; ValueError for wrong shapes."""
+    parts = np.stack([file.all_numbers(f"{group}/{name}") for name in _PARTS], axis=-1)
+    kind: Any = Profile if f"{group}/s" in file else RailSections
+    along = file.all_numbers(f"{group}/{'s' if kind is Profile else 'x'}")
+    if parts.shape[:1] != along.shape or not np.isfinite(parts).all():
+        raise ValueError(f"a profile of the shape {parts.shape}")
+    notes = tuple(map(str, json.loads(file.text(group, "notes", "[]"))))
+    return kind(along, parts[..., :2], parts[..., 2:], notes)
+
+
+def _read_map(path: Path, group: str, hashes: str) -> tuple[np.ndarray, ...]:
+    """Return x, y and separation in a results file; ResultsError if it has been replaced."""
+    with open_results(path) as file:
+        if "inputs" not in file or file.text(group, "hashes") != hashes:
+            raise ResultsError(f"{path} has been replaced since it was opened; open it again")
+        x, y, separation = (
+            file.all_numbers(f"{group}/{name}") for name in ("x", "y", "separation")
+        )
+        if separation.shape != (x.size, y.size) or not np.isfinite(separation).all():
+            raise file.damage_error(f"{group}: a separation of the shape {separation.shape}")
+    return x, y, separation
+
 
 RUNNING = ("running", "the computation has not ended yet, or was killed")
 """Status and message of a run that has not ended."""

@@ -1,4 +1,10 @@
-"""Reads results files, finished or not."""
+"""Reads results files, finished or not.
+
+In the first format of results files the rows of /history were allocated before they were filled;
+/history/committed is the number of filled rows. /state had two slots: a record used slot (row
+modulo 2). Texts had a variable length, and nothing had a checksum. A file in this format is
+rewritten when its run is resumed.
+"""
 
 import json
 import math
@@ -7,6 +13,7 @@ from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from tractive_sam.results import (
@@ -21,23 +28,114 @@ from tractive_sam.results import (
     OUTSIDE,
     PARTS,
     PROFILES,
+    RENAMED_COLUMNS,
     STRESS,
     Grid,
     History,
     LawRecord,
     Quantity,
+    Record,
     columns,
     find_by_role,
     load_laws,
+    restart_fields,
     storable_fields,
 )
 from tractive_sam.scene import Scene, allow_missing_files, use_contents
-from tractive_sam.schema import SceneError, SceneWarning
-from tractive_sam.store import layout, legacy_format
+from tractive_sam.schema import SceneError, SceneWarning, toml
+from tractive_sam.store import layout, tables
 from tractive_sam.store.errors import ResultsError
-from tractive_sam.store.inputs import read_inputs
+from tractive_sam.store.layout import read_inputs
 from tractive_sam.store.opening import ResultsFile, open_results
-from tractive_sam.store.stored_records import StoredCycles, StoredField, StoredStress
+from tractive_sam.store.tables import StoredCycles, StoredField, StoredStress
+
+
+def _update_scene_text(text: str) -> str:
+    """Return the TOML text of an old scene with present keys and explicit old defaults.
+
+    Raises
+    ------
+    SceneError
+        If the text is no TOML.
+    """
+    # Present names of scene keys, by table and name in this format.
+    renamed = {("load", "traction_x"): "force_x", ("load", "traction_y"): "force_y"}
+    # Defaults of scene keys in this format that differ from today's.
+    defaults = {("wear", "turns"): "equal"}
+    tables = toml.parse(text)
+    for (table, key), default in defaults.items():
+        if table in tables:
+            tables[table].setdefault(key, default)
+    match tables:
+        case {"body": {"A": dict(A), "B": dict(B)}} if "hardness" in {**A, **B}:
+            for body in (A, B):  # one body could have a hardness alone; the other had 1
+                body.setdefault("hardness", 1.0)
+    for (table, key), present_key in renamed.items():
+        if key in tables.get(table, {}):
+            tables[table][present_key] = tables[table].pop(key)
+    return toml.emit(tables)
+
+
+def _read_legacy_state(file: ResultsFile, row: int) -> dict[str, np.ndarray]:
+    """Return the fields after a record of an old file, by name; only the last two have them.
+
+    Raises
+    ------
+    ResultsError
+        If the file does not store the fields of this record.
+    """
+    slots = 2
+    if not file.records - slots <= row < file.records:
+        raise ResultsError(f"{file.path} holds no state of record {row}; run its scene again")
+    mesh = (file.length("grid/x"), file.length("grid/y"))
+    for name in FIELDS:
+        file.check(f"state/{name}", (slots, *mesh))
+    return {name: file.row(f"state/{name}", row % slots) for name in FIELDS}
+
+
+def _read_legacy_bodies(file: ResultsFile) -> tuple[str, ...]:
+    """Return the bodies with stored stress in an old file; () if there are none."""
+    return file.labels("history/body") if "history/body" in file else ()
+
+
+def _read_legacy_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
+    """Return (first row, versions) of the programs that computed an old file."""
+    version_prefix = "version_"
+    names = [name for name in file.attributes("scene") if name.startswith(version_prefix)]
+    packages = {name.removeprefix(version_prefix): file.text("scene", name) for name in names}
+    return ((0, packages),)
+
+
+def _column_names(column: str) -> tuple[str, ...]:
+    """Return the present name of a column and its name in old files."""
+    return column, *(before for before, present in RENAMED_COLUMNS.items() if present == column)
+
+
+def write_legacy_history(
+    history: History, count: int, state: dict[str, np.ndarray], scene: Scene, file: h5py.File
+) -> None:
+    """Write the first records of an old history, and its state, to an empty file."""
+    layout.create_layout(file, scene, history.grid)
+    records = [_read_legacy_record(history, row) for row in range(count)]
+    for record in records:
+        layout.add_columns(file, [record])
+    if records:
+        tables.append(file, records)
+        tables.put_state(file, count - 1, state)
+
+
+def _read_legacy_record(history: History, row: int) -> Record:
+    """Return one record of a history with its fields and stress."""
+    revolution = int(history["revolution"][row])
+    values = {}
+    for name, quantity in history.columns.items():
+        value = history[name][row]
+        by_body = quantity.dims[:1] == ("body",)
+        values[name] = dict(zip(BODIES, value, strict=True)) if by_body else value
+    if revolution not in history.field_revolutions:
+        return Record(values, history.columns)
+    stress = tuple(history.stress(*plane, revolution) for plane in history.planes)
+    return Record(values, history.columns, restart_fields(history.state(revolution)), stress)
 
 
 def open_history(path: str | PathLike[str]) -> History:
@@ -90,7 +188,7 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
     """
     with open_results(Path(path)) as file:
         if file.version == 1:
-            fields = legacy_format.read_legacy_state(file, row)
+            fields = _read_legacy_state(file, row)
         else:
             stored_row = int(file.attribute("state", "record")) if file.records else -1
             if stored_row != row:
@@ -200,14 +298,14 @@ def _read_column(
     for dim in {"block", *PROFILES}.intersection(column.dims):
         lengths[dim] = file.length(f"history/{dim}")
     shape = tuple(lengths[k] if k in lengths else len(LABELS[k]) for k in column.dims)
-    names = (f"history/{name}" for name in legacy_format.column_names(column.name))
+    names = (f"history/{name}" for name in _column_names(column.name))
     name = next((name for name in names if name in file), None)
     if name is None and column.role != COORDINATE:
         return np.full((records, *shape), np.nan)
     name = name or f"history/{column.name}"
     if column.dims[:1] != ("body",) or file.version > 1:
         return file.numbers(name, (records, *shape))
-    values, stored_bodies = np.full((records, *shape), np.nan), legacy_format.read_bodies(file)
+    values, stored_bodies = np.full((records, *shape), np.nan), _read_legacy_bodies(file)
     stored = file.numbers(name, (records, len(stored_bodies), *shape[1:]))
     for k, body in enumerate(stored_bodies):
         values[:, BODIES.index(body)] = stored[:, k]
@@ -251,7 +349,7 @@ def _read_scene(file: ResultsFile) -> Scene:
         with allow_missing_files(), use_contents(contents), warnings.catch_warnings():
             warnings.simplefilter("ignore", SceneWarning)
             if file.version == 1:
-                text = legacy_format.update_scene_text(text)
+                text = _update_scene_text(text)
             return Scene.from_toml_text(text)
     except (ValueError, SceneError) as error:
         raise file.damage_error(f"scene: {error}") from None
@@ -260,7 +358,7 @@ def _read_scene(file: ResultsFile) -> Scene:
 def _read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
     """Return (first row, package versions) of the programs that computed the file."""
     if file.version == 1:
-        return legacy_format.read_versions(file)
+        return _read_legacy_versions(file)
     try:
         return tuple(
             (int(row), dict(packages))

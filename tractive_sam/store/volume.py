@@ -25,11 +25,15 @@ import numpy as np
 from tractive_sam.mechanics import CRITERIA, VON_MISES
 from tractive_sam.results import FIELDS, Quantity
 from tractive_sam.scene import Scene
-from tractive_sam.store.atomic import WritableFile, atomic_rewrite
-from tractive_sam.store.datasets import create_text, decode_text, set_text, versions
 from tractive_sam.store.errors import ResultsError
-from tractive_sam.store.hdf5_guard import open_to_read
-from tractive_sam.store.write_access import check_writable, sole_writer
+from tractive_sam.store.layout import create_text, set_text, versions
+from tractive_sam.store.opening import decode_text, open_to_read
+from tractive_sam.store.write_access import (
+    WritableFile,
+    atomic_rewrite,
+    check_writable,
+    sole_writer,
+)
 
 FORMAT = "tractive-sam volume"
 VTKHDF_VERSION = (1, 0)

@@ -22,12 +22,12 @@ from h5py import File
 from tractive_sam import interrupt
 from tractive_sam.results import Grid, LawRecord, Quantity, Record, widen_field
 from tractive_sam.scene import Scene
-from tractive_sam.store import layout, legacy_format, rows, write_access
-from tractive_sam.store.atomic import atomic_rewrite
-from tractive_sam.store.datasets import set_text
+from tractive_sam.store import layout, tables, write_access
 from tractive_sam.store.errors import ResultsError
+from tractive_sam.store.layout import set_text
 from tractive_sam.store.opening import open_results
-from tractive_sam.store.reader import open_history, read_state
+from tractive_sam.store.reader import open_history, read_state, write_legacy_history
+from tractive_sam.store.write_access import atomic_rewrite
 
 
 class Checkpoints:
@@ -156,10 +156,10 @@ class HistoryWriter:
                 solved = np.flatnonzero(history["converged"] > 0.0)
                 count = int(solved[-1]) + 1 if solved.size else 0
                 state = read_state(path, count - 1) if count else {}
-                legacy_format.write_history(history, count, state, scene, file)
+                write_legacy_history(history, count, state, scene, file)
             else:
                 layout.set_scene(file, scene)
-                rows.drop_after_state(file)
+                tables.drop_after_state(file)
             layout.set_status(file, *layout.RUNNING)
             layout.set_versions(file, history.provenance)
             set_text(file, cls.run, writer._run)
@@ -255,15 +255,15 @@ class HistoryWriter:
         with atomic_rewrite(self.path) as file:
             self._check_run(file)
             if self._grid is not None:
-                rows.widen(file, self._grid)
+                tables.widen(file, self._grid)
             stored, pending = self._pending
             # Some are in the file already if an interrupt came just after the last replacement.
             pending = pending[len(file["history/record"]) - stored :]
             layout.add_columns(file, pending)
             if pending:
-                rows.append(file, pending)
+                tables.append(file, pending)
             if self._state is not None:
-                rows.put_state(file, *self._state)
+                tables.put_state(file, *self._state)
             if ended is not None:
                 layout.set_status(file, *ended)
             stored = len(file["history/record"])

@@ -245,7 +245,7 @@ class StripLevels:
 class StressSource(Protocol):
     """Protocol of stress solvers for half-spaces under tractions on a grid.
 
-    Stresses have the order of `results.plane_stress.COMPONENTS`, MPa.
+    Stresses have the order of `results.COMPONENTS`, MPa.
     """
 
     def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:

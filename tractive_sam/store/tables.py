@@ -1,7 +1,9 @@
-"""Adds, drops and widens the rows of a results file."""
+"""Adds, drops, widens and reads the rows of a results file."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -11,17 +13,23 @@ from tractive_sam.mechanics import VON_MISES
 from tractive_sam.results import (
     BEFORE,
     BOUND,
+    COMPONENTS,
     FATIGUE_FIELDS,
     FIELDS,
     OUTSIDE,
     PROFILES,
     STRESS,
+    BodyFatigue,
     Grid,
+    PlaneStress,
     Record,
     stack_values,
     widen_field,
 )
-from tractive_sam.store import datasets
+from tractive_sam.scene import Plane
+from tractive_sam.store import layout
+from tractive_sam.store.layout import plane_path
+from tractive_sam.store.opening import open_results
 
 SCALES = ("y", "axis", "body", "block", "position", *PROFILES)
 """Members of /history that have no row for each record."""
@@ -62,7 +70,7 @@ def read_grid(file: h5py.File) -> Grid:
 
 def _field_groups(record: Record) -> list[str]:
     """Return names that identify which fields, stresses and fatigue a record has."""
-    planes = [datasets.plane_path(plane.body, plane.plane, plane.block) for plane in record.stress]
+    planes = [layout.plane_path(plane.body, plane.plane, plane.block) for plane in record.stress]
     return [*record.fields, *planes, *(plane.body for plane in record.cycles)]
 
 
@@ -70,9 +78,7 @@ def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Recor
     """Append fields, stress and fatigue of records with equal groups."""
     _append_group(file["fields"], rows, records, [record.fields for record in records], OUTSIDE)
     for planes in zip(*(record.stress for record in records), strict=True):
-        group = file["stress"][
-            datasets.plane_path(planes[0].body, planes[0].plane, planes[0].block)
-        ]
+        group = file["stress"][layout.plane_path(planes[0].body, planes[0].plane, planes[0].block)]
         values = [plane.components | {VON_MISES.name: plane.by(VON_MISES)} for plane in planes]
         unknown = dict.fromkeys(values[0], np.nan)  # outside a narrower mesh
         _append_group(group, rows, records, values, unknown)
@@ -135,7 +141,7 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
         if name in group and name not in of_mesh and group[name].shape != values.shape:
             del group[name]  # for example because the mesh has grown
         if name not in group:
-            datasets.add_state(group, name, values)
+            layout.add_state(group, name, values)
         dataset = _open_dataset(group, name)
         padded = widen_field(values, dataset.shape, OUTSIDE.get(name, 0.0))
         dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(padded))
@@ -228,3 +234,121 @@ def fatigue_groups(file: h5py.File) -> Iterator[h5py.Group]:
 def mesh_axes(group: h5py.Group) -> tuple[str, ...]:
     """Return those axes of a plane's group that are axes of the mesh."""
     return tuple(axis for axis in ("x", "y") if axis in group)
+
+
+@dataclass(frozen=True)
+class StoredField:
+    """Sequence of the arrays of a field, one a record, read from the file when accessed.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    name : str
+        A name of `FIELDS`.
+    length : int
+        Number of records with fields.
+    """
+
+    path: Path
+    name: str
+    length: int
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, row: int) -> np.ndarray:
+        """Return the field of a record, shape (n_x, n_y)."""
+        with open_results(self.path) as file:
+            return file.row(f"fields/{self.name}", range(self.length)[row])
+
+
+@dataclass(frozen=True)
+class StoredStress:
+    """Sequence of `PlaneStress` on one plane, one a record, read from the file when accessed.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    body, plane : str
+        "A" or "B", and the plane as the scene names it.
+    length : int
+        Number of records with stress.
+    block : int, optional
+        Number of the block of a duty cycle.
+    shift : float
+        Lateral position of the running band of the block, mm; y counts from there.
+    """
+
+    path: Path
+    body: str
+    plane: str
+    length: int
+    block: int | None = None
+    shift: float = 0.0
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, row: int) -> "PlaneStress":
+        """Return the stress of a record, on the mesh that it was computed on."""
+        with open_results(self.path) as file:
+            group = f"stress/{plane_path(self.body, self.plane, self.block)}"
+            names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
+            lengths = {name: file.length(f"{group}/{name}") for name in names}
+            axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}
+            row = range(self.length)[row]
+            components = {name: file.row(f"{group}/{name}", row) for name in COMPONENTS}
+            position = float(file.attribute(group, "position"))
+        # The mesh may have grown since; the stress outside the former mesh is nan.
+        finite = np.isfinite(components[COMPONENTS[0]])
+        inside = [np.flatnonzero(finite.any(axis=axis)) for axis in (1, 0)]
+        axes = {name: axes[name][points] for name, points in zip(axes, inside, strict=True)}
+        if "y" in axes:
+            axes["y"] = axes["y"] - self.shift
+        components = {name: values[np.ix_(*inside)] for name, values in components.items()}
+        plane = Plane.parse(self.plane)
+        return PlaneStress(self.body, plane, position, axes, components, self.block)
+
+
+@dataclass(frozen=True)
+class StoredCycles:
+    """Sequence of a body's `BodyFatigue`, one a record, read from the file when accessed.
+
+    Attributes
+    ----------
+    path : Path
+        The results file.
+    body : str
+        "A" or "B".
+    shear_yield : float
+        Shear yield stress, MPa; see `BodyFatigue`.
+    length : int
+        Number of records.
+    """
+
+    path: Path
+    body: str
+    shear_yield: float
+    length: int
+
+    def __len__(self) -> int:
+        return self.length
+
+    def __getitem__(self, row: int) -> BodyFatigue:
+        """Return the fatigue of a record, without the criterion: only the scene names it."""
+        row, empty = range(self.length)[row], np.zeros(0)
+        with open_results(self.path) as file:
+            group = f"fatigue/{self.body}"
+            values = {
+                name: file.row(f"{group}/{name}", row) if f"{group}/{name}" in file else empty
+                for name in FATIGUE_FIELDS
+            }
+            axes = {
+                name: file.all_numbers(f"{group}/{name}") if f"{group}/{name}" in file else empty
+                for name in ("y", "depth", "zeta")
+            }
+        return BodyFatigue(
+            self.body, **axes, **values, criterion=None, shear_yield=self.shear_yield
+        )
