@@ -69,3 +69,12 @@ def test_every_residual_is_within_its_panel():
     low, high = plot.fitted_curve(one).axes[1].get_ylim()
     assert low < -7.0
     assert high > 7.0
+
+
+def test_ellipses_end_at_the_bounds_of_their_parameters():
+    values, deviations, correlation = np.array([0.1, 1.0]), np.array([0.2, 0.5]), np.eye(2)
+    limits = np.array([0.0, -np.inf]), np.array([0.3, np.inf])
+    figure = plot.confidence_ellipses(["a", "b"], values, deviations, correlation, limits=limits)
+    x, y = np.concatenate([line.get_xydata() for line in figure.axes[0].lines]).T
+    assert (x.min(), x.max()) == (0.0, 0.3)
+    assert y.min() < 0.0

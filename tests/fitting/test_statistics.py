@@ -9,8 +9,10 @@ from scipy.optimize import minimize_scalar
 from scipy.stats import chi2, norm, t
 
 import tractive_sam as ts
-from tractive_sam.fitting import log_posterior
+from tractive_sam.fitting import Evaluations, explain_fit, log_posterior
+from tractive_sam.fitting.design import Fit, Parameters
 from tractive_sam.fitting.estimate import LOSSES, Loss
+from tractive_sam.fitting.evaluations import InProcess
 
 VALUES = np.array([0.21, 0.34, 0.42, 0.25, 0.31])
 N, Z = VALUES.size, norm.ppf(0.975)
@@ -226,3 +228,55 @@ def test_the_closed_model_of_the_coverage_is_that_of_contacts(monkeypatch):
     case = next(one for one in benchmark.cases() if one.note == "two data sets")
     # one revolution changes the contact by 1e-4 of its wear
     assert benchmark.check(case) < 1e-3
+
+
+def test_a_key_or_a_law_implies_bounds(line):
+    data = {"values": {"Qx_over_P": VALUES}, "observe": "Qx_over_P", "noise": 0.1}
+
+    def parameters(*keys, **law):
+        friction = {"static": 0.4} | law
+        scene = line.replace(**{"friction": friction, "creepage.speed": 1e3})
+        return Parameters.of(Fit(scene=scene, free=keys, data=[data]))
+
+    falling = {"law": "exponential", "kinetic": 0.1, "half_speed": 300.0}
+    assert parameters("friction.kinetic", **falling).upper.tolist() == [0.4]
+    both = parameters("friction.static", "friction.kinetic", **falling)
+    assert both.limits(np.array([0.35, 0.1]))[1].tolist() == [np.inf, 0.35]
+    ratio = parameters("friction.A", law="polach", A=0.4, B=0.6)
+    assert (ratio.lower.tolist(), ratio.upper.tolist()) == ([0.0], [1.0])
+
+
+def test_a_wide_interval_is_named_with_what_would_reduce_it(line):
+    notes = fit_mu(line, {"factor": 10.0}, VALUES[:1]).notes
+    (note,) = [note for note in notes if "hardly determined" in note]
+    assert "spans a factor of" in note
+    assert "[[fit.test]]" in note
+
+
+def test_the_search_reports_each_iteration(line):
+    counts = []
+    data = {"values": {"Qx_over_P": VALUES}, "observe": "Qx_over_P", "noise": 0.1}
+    design = {"scene": line, "free": ["friction.mu"], "data": [data], "mesh_check": False}
+    ts.fit(design, progress=lambda done: counts.append(len(done.searched)))
+    assert counts[0] == 0
+    assert sorted({*counts}) == [*range(counts[-1] + 1)]
+
+
+def test_time_left_follows_the_fall_of_chi_square():
+    done = Evaluations(InProcess())
+    assert np.isnan(done.seconds_left())
+    done.searched = [(0.0, 11.1), (2.0, 1.1), (4.0, 0.1)]  # falls by 10, then by 1
+    assert done.seconds_left(0.01) == pytest.approx(4.0)  # two further iterations of 2 s
+
+
+def test_explain_counts_contacts_and_changed_parameters(line):
+    columns = {"creepage.longitudinal": [-0.01, -0.02], "Qx_over_P": VALUES[:2]}
+    data = {"values": columns, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
+    free = ["friction.mu", "friction.layer"]
+    design = ts.FitDesign(fit={"scene": line, "free": free, "data": [data | {"noise": 0.1}]})
+    parameters, data_sets, work = explain_fit(design)
+    assert parameters.rows[1] == ("friction.layer", "from 0, at least 0")
+    assert data_sets.rows[0][1] == "2 values of Qx_over_P over creepage.longitudinal, from contacts"
+    # friction has exact derivatives, the layer has none
+    counts = "2 contacts and 0 runs, and 2 with a changed parameter; about"
+    assert work.rows[0][1].startswith(counts)

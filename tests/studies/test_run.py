@@ -18,6 +18,7 @@ from tractive_sam.studies import (
     cases,
     cluster,
     cost,
+    estimate_times,
     explain_study,
     open_study,
     run,
@@ -25,7 +26,6 @@ from tractive_sam.studies import (
     worker,
 )
 from tractive_sam.studies.case import CaseLog
-from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.results import Folder
 
 
@@ -313,7 +313,8 @@ def test_long_cases_first(tmp_path):
 
 def test_estimates_follow_the_mesh():
     meshes = {"key": "grid.elements", "values": [[41, 41], [81, 81], [161, 161]]}
-    small_one, middle, large = np.array(estimates(cases(small(meshes, set=["load.normal=0.4705"]))))
+    found = cases(small(meshes, set=["load.normal=0.4705"]))
+    small_one, middle, large = np.array(estimate_times(case.scene for case in found))
     # Beyond what every file takes, time goes with n log n, n being four times as many.
     assert 4.0 < (large - middle) / (middle - small_one) < 6.0
 
@@ -328,6 +329,6 @@ def test_time_of_the_whole_study_is_shared_by_the_workers(monkeypatch):
         reported = dict(explain_study(requested, workers)[1].rows)[f"with {workers} workers"]
         return float(reported.removeprefix("about ").partition(";")[0])
 
-    assert seconds(1) == pytest.approx(sum(estimates(cases(requested))))
+    assert seconds(1) == pytest.approx(sum(estimate_times(c.scene for c in cases(requested))))
     assert seconds(4) == pytest.approx(seconds(1) / 4)
     assert seconds(1000) == pytest.approx(seconds(1) / 40)  # no faster than a case

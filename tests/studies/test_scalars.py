@@ -18,12 +18,12 @@ from tractive_sam.studies import (
     StudyError,
     cases,
     chain,
+    estimate_times,
     explain_study,
     open_study,
     run,
     study,
 )
-from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.task import Task, summary
 from tractive_sam.studies.worker import run_chain
 
@@ -193,8 +193,8 @@ def test_chains_are_short_and_whole():
 
 
 def test_work_is_that_of_no_files(tmp_path):
-    found = cases(scalars())
-    assert sum(estimates(found, with_files=False)) < sum(estimates(found))
+    scenes = [case.scene for case in cases(scalars())]
+    assert sum(estimate_times(scenes, with_files=False)) < sum(estimate_times(scenes))
     assert "one file" in dict(explain_study(scalars(), 2)[1].rows)["results"]
 
 

@@ -35,13 +35,14 @@ def explain(
 ) -> None:
     """Describe what the model includes and neglects, and estimate memory and time.
 
-    SCENE may also be a study, a creep-force table, or the design of a table.
+    SCENE may also be a study, a fit, a creep-force table, or the design of a table.
 
     Parameters
     ----------
     workers
         Number of processes that run a study; by default, one for each core.
     """
+    from tractive_sam.fitting import FitDesign, explain_fit, is_fit_design
     from tractive_sam.run import explain as explanation
     from tractive_sam.studies import is_study
     from tractive_sam.tables import is_design, is_table
@@ -49,6 +50,10 @@ def explain(
     with report_warnings():
         if is_table(scene) or is_design(scene):
             title, sections = _describe_table(scene, settings)
+        elif is_fit_design(scene):
+            _refuse_settings(scene, settings, "a fit; write the setting into its scene")
+            fit = FitDesign.from_toml(scene)
+            title, sections = fit.fit.title, explain_fit(fit)
         elif is_study(scene):
             title, sections = _describe_study(Path(scene), settings, workers)
             _mention_tables(scene)

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from time import monotonic
 from typing import Annotated
 
 import typer
@@ -24,6 +25,7 @@ from tractive_sam.cli.output import (
     show_progress,
 )
 from tractive_sam.cli.scene_input import Allow
+from tractive_sam.description import format_duration
 
 
 def fit(
@@ -62,11 +64,25 @@ def fit(
 
     note = f"{output} holds the computations so far; repeat the command to resume from them"
     with report_interrupt(note), report_compiling(), show_progress() as update, report_warnings():
+        began = printed = monotonic()
+        iterations = 0
 
         def report(done: Evaluations) -> None:
+            nonlocal printed, iterations
             contacts, rolls, _ = done.cost
-            share = 1.0 - 0.98 ** len(done.stored)  # the number of steps is not known
-            update(share, f"{contacts} contacts, {rolls} rolls", "")
+            now, left = monotonic(), done.seconds_left()
+            text = f"{contacts} contacts, {rolls} rolls, {format_duration(now - began)}"
+            if done.searched:
+                chi2 = done.searched[-1][1]
+                text = f"iteration {len(done.searched)}, chi-square {chi2:.4g}, {text}"
+            if left >= 1.0:
+                text += f"; search: about {format_duration(left)} left"
+            is_due = len(done.searched) > iterations or now - printed > 60.0
+            if is_due:
+                printed, iterations = now, len(done.searched)
+            # The number of iterations is unknown until chi-square falls regularly.
+            share = (now - began) / (now - began + left) if left >= 0.0 else 0.0
+            update(share, text, text if is_due else "")
 
         result = fit_design(
             file, output, workers=workers, overwrite=overwrite, next_test=design, progress=report

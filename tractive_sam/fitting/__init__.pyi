@@ -1,7 +1,9 @@
 """What `fitting` lets out, for `__init__.py` and for type checkers."""
 
+from .cost import explain_fit as explain_fit
 from .design import FitDesign as FitDesign
 from .design import FitError as FitError
+from .design import is_fit_design as is_fit_design
 from .evaluations import Evaluations as Evaluations
 from .fit_file import is_fit as is_fit
 from .fit_file import open_fit as open_fit

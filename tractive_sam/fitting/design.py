@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -586,6 +587,32 @@ class FitDesign(Document):
         return tables
 
 
+def is_fit_design(path: str | PathLike[str]) -> bool:
+    """Return whether a file is TOML with the table [fit]."""
+    try:
+        return "fit" in FitDesign.read_tables(path)
+    except SceneError:
+        return False
+
+
+def _keys_at_rest(key: str) -> list[str]:
+    """Return the keys of friction at rest that limit friction at high speed; none of other keys."""
+    is_kinetic = base_of(key) == "friction.kinetic"
+    return [key.replace("kinetic", name) for name in ("static", "mu")] if is_kinetic else []
+
+
+def _bounds_of(fit: Fit, table: Parameter) -> tuple[float, float]:
+    """Return the bounds of a parameter: stated, or implied by its key and the friction law."""
+    bounds = {"ge": -math.inf, "le": math.inf}
+    for rule in Scene.find_field(base_of(table.key)).metadata:
+        bounds |= {name: getattr(rule, name) for name in bounds if hasattr(rule, name)}
+    at_rest = _keys_at_rest(table.key)
+    if at_rest and not {*at_rest} & {*fit.free}:
+        bounds["le"] = float(np.min(value_of(fit.scene, at_rest[-1])))
+    lower = bounds["ge"] if table.lower is None else table.lower
+    return lower, bounds["le"] if table.upper is None else table.upper
+
+
 @dataclass(frozen=True, eq=False)
 class Parameters:
     """Free parameters: bounds, priors, and the map from values v to fitted coordinates u.
@@ -621,8 +648,8 @@ class Parameters:
         """Return the free parameters of a fit, with start, scale, bounds and priors."""
         tables = [fit.settings_of(key) for key in fit.free]
         start = np.array([start_of(fit.scene, table.key, table.start) for table in tables])
-        lower = np.array([-math.inf if t.lower is None else t.lower for t in tables])
-        upper = np.array([math.inf if t.upper is None else t.upper for t in tables])
+        ends = [_bounds_of(fit, table) for table in tables]
+        lower, upper = np.array(ends).T
         start = np.clip(start, lower, upper)
         logarithmic = np.array(
             [
@@ -661,10 +688,16 @@ class Parameters:
         """Return the derivative of each value by its coordinate."""
         return np.where(self.logarithmic, self.values(u), self.scale)
 
-    @property
-    def value_bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper bounds of the values, at least 0 for logarithmic parameters."""
-        return np.where(self.logarithmic, np.maximum(self.lower, 0.0), self.lower), self.upper
+    def limits(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return lower and upper bounds, at least 0 for logarithms, with the others at `values`.
+
+        Friction at high speed is at most friction at rest.
+        """
+        upper = self.upper.copy()
+        for k, key in enumerate(self.keys):
+            for at_rest in set(_keys_at_rest(key)) & {*self.keys}:
+                upper[k] = min(upper[k], values[self.keys.index(at_rest)])
+        return np.where(self.logarithmic, np.maximum(self.lower, 0.0), self.lower), upper
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:

@@ -312,9 +312,9 @@ class Estimate:
         weights = self.weights / self.inflation
         # At the minimum, the slope of the priors balances that of data with the weights of the cost
         balance = self.loss.rise / self.inflation
-        value = parameters.values(self.u)[k]
-        slope = sign * float(parameters.slopes(self.u)[k])
-        low, high = parameters.value_bounds
+        values = parameters.values(self.u)
+        value, slope = values[k], sign * float(parameters.slopes(self.u)[k])
+        low, high = parameters.limits(values)
         farthest = max(((high if slope > 0.0 else low)[k] - value) / slope, 0.0)
 
         def excess(step: float) -> float:

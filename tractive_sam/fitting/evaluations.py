@@ -1,11 +1,14 @@
 """Answers of cases: computed once, here or by workers, and stored as they come."""
 
+import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from statistics import median
 from time import monotonic, process_time
 from typing import Any, TypeVar
+
+import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.fitting.case import Answer, FitCase, compute
@@ -143,7 +146,9 @@ class Evaluations:
         Least time between two writings, s. An interruption loses no more, unless one case takes
         longer.
     progress : callable, optional
-        Called after each case that was computed.
+        Called after each case that was computed, and after each iteration of the search.
+    searched : list of (float, float)
+        Time, s, and chi-square of each iteration of the search, priors included.
     """
 
     compute: Compute
@@ -151,6 +156,7 @@ class Evaluations:
     save: Callable[[], None] | None = None
     interval: float = 2.0
     progress: Callable[["Evaluations"], None] | None = None
+    searched: list[tuple[float, float]] = field(default_factory=list)
     _saved: float = field(default_factory=monotonic)
 
     def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
@@ -180,6 +186,26 @@ class Evaluations:
             sum(getattr(answer, name) for answer in answers) for name in ("contacts", "rolls")
         )
         return contacts, rolls, sum(answer.convolutions for answer in answers)
+
+    def add_iteration(self, chi2: float) -> None:
+        """Store the chi-square of an iteration of the search, and report progress."""
+        self.searched.append((monotonic(), chi2))
+        if self.progress is not None:
+            self.progress(self)
+
+    def seconds_left(self, small: float = 1e-3) -> float:
+        """Return the expected time of the search until chi-square falls by less than `small`, s.
+
+        Chi-square is assumed to fall by equal factors from now on; nan while this is unknown.
+        """
+        if len(self.searched) < 3:
+            return math.nan
+        times, chi2 = np.transpose(self.searched[-3:])
+        before, last = -np.diff(chi2)
+        if last <= small:
+            return 0.0
+        ratio = last / before if before > last else 0.9
+        return float(math.log(small / last) / math.log(ratio) * 0.5 * (times[-1] - times[0]))
 
     def add(self, digest: str, answer: Answer) -> None:
         """Store an answer in memory, report progress, and write the file at intervals."""

@@ -9,7 +9,7 @@ from scipy.stats import norm
 
 from tractive_sam import interrupt
 from tractive_sam.description import html_columns
-from tractive_sam.fitting.design import base_of
+from tractive_sam.fitting.design import Parameters, base_of
 from tractive_sam.fitting.results import DONE, FitResult
 from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import make_folder, write_file
@@ -84,7 +84,11 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
         keys = [result.keys[k] for k in determined]
         values, deviations = (data[name].values[determined] for name in ("value", "sd"))
         correlation = result.correlation[np.ix_(determined, determined)]
-        figure = confidence_ellipses(keys, values, deviations, correlation, title=result.title)
+        limits = Parameters.of(result.design.fit).limits(np.array([*result.values.values()]))
+        lower, upper = (limit[determined] for limit in limits)
+        figure = confidence_ellipses(
+            keys, values, deviations, correlation, title=result.title, limits=(lower, upper)
+        )
         yield "ellipses", "Ellipses of 68 and 95 % of each pair of parameters.", figure
     if "likelihood" in data:
         yield from _likelihoods(result)

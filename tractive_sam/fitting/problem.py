@@ -272,7 +272,7 @@ class FitProblem:
                         series_cases = series.cases(self.parameters.values_by_key(u), n, wanted)
                         cases |= {(n, point, k): case for k, case in enumerate(series_cases)}
         except SceneError as error:
-            self.failures.append(str(error.faults[0]))
+            self.refusals.append(str(error.faults[0]))
             return None
         order = sorted(cases, key=lambda name: (name[0], name[2], name[1]))  # neighbours in turn
         near = {(n, k): case for (n, point, k), case in cases.items() if not point}
@@ -292,6 +292,11 @@ class FitProblem:
         self.failures.extend(answer.message for answer in answers.values() if answer.message)
         names = {name: case.scene.fingerprint() for name, case in cases.items()}
         return {name: Reply(together[key], answers[key]) for name, key in names.items()}
+
+    @cached_property
+    def refusals(self) -> list[str]:
+        """Faults of values that the scene does not allow, at which the search turned back."""
+        return []
 
     @cached_property
     def failures(self) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -63,7 +64,8 @@ def describe_undetermined(best: Estimate, intervals: Intervals) -> list[str]:
         if not keys:
             texts.append("the position of a profile is not determined")
         elif len(keys) == 1:
-            texts.append(f"{keys[0]} is not determined: no data depend on it at the estimate")
+            cure = _suggest_data(best, int(involved[0]))
+            texts.append(f"{keys[0]} is not determined at the estimate: {cure}")
         elif len(keys) == 2 and parameters.logarithmic[involved].all():
             texts.append(f"only {_product(keys, row[involved])} is determined")
         else:
@@ -136,9 +138,10 @@ def _opposite_signs(best: Estimate) -> Iterator[str]:
 def _describe_bounds(best: Estimate, intervals: Intervals, level: float) -> Iterator[str]:
     """Yield a note for each parameter at a bound, or bounded by the data on one side only."""
     parameters = best.problem.parameters
-    lower, upper = parameters.value_bounds
+    values = parameters.values(best.u)
+    lower, upper = parameters.limits(values)
     for k, key in enumerate(parameters.keys):
-        low, high, value = intervals.low[k], intervals.high[k], parameters.values(best.u)[k]
+        low, high, value = intervals.low[k], intervals.high[k], values[k]
         data = []
         if low <= lower[k] and np.isfinite(high):
             data.append(f"bounded above by {high:.3g} ({level:.0%}), and by no data from below")
@@ -149,6 +152,22 @@ def _describe_bounds(best: Estimate, intervals: Intervals, level: float) -> Iter
                 data.append(f"at its {name} bound, {bound:g}; widen it unless it is a limit")
         if data:
             yield f"{key} is {'; '.join(reversed(data))}"
+        if low > 0.0 and 10.0 * low < high < math.inf:
+            factor = f"its {level:.0%} interval spans a factor of {high / low:.2g}"
+            yield f"{key} is hardly determined: {factor}; {_suggest_data(best, k)}"
+
+
+def _suggest_data(best: Estimate, k: int) -> str:
+    """Return what would determine a parameter that the data hardly determine, as text."""
+    correlation = np.abs(np.nan_to_num(np.delete(best.correlation[k], k)))
+    tests = "[[fit.test]] with --design ranks such tests"
+    if not correlation.size or correlation.max() < 0.9:
+        return f"add measurements that depend more on it, or reduce the noise; {tests}"
+    partner = np.delete(best.problem.parameters.keys, k)[correlation.argmax()]
+    return (
+        f"its effect is similar to that of {partner} (correlation {correlation.max():.2f}): fix "
+        f"one of them or give it a prior, or add measurements in which they differ; {tests}"
+    )
 
 
 def list_notes(best: Estimate, table: Fit, intervals: Intervals) -> list[str]:
@@ -267,7 +286,7 @@ def make_problem(table: Fit, done: Evaluations | None = None) -> FitProblem:
     FitError
         With every fault of the data, or of a scene at the first values.
     """
-    measured = _read_all(table)
+    measured = read_all(table)
     parameters = Parameters.of(table)
     _check_count(measured, parameters)
     done = done or Evaluations(InProcess())
@@ -316,7 +335,7 @@ def _hash_files(document: FitDesign) -> dict[str, str]:
     return hashes | hashes_of([document.fit.scene])
 
 
-def _read_all(table: Fit) -> list[Measured]:
+def read_all(table: Fit) -> list[Measured]:
     """Read all data sets, and raise a FitError with the faults of all of them."""
     measured: list[Measured] = []
     faults: list[Fault] = []

@@ -144,7 +144,7 @@ class Search:
             return
         problem = self.problem
         key, cure = "fit.parameter", "other starts, or a scene that can be computed there"
-        reason = problem.failures[-1] if problem.failures else "no result"
+        reason = (problem.refusals or problem.failures or ["no result"])[-1]
         value = f"first values at which the scene cannot be computed ({reason})"
         if np.isfinite(largest):
             key, cure = "fit.data.noise", "values and noise in the units of the columns"
@@ -211,6 +211,9 @@ class _Residuals:
         slopes = self.jacobian(u, near)
         predicted = self.problem.predict(u, derivatives=True)
         noise = (self.deviation, self.scatter)
+        if self.varies.all() and not near:
+            residuals = self.problem.residuals(u, predicted, *noise)
+            self.problem.evaluations.add_iteration(float(np.square(residuals).sum()))
         return self.problem.residual_slopes(u, predicted, slopes, *noise)[:, self.varies]
 
     def jacobian(self, u: np.ndarray, near: float) -> np.ndarray:
@@ -321,7 +324,9 @@ class ProfileLikelihood:
         """
         best, k, goal = self.best, self.k, self.goal
         variance = best.covariance[k, k]
-        farthest = sign * (float(best.problem.parameters.bounds[int(sign > 0.0)][k]) - best.u[k])
+        parameters = best.problem.parameters
+        limits = parameters.limits(parameters.values(best.u))
+        farthest = sign * float(parameters.coordinates(limits[int(sign > 0.0)])[k] - best.u[k])
         if not math.isfinite(variance):
             return math.nan
         if farthest <= 0.0:  # the estimate is at its bound
@@ -345,7 +350,7 @@ class ProfileLikelihood:
             slope = (root - before[0]) / (step - before[1]) if step != before[1] else 0.0
             further = step + (goal - root) / slope if slope > 0.0 else 2.0 * step
             before, step = (root, step), min(np.clip(further, 0.2 * step, 4.0 * step), farthest)
-        is_open = sign < 0.0 and root < goal and best.problem.parameters.logarithmic[k]
+        is_open = sign < 0.0 and root < goal and parameters.logarithmic[k]
         return float(best.problem.bounds[0][k]) if is_open else math.nan
 
     def bounds(self) -> tuple[float, float]:
@@ -362,10 +367,11 @@ class ProfileLikelihood:
         parameters, failures = self.best.problem.parameters, self.best.problem.failures
         count = len(failures)
         low, high = (self._bound(sign) for sign in (-1.0, 1.0))
-        del failures[count:]  # values that the scene does not allow are no failures of the fit
+        del failures[count:]  # the estimate does not depend on values far from it
         if math.isnan(low) and math.isnan(high):
             return low, high
-        lower, upper = (float(bound[self.k]) for bound in parameters.value_bounds)
+        limits = parameters.limits(parameters.values(self.best.u))
+        lower, upper = (float(bound[self.k]) for bound in limits)
         return lower if math.isnan(low) else low, upper if math.isnan(high) else high
 
     def _bound(self, sign: float, decades: int = 3) -> float:
@@ -389,7 +395,8 @@ class ProfileLikelihood:
 
         inner = estimate
         outer = sign * max(sign * inner, sign * float(parameters.start[k]))
-        farthest = float(parameters.value_bounds[int(sign > 0.0)][k])
+        limits = parameters.limits(parameters.values(self.best.u))
+        farthest = float(limits[int(sign > 0.0)][k])
         for _ in range(decades + 1):
             try:
                 if outer != inner and excess(outer) > 0.0:

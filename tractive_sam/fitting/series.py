@@ -192,7 +192,7 @@ class Series:
             bare = cls(key, measured, base, columns, (), {}, data.at == 0.0 or is_creep_curve)
             scenes = {}  # faults, before anything is rolled
             source = next((name for name in data.vary if name in COORDINATES), "at")
-            for rows, settings in _groups_of(measured):
+            for rows, settings in groups_of(measured):
                 scenes[rows] = bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
                 places = [float(measured.places[row]) for row in rows]
                 prepare.check_places(scenes[rows], source, places)
@@ -201,7 +201,7 @@ class Series:
                 cure = "at = 0 says so, at = N chooses the bodies after N revolutions"
                 notes.append(f"{key}: compared with the unworn bodies, revolution 0; {cure}")
             groups, exact = [], {}
-            for rows, settings in _groups_of(measured):
+            for rows, settings in groups_of(measured):
                 first, *neighbours = bare._scenes_near(start, settings)
                 shared.add(first, [float(measured.places[row]) for row in rows])
                 if done is None or not shared.complete:
@@ -339,7 +339,7 @@ def _implausible_rows(
         yield f"{key}: {len(notes)} of {total} rows, as row {notes[0][0] + 1}: {notes[0][1]}"
 
 
-def _groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:
+def groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:
     """Return (indices, settings) of each group of rows with equal settings; a profile is one."""
     groups: dict[tuple, list[int]] = {}
     for k, settings in enumerate(measured.settings):

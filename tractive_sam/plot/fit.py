@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -147,9 +148,12 @@ def confidence_ellipses(
     correlation: np.ndarray,
     *,
     title: str = "",
+    limits: tuple[np.ndarray, np.ndarray] | None = None,
     most: int = 5,
 ) -> Figure:
     """Draw the 68 and 95 % ellipses of each pair of fitted parameters, up to the fifth one.
+
+    Predictions are linear in the values, as for linearised intervals: the axes are linear.
 
     Parameters
     ----------
@@ -161,6 +165,8 @@ def confidence_ellipses(
         Correlation.
     title : str
         Title of the figure.
+    limits : tuple of ndarray, shape (n,), optional
+        Lower and upper bounds of the values, at which ellipses end.
     most : int
         Most parameters that are drawn.
 
@@ -171,7 +177,7 @@ def confidence_ellipses(
     >>> plot.confidence_ellipses(["friction.mu", "friction.layer"], *sizes, correlation)
     <Figure size ...>
     """
-    count = min(len(names), most)
+    count, infinite = min(len(names), most), np.full(len(names), np.inf)
     side = max(1.0, 0.45 * (count - 1))
     figure = new_figure(side, 0.8 * side)
     panels = figure.subplots(count - 1, count - 1, squeeze=False)
@@ -181,8 +187,9 @@ def confidence_ellipses(
             if column >= row:
                 axes.set_axis_off()
                 continue
-            _ellipses(axes, values[[column, row]], deviations[[column, row]],
-                      float(correlation[column, row]))  # fmt: skip
+            pair = [column, row]
+            _ellipses(axes, values[pair], deviations[pair], float(correlation[column, row]),
+                      [limit[pair, None] for limit in limits or (-infinite, infinite)])  # fmt: skip
             axes.locator_params(nbins=5)
             if row == count - 1:
                 axes.set_xlabel(names[column])
@@ -198,15 +205,18 @@ def confidence_ellipses(
     return figure
 
 
-def _ellipses(axes, centre: np.ndarray, deviations: np.ndarray, correlation: float) -> None:
-    """Draw the 68 and 95 % ellipses of two parameters."""
+def _ellipses(
+    axes: Any, centre: np.ndarray, deviations: np.ndarray, correlation: float, limits: Any
+) -> None:
+    """Draw the 68 and 95 % ellipses of two parameters, within limits of shape (2, 1)."""
     matrix = np.array([[1.0, correlation], [correlation, 1.0]])
     sizes, vectors = np.linalg.eigh(matrix)
     # Radii of the circles that hold 68 and 95 % of a normal distribution of two variables.
     for share, radius in {0.68: 1.51, 0.95: 2.45}.items():
         turn = np.linspace(0.0, 2.0 * np.pi, 181)
         circle = radius * np.sqrt(np.maximum(sizes, 0.0))[:, None] * [np.cos(turn), np.sin(turn)]
-        x, y = centre[:, None] + deviations[:, None] * (vectors @ circle)
+        ring = centre[:, None] + deviations[:, None] * (vectors @ circle)
+        x, y = np.clip(ring, *limits)
         axes.plot(x, y, color=LOOK.blue, linewidth=1.4 if share < 0.9 else 0.8,
                   label=f"{share:.0%}")  # fmt: skip
     axes.plot(*centre, "+", color=LOOK.vermillion, label="estimate")

@@ -6,6 +6,7 @@ from .cluster import SchedulerLostError as SchedulerLostError
 from .cluster import check_installed as check_installed
 from .cluster import computed as computed
 from .cluster import local_cluster as local_cluster
+from .cost import estimate_times as estimate_times
 from .cost import explain_study as explain_study
 from .design import SAMPLE as SAMPLE
 from .design import Axis as Axis

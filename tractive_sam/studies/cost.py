@@ -1,6 +1,7 @@
 """Estimate the time, memory and disk space of a study from its scenes."""
 
 from collections import defaultdict
+from collections.abc import Iterable
 from functools import cache
 
 import numpy as np
@@ -10,6 +11,7 @@ from tractive_sam.contact import Model
 from tractive_sam.description import Description, Section, format_duration, format_setting
 from tractive_sam.results import FIELDS, STRESS, columns
 from tractive_sam.run import explain, memory
+from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault
 from tractive_sam.store import read_gap
 from tractive_sam.studies.case import Case, cases
@@ -43,7 +45,7 @@ def explain_study(study: Study, workers: int) -> Description:
     ['a case', 'all cases', 'with 2 workers', 'memory', 'results']
     """
     all_cases = cases(study)
-    models = _models(all_cases)
+    models = _models(case.scene for case in all_cases)
     files = study.keep == "all"
     seconds = np.array(_estimate_times(models, files))
     # The last record of a case takes 2 kB.
@@ -68,9 +70,9 @@ def _describe_space(volume: float, files: int) -> str:
     return f"at most about {size} in {'one file' if files == 1 else f'{files} files'}"
 
 
-def estimates(cases: list[Case], with_files: bool = True) -> list[float]:
-    """Return the estimated CPU time of each case on this machine, s."""
-    return _estimate_times(_models(cases), with_files)
+def estimate_times(scenes: Iterable[Scene], with_files: bool = True) -> list[float]:
+    """Return the estimated CPU time of each scene on this machine, s."""
+    return _estimate_times(_models(scenes), with_files)
 
 
 def check_memory(cases: list[Case], workers: int) -> None:
@@ -82,7 +84,8 @@ def check_memory(cases: list[Case], workers: int) -> None:
         With the number of processes for which it suffices.
     """
     each = (
-        max(map(memory.scene_bytes, _models(cases)), default=0.0) + explain.PROGRAM_MEMORY * 2**20
+        max(map(memory.scene_bytes, _models(case.scene for case in cases)), default=0.0)
+        + explain.PROGRAM_MEMORY * 2**20
     )
     free, workers = available_memory(), min(workers, len(cases))
     if workers * each > free:
@@ -105,14 +108,10 @@ def _describe_axes(study: Study) -> list[tuple[str, str]]:
     return rows
 
 
-def _models(cases: list[Case]) -> list[Model]:
-    """Return the model of each case; gap files are read once."""
+def _models(scenes: Iterable[Scene]) -> list[Model]:
+    """Return the model of each scene; gap files are read once."""
     read = cache(read_gap)
-    models = []
-    for case in cases:
-        gap = case.scene.gap
-        models.append(Model(case.scene, None if gap is None else read(gap)))
-    return models
+    return [Model(scene, None if scene.gap is None else read(scene.gap)) for scene in scenes]
 
 
 def _estimate_times(

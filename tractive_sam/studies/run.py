@@ -14,7 +14,7 @@ from tractive_sam.store import ResultsError, open_history
 from tractive_sam.studies import cluster
 from tractive_sam.studies.case import Case, cases
 from tractive_sam.studies.chain import neighbour_order
-from tractive_sam.studies.cost import check_memory, estimates
+from tractive_sam.studies.cost import check_memory, estimate_times
 from tractive_sam.studies.design import Study
 from tractive_sam.studies.results import Folder, StudyResults, open_study
 from tractive_sam.studies.task import COMPLETE, LOCKED, CaseOutcome, Task
@@ -175,7 +175,7 @@ def remaining_tasks(folder: Folder, cases: list[Case], requested: Study) -> tupl
             continue
         if not (entry and case.digest in files and _is_complete(files[case.digest])):
             remaining.append(case)
-    seconds = estimates(remaining, with_files=not scalars)
+    seconds = estimate_times((case.scene for case in remaining), with_files=not scalars)
     tasks = [
         Task(case, None if scalars else folder.file_of(case, files), time)
         for case, time in zip(remaining, seconds, strict=True)

@@ -1,0 +1,86 @@
+"""Describe a fit before it is made: parameters, data sets, and the time of an iteration."""
+
+import numpy as np
+
+from tractive_sam.description import Description, Section, format_duration
+from tractive_sam.fitting.case import FitCase, exact_columns, is_steady
+from tractive_sam.fitting.data import Measured
+from tractive_sam.fitting.design import Data, FitDesign, Parameters
+from tractive_sam.fitting.run import read_all
+from tractive_sam.fitting.series import Series, groups_of
+from tractive_sam.studies import estimate_times
+
+
+def explain_fit(design: FitDesign) -> Description:
+    """Return sections that describe the parameters, data sets and computations of a fit.
+
+    Times are those of the scenes at the first values, estimated as for one scene; nothing is
+    solved.
+
+    Raises
+    ------
+    FitError
+        With every fault of the data, or of a scene at the first values.
+
+    Examples
+    --------
+    >>> from tractive_sam.fitting import explain_fit
+    >>> design = ts.FitDesign(fit={"scene": coarse, "free": ["friction.mu"], "data": [data]})
+    >>> free, data_sets, work = explain_fit(design)
+    >>> free.rows
+    [('friction.mu', 'from 0.3; its logarithm is fitted')]
+    """
+    fit = design.fit
+    parameters, cases, data_sets = Parameters.of(fit), dict[str, FitCase](), []
+    values = parameters.values_by_key(np.ones(len(parameters)))
+    for k, measured in enumerate(read_all(fit)):
+        series = Series.of(f"fit.data[{k}]", measured, fit.scene, parameters, None)
+        scenes = [series.scene_at(values, settings) for _, settings in groups_of(measured)]
+        cases |= {scene.fingerprint(): FitCase(scene, series.columns) for scene in scenes}
+        kind = "contacts" if is_steady(scenes[0]) else "runs"
+        data_sets.append((measured.data.name or series.key, _describe_data(measured, kind)))
+    changed = [len(fit.free) - _count_exact(case, fit.free) for case in cases.values()]
+    times = estimate_times((case.scene for case in cases.values()), with_files=False)
+    seconds = float(np.dot(times, np.add(changed, 1)))
+    runs = sum(not case.is_steady for case in cases.values())
+    counts = f"{len(cases) - runs} contacts and {runs} runs, and {sum(changed)} with a changed"
+    work = [
+        ("an iteration", f"{counts} parameter; about {format_duration(seconds)} of one core"),
+        ("iterations", f"at most {fit.iterations * fit.starts}"),
+        ("afterwards", _describe_rest(fit.data, fit.curve, fit.mesh_check)),
+    ]
+    rows = [(key, _describe_parameter(parameters, k)) for k, key in enumerate(fit.free)]
+    return Description(
+        (Section("Parameters", rows), Section("Data", data_sets), Section("Work", work))
+    )
+
+
+def _count_exact(case: FitCase, keys: tuple[str, ...]) -> int:
+    """Return the number of keys with exact derivatives, which need no further computation."""
+    return len(exact_columns(case.scene, case.columns, keys)) if case.is_steady else 0
+
+
+def _describe_parameter(parameters: Parameters, k: int) -> str:
+    """Describe start, bounds, prior and scale of a parameter."""
+    lower, upper = (float(limit[k]) for limit in (parameters.lower, parameters.upper))
+    text = f"from {parameters.start[k]:.4g}"
+    text += f", at least {lower:g}" if np.isfinite(lower) else ""
+    text += f", at most {upper:g}" if np.isfinite(upper) else ""
+    mean, deviation = parameters.prior[k]
+    text += f", prior {mean:g} ± {deviation:g}" if np.isfinite(mean) else ""
+    return text + ("; its logarithm is fitted" if parameters.logarithmic[k] else "")
+
+
+def _describe_data(measured: Measured, kind: str) -> str:
+    """Describe the values of a data set, what varies, and whether they need contacts or runs."""
+    data = measured.data
+    body = f" of body {data.body}" if data.body else ""
+    along = f" over {', '.join(data.vary)}" if data.vary else ""
+    return f"{measured.points} values of {', '.join(data.observe)}{body}{along}, from {kind}"
+
+
+def _describe_rest(data: tuple[Data, ...], curve: int, mesh_check: bool) -> str:
+    """Describe what is computed after the search: intervals, curves of figures, finer mesh."""
+    curves = sum(bool(data_set.vary) for data_set in data)
+    text = f"intervals, and up to {curve * curves} contacts for figures (fit.curve)"
+    return text + ("; all data once on a finer mesh (fit.mesh_check)" if mesh_check else "")
