@@ -57,6 +57,37 @@ def test_thick_coating_is_the_body_and_thin_one_is_nothing(stiffer):
     assert solved(0.002 * HERTZ.a, stiffer).p_max / HERTZ.p0 == pytest.approx(1.0, rel=8e-3)
 
 
+@pytest.mark.parametrize(
+    ("stiffer", "thickness", "half_length", "approach"),
+    [(50.0, 0.1, 1.05, 0.923226), (10.0, 0.164908, 1.05, 0.925010), (0.1, 0.902162, 1.9, 2.107547)],
+)
+def test_approach_of_a_coating(stiffer, thickness, half_length, approach):
+    """The approach is that of a Fredholm equation, whatever the extent of the mesh.
+
+    Rigid sphere, Poisson's ratio 0.3 in the coating and the body below; lengths over the contact
+    radius, approach over that of the body without a coating.
+    """
+    flat = {"young": 1.0, "poisson": 0.3, "radius_x": np.inf, "radius_y": np.inf}
+    ball = {"young": 1e6, "poisson": 0.3, "radius_x": 10.0, "radius_y": 10.0}
+    bare = ts.Scene(body={"A": flat, "B": ball}, load={"normal": 1e-3})
+    bodies = ts.Laws.of(bare).elasticity
+    a = bare.hertz.a
+    coating = ts.Material(stiffer * bodies.A.shear, 0.3)
+    law = Coated(bodies.A, bodies.B, thickness * a, coating)
+    laws = ts.Laws.of(bare).replace(elasticity=law)
+
+    def press(extent, **load):
+        grid = {"elements": (48 * extent,) * 2, "half_length": (half_length * extent * a,) * 2}
+        return ts.solve(bare.replace(grid=grid, load=load), laws=laws)
+
+    small, large = press(1, normal=1e-3), press(2, normal=1e-3)
+    # The error of 46 elements across the contact: 1.2e-4.
+    assert small.approach / bare.hertz.approach == pytest.approx(approach, rel=3e-4)
+    assert large.approach == pytest.approx(small.approach, rel=1e-6)
+    # The solutions hold to 1e-8; the load grows with the power 1.5 of the approach.
+    assert press(1, approach=small.approach).P == pytest.approx(1e-3, rel=1e-6)
+
+
 def test_stress_below_a_coating_is_not_that_of_homogeneous_bodies():
     with pytest.raises(ValueError, match=r"Coated.*single_body"):
         ts.stress_maximum(solved(HERTZ.a, 3.0), "A")

@@ -160,6 +160,15 @@ class TestNamedLaw:
         laws = next(one for one in ts.explain(soft) if one.title == "Laws of other packages")
         assert dict(laws.rows) == {"elasticity": ts.Laws.of(soft).elasticity.describe()}
 
+    def test_with_named_elasticity_the_grid_is_not_compared_with_hertz(self):
+        """The same load on a stiff foundation has a contact smaller than the grid."""
+        grid = {"elements": [21, 21], "half_length": [0.5 * SPHERES.hertz.a] * 2}
+        stiff = {"law": "film_laws:Winkler", "depth": 0.01}
+        scene = SPHERES.replace(elasticity=stiff, grid=grid)
+        assert 0.0 < ts.solve(scene).half_width_x < grid["half_length"][0]
+        with pytest.raises(ts.SceneError, match=r"grid\.half_length"):
+            SPHERES.replace(grid=grid)
+
     def test_fatigue_criterion(self):
         plain = {"criterion": "crossland", "sensitivity": 0.3, "limit": 1.0, "bodies": ["A"]}
         scene = SPHERES.replace(fatigue=plain)

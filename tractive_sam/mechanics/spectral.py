@@ -7,7 +7,9 @@ responses c_s and c_f of homogeneous half-spaces of these materials, the respons
 
 `HalfSpaces` has the influence coefficients of the first term. The second term is smooth: it is the
 displacement at a height d (Boussinesq and Cerruti) in closed form. The remainder g decreases fast
-with the wave number and with the distance, and is integrated over the wave numbers.
+with the wave number, and is integrated over the wave numbers. At the wave number 0 it has a cone
+and a limit that depends on the direction, so that it is felt at long distances: sums over equally
+spaced waves would add its periodic images.
 """
 
 from abc import abstractmethod
@@ -101,30 +103,20 @@ class SpectralHalfSpaces(HalfSpaces):
         height: float,
     ) -> np.ndarray:
         """Return the part of the influence coefficients without closed form, by sums over waves."""
-        kx, along = _waves(offsets[0], dx, self.length, height, "x" in self.odd.get(component, ""))
-        ky, across = _waves(offsets[1], dy, self.length, height, "y" in self.odd.get(component, ""))
-        small = 1e-3 * kx[1], 1e-3 * ky[1]  # long waves have a limit, which may have a direction
-        x, y = kx[:, None].copy(), ky[None, :].copy()
-        values = self._rest(below, component, x, y, height)
-        values[0, 0] = (
-            0.5
-            * (
-                self._rest(below, component, np.full((1, 1), small[0]), np.zeros((1, 1)), height)
-                + self._rest(below, component, np.zeros((1, 1)), np.full((1, 1), small[1]), height)
-            ).item()
-        )
-        sign = -1.0 if component in self.odd else 1.0
-        return sign * (along @ values @ across.T)
+        odd = self.odd.get(component, "")
+        kx, along = _waves(offsets[0], dx, self.length, height, "x" in odd)
+        ky, across = _waves(offsets[1], dy, self.length, height, "y" in odd)
+        values = self._rest(below, component, kx[:, None], ky[None, :], height)
+        return (-1.0 if odd else 1.0) * (along @ values @ across.T)
 
     def _rest(
         self, below: HalfSpaces, component: str, kx: np.ndarray, ky: np.ndarray, height: float
     ) -> np.ndarray:
         """Return the part of the response at wave numbers that has no closed form, real values."""
-        with np.errstate(divide="ignore", invalid="ignore"):  # the wave number 0 has no response
-            at_surface = self.surface.response(component, kx, ky)
-            far = below.response(component, kx, ky) - at_surface
-            values = self.spectrum(component, kx, ky) - at_surface
-            values = values - far * np.exp(-height * np.hypot(kx, ky))
+        at_surface = self.surface.response(component, kx, ky)
+        far = below.response(component, kx, ky) - at_surface
+        values = self.spectrum(component, kx, ky) - at_surface
+        values = values - far * np.exp(-height * np.hypot(kx, ky))
         return np.array(values.imag if component in ("xz", "yz") else values.real)
 
 
@@ -134,18 +126,21 @@ def _waves(
     """Return wave numbers (m,), 1/mm, and weighted cosines (sines if odd) at offsets, (count, m).
 
     The shortest wave has exp(-k length) = 1e-8, or a length of an eighth of an element: the mean
-    over an element of shorter waves is negligible. The period of the quadrature is at least 32
-    heights: then images of the remainder, which falls with the cube of the distance, are
-    negligible.
+    over an element of shorter waves is negligible. Gauss points in equal intervals resolve the
+    waves over the longest offset and the response over the height to 1e-8. For long waves the
+    response has a limit that depends on their direction, and a stiff coating bends over many
+    heights: the first interval is divided twice more, each time by 32.
     """
+    points, weights = np.polynomial.legendre.leggauss(32)
     shortest = min(18.0 / length, 16.0 * np.pi / side)
-    period = max(3.0 * count * side, 32.0 * max(height, length))
-    step = 2.0 * np.pi / period
-    k = step * np.arange(max(int(np.ceil(shortest / step)), 1) + 1)
+    width = min(56.0 / (count * side), 16.0 / height)
+    equal = np.linspace(0.0, shortest, int(np.ceil(shortest / width)) + 1)
+    edges = np.concatenate([[0.0], equal[1] / 32.0 ** np.array([2, 1]), equal[1:]])
+    half = 0.5 * np.diff(edges)[:, None]
+    k = (edges[:-1, None] + half * (1.0 + points)).ravel()
     phase = np.outer(side * np.arange(count), k)
-    weight = np.where(k > 0.0, 2.0, 1.0) * step / (2.0 * np.pi)
     mean = side * np.sinc(0.5 * side * k / np.pi)
-    return k, weight * mean * (np.sin(phase) if odd else np.cos(phase))
+    return k, (half * weights).ravel() / np.pi * mean * (np.sin(phase) if odd else np.cos(phase))
 
 
 def _raised(
