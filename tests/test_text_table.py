@@ -111,7 +111,10 @@ def test_missing_values_are_nan_on_request():
 
 def test_remarks_keep_what_a_heading_states():
     table = parse_table("# Channel: Height\n# Width = 1.00 mm\nnote\n1 2 3\n4 5 6 # end\n")
-    assert table.statements() == {"channel": (1, "Height"), "width": (2, "1.00 mm")}
+    assert [(r.key, r.value) for r in table.remarks[:2]] == [
+        ("channel", "Height"),
+        ("width", "1.00 mm"),
+    ]
     assert table.remarks[2:] == [(3, "note"), (5, "end")]
     assert table.lines == [4, 5]
 

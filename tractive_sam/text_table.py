@@ -2,14 +2,13 @@
 
 import csv
 import math
-import operator
 import re
 from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -44,6 +43,45 @@ _MISSING = frozenset(
 _NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
 _STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
 
+_ITEMS = "(?:points|rows|columns|lines|samples|pixels|values|profiles)"
+_SCALE = r"\b(?:scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+|upside"
+_NUMBER = r"(?![01](?:\.0*)?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
+_STEP = r"\bd[xy]\b|step|spacing|pixel ?size|cell ?size|pitch|increment"
+_MEANINGS = {
+    # What all readers check or refuse.
+    "counts": rf"^(?:number of |data |no\.? of )?{_ITEMS}[=\s]\s*(\d+)$|^(\d+)\s+{_ITEMS}$|"
+    rf"^(?:n ?(?:cols|rows|x|y)|[xy][ _-]?(?:res|pixels))[=\s]\s*(\d+)$|"
+    rf"\b(\d+)\s*[x×*]\s*(\d+)\s+{_ITEMS}\b",
+    "scale": rf"{_SCALE})\b[^=]*=(?!(?:[01](?:\.0)?|no|off|none|false)$)|"
+    rf"{_SCALE}|divided|magnif\w*|amplif\w*|verst(?:ä|ae)rk\w*|conversion|calibration)\b"
+    rf"(?:[\s=]|by|of|is|factor|times)*{_NUMBER}|"
+    r"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?!=(?:[01](?:\.0)?|no|off|none|false)$)|"
+    r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b|"  # z x 1000
+    r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
+    # What maps and traces use or refuse.
+    "unit of values": r"^(?![^=]*(?:\b[xy]\b|lateral))[^=]*\bunits?\b[^=]*=",
+    "size": r"^(?:width|height)=([\d.e+-]+)\s*(\S+)$",
+    "order": r"^(?:[^=]*\b(?:columns?|rows?|format|fields?|order|layout)\b[^=]*=|"
+    r"[^=]*\b(?:columns?|rows?|format|fields?|order|layout)\b[^=]*$)",
+    "rows along y": r"rows?\W+(?:are |along )?y\b|columns?\W+(?:are |along )?x\b",
+    "origin": r"^origin=.*(?:lower|upper|top|bottom|left|right)",
+    "downwards": r"\b(?:positive|direction|orientation|sign|points?|axis)\b.*"
+    r"\b(?:down\w*|into|inwards?|below)\b",
+    "step": _STEP,
+    "lengths": rf"^(?=[^=]*=|.*\d)[^=]*(?:unit|pixel|resolution|sampling|\bdz\b|{_STEP})",
+    # What profiles use.
+    "points": r"^(?:xypoints|points|number of points)=",
+    "entry": r"^(?:[xy]offset|columndef|(?:length )?units?)=",
+    "side": r"^(?:rail|side)=(?:l.*|r|right)$",
+    "description": r"^(?:alarm|area(?:gain|loss|ref)|battery|bogie|car|chainage|chars|comment|"
+    r"curve|date|device|driver|empl(?:oyee)?(?:num|no)?|field id|file(?: ?name)?|flag|grade|id|"
+    r"instrument|km|kp|line|location|location_(?:latitude|longitude)|mileage|mp|name|operator|"
+    r"originalheader|program ?(?:date|name|ver|version)|qr|rcf|s[dh]|serial ?(?:no|number)|speed|"
+    r"stock|temperature|time|title|train|type|uof\d|user ?name|vehicle|version|w\d|"
+    r"windows ?version)=[^=]*$",
+}
+"""Meanings of remarks: patterns of "key=value" or of texts without a key, in lower case."""
+
 
 class TextError(ValueError):
     """Error of a text table: the fault with its line, and what is allowed.
@@ -62,6 +100,35 @@ class TextError(ValueError):
         return f"{self.value}; allowed: {self.allowed}"
 
 
+class Remark(NamedTuple):
+    """A comment, or a line above the rows of a table: its line number, from 1, and its text."""
+
+    line: int
+    text: str
+
+    @property
+    def key(self) -> str:
+        """Key of "key: value" or "key = value", in lower case; "" of other texts."""
+        match = _STATEMENT.match(self.text)
+        return match[1].lower() if match else ""
+
+    @property
+    def value(self) -> str:
+        """Value of "key: value" or "key = value"; other texts as they are."""
+        match = _STATEMENT.match(self.text)
+        return match[2] if match else self.text
+
+    @property
+    def place(self) -> str:
+        """Line and text, for messages."""
+        return f"line {self.line}, {self.text[:60]!r}"
+
+    def states(self, meaning: str) -> re.Match[str] | None:
+        """Return the match of the remark and the pattern of a meaning; None without one."""
+        key = f"{self.key}=" if self.key else ""
+        return re.search(_MEANINGS[meaning], f"{key}{self.value}".strip().lower())
+
+
 def find_length_unit(text: str) -> str | None:
     """Return the unit of length that a text names, a key of `LENGTHS`; None for other texts."""
     synonyms = {
@@ -76,10 +143,12 @@ def find_length_unit(text: str) -> str | None:
     return unit if unit in LENGTHS else None
 
 
-def split_statement(text: str) -> tuple[str, str]:
-    """Return key, in lower case, and value of "key: value" or "key = value"; else "" and text."""
-    match = _STATEMENT.match(text)
-    return (match[1].lower(), match[2]) if match else ("", text)
+def find_length_units(text: str) -> list[str]:
+    """Return the units of length among the words of a text, but not the word "in"."""
+    words = (word for word in re.split(r"[\s\[\](){},;:=]+|(?<=\d)(?=[^\W\d])", text))
+    return [
+        unit for word in words if word not in ("in", "mil") and (unit := find_length_unit(word))
+    ]
 
 
 def find_scale(unit: str, meaning: str) -> float | None:
@@ -112,6 +181,19 @@ def parse_number(cell: str, decimal: str = ".") -> float | None:
         return None
 
 
+def find_marks(values: np.ndarray) -> np.ndarray:
+    """Return which values are numbers, such as -9999, that instruments write for missing points.
+
+    Such a number is more than 1.5 times as large as all other values.
+    """
+    sizes = np.abs(values)
+    candidates = np.unique(sizes[sizes >= 999.0])
+    marks = [m for m in candidates if re.fullmatch(r"9{3,}(\.9+)?|3276[78]", f"{m:.10g}")]
+    is_mark = np.isin(sizes, marks)
+    others = sizes[~is_mark & np.isfinite(sizes)]
+    return is_mark & (sizes > 1.5 * others.max(initial=0.0))
+
+
 @dataclass(frozen=True, eq=False)
 class TextTable:
     """Rows of a text file, with names and units of columns from its header.
@@ -127,8 +209,8 @@ class TextTable:
     names, units : tuple of str
         Names of the columns and their units, from the labels and a row of units. Units of length
         are keys of `LENGTHS`; others are as written, without brackets; empty if not stated.
-    remarks : list of (int, str)
-        Line number and text of comments, lines before the header, and left-out row numbers.
+    remarks : list of Remark
+        Comments, lines before the header, and left-out row numbers.
     decimal : str
         Decimal sign: a point or a comma.
     """
@@ -138,7 +220,7 @@ class TextTable:
     labels: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()
-    remarks: Sequence[tuple[int, str]] = ()
+    remarks: Sequence[Remark] = ()
     decimal: str = "."
 
     def find(self, name: str) -> int | None:
@@ -156,6 +238,29 @@ class TextTable:
                 return texts.index(name)
         return None
 
+    def column(self, place: int, meaning: str, missing: bool = False) -> np.ndarray:
+        """Return the numbers of a column in the unit that its meaning names, shape (rows,).
+
+        Parameters
+        ----------
+        place : int
+            Index of the column.
+        meaning : str
+            See `find_scale`.
+        missing : bool
+            See `numbers`.
+
+        Raises
+        ------
+        TextError
+            If the column has a unit of another quantity, or a cell is no finite number.
+        """
+        factor = find_scale(self.units[place], meaning)
+        if factor is None:
+            value = f"column {self.labels[place]!r} in {self.units[place]}"
+            raise TextError(value, f"the unit of {meaning}")
+        return factor * self.numbers([place], missing)[:, 0]
+
     def numbers(self, columns: Sequence[int] | None = None, missing: bool = False) -> np.ndarray:
         """Return cells as finite numbers, shape (rows, columns).
 
@@ -164,7 +269,7 @@ class TextTable:
         columns : sequence of int, optional
             Indices of the columns; by default all.
         missing : bool
-            If true, empty cells and words such as "nan" give nan.
+            If true, empty cells, words such as "nan" and numbers such as -9999 give nan.
 
         Raises
         ------
@@ -172,26 +277,24 @@ class TextTable:
             If a cell is no finite number; the message names the line and the cell of the first.
         """
         rows = self.rows if columns is None else [[row[k] for k in columns] for row in self.rows]
-        values = None
         # Python and NumPy read "1_0" as 10.
         if self.decimal == "." and not any("_" in "".join(row) for row in rows):
             with suppress(ValueError):
                 values = np.array(rows, float)
                 if np.isfinite(values).all() and values.min() > -999.0:
                     return values
-        numbers = [[parse_number(cell, self.decimal) for cell in row] for row in rows]
-        marks = _find_marks(numbers)
-        numbers = [[None if number in marks else number for number in row] for row in numbers]
+        values = np.array(
+            [[parse_number(cell, self.decimal) for cell in row] for row in rows], float
+        )
+        is_mark = find_marks(values) & (values < 0.0)
+        values[is_mark] = math.nan
         wrong = [
             (i, k)
-            for i, row in enumerate(numbers)
-            for k, number in enumerate(row)
-            if number is None or not math.isfinite(number)
-            if not (missing and (rows[i][k].lower() in _MISSING or _is_mark(rows[i][k])))
+            for i, k in np.argwhere(~np.isfinite(values))
+            if not (missing and (is_mark[i, k] or rows[i][k].lower() in _MISSING))
         ]
         if not wrong:
-            filled = [[math.nan if number is None else number for number in row] for row in numbers]
-            return np.array(filled, float)
+            return values
         i, k = wrong[0]
         cell, column = rows[i][k], k if columns is None else columns[k]
         place = f"line {self.lines[i]}, {cell!r}"
@@ -203,62 +306,67 @@ class TextTable:
             allowed += ", without separators of thousands"
         raise TextError(place, allowed)
 
-    def check_remark(self, line: int, text: str, units: Collection[str]) -> bool:
-        """Return whether a remark states something; TextError for a scale, other units or rows.
+    def find_unused(self, units: Collection[str], remarks: Iterable[Remark] | None = None) -> str:
+        """Return a note that lists remarks that state something; "" without them.
 
         Parameters
         ----------
-        line, text : int, str
-            The remark.
         units : collection of str
             Units that are used.
+        remarks : iterable of Remark, optional
+            Remarks that are not used otherwise; by default all.
 
-        Returns
-        -------
-        bool
-            True for a number, an assignment or a unit, except a number of rows that is correct.
+        Raises
+        ------
+        TextError
+            If one states a scale, another unit, or another number of rows or columns.
         """
-        key, value = split_statement(text)
-        place = f"line {line}, {text[:60]!r}"
+        remarks = self.remarks if remarks is None else remarks
+        lines = [f"line {r.line} {r.text[:40]!r}" for r in remarks if self._is_unused(r, units)]
+        return f"comments and headings are not used: {list_first(lines, 3)}" if lines else ""
+
+    def _is_unused(self, remark: Remark, units: Collection[str]) -> bool:
+        """Return whether a remark states something; a TextError as in `find_unused`."""
         cure = "the file without this line, if it does not apply"
-        rows, columns = len(self.rows), len(self.rows[0])
-        counts = _find_counts(text)
-        corner = self.names or parse_number(self.rows[0][0], self.decimal)
-        shapes = [(rows, columns), *([] if corner else [(rows - 1, columns - 1)])]
-        whole = [rows, *(math.prod(shape) for shape in shapes)]
-        is_grid = columns <= 3 and bool(re.match(r"n ?(cols|rows|[xy]\b)|[xy]", text.lower()))
-        if counts:
-            fits = sorted(counts) in map(sorted, shapes)
-            if len(counts) == 1:
-                n = counts[0]
-                fits = n in sum(shapes, ()) or (is_grid and n > 0 and rows % n == 0)
-            if len(counts) == 2 or re.search("point|pixel|sample|value", text.lower()):
-                fits |= math.prod(counts) in whole
-            if not fits:
-                raise TextError(f"{place}, but {rows} rows", "a complete file; or " + cure)
+        rows = len(self.rows)
+        if counts := remark.states("counts"):
+            if not self._has_size([int(count) for count in counts.groups() if count], remark.text):
+                value = f"{remark.place}, but {rows} rows"
+                raise TextError(value, f"a complete file; or {cure}")
             return False
-        if _states_scale(key, value, text):
-            raise TextError(f"{place}, which is not applied", f"numbers to which it is; or {cure}")
-        words = re.split(r"[\s,;:=]+", _replace_per_cent(value))
+        if remark.states("scale"):
+            value = f"{remark.place}, which is not applied"
+            raise TextError(value, f"numbers to which it is; or {cure}")
+        words = re.split(r"[\s,;:=]+", _replace_per_cent(remark.value))
         for before, word in zip(["", *words], words, strict=False):
             inner = word.strip("[](){}<>.")
-            stated = inner if key or inner != word or before in ("in", "unit", "units") else ""
-            stated = stated if inner not in ("in", "mil") or inner != word else ""
-            unit = _read_unit(f"[{stated}]") if stated.casefold() in _SCALES else None
-            unit = find_length_unit(stated) or unit
-            if unit and parse_number(before) is None and unit not in units:
-                raise TextError(
-                    f"{place}, with the unit {stated}", f"units in the header; or {cure}"
-                )
-        is_count = text.replace(" ", "").isdigit() and text.split(maxsplit=1)[0] == str(rows)
-        return not is_count and bool(key or "%" in words or re.search(r"[\d:=]", text))
+            is_unit = inner != word or before in ("in", "unit", "units")
+            is_unit |= bool(remark.key) and inner not in ("in", "mil")
+            stated = _read_unit(f"[{inner}]") if is_unit and not inner.isdigit() else None
+            stated = stated if find_length_unit(inner) or inner.casefold() in _SCALES else None
+            if stated and parse_number(before) is None and stated not in units:
+                value = f"{remark.place}, with the unit {inner}"
+                raise TextError(value, f"units in the header; or {cure}")
+        is_count = remark.text.replace(" ", "").isdigit() and remark.text.split()[0] == str(rows)
+        return not is_count and bool(
+            remark.key or "%" in words or re.search(r"[\d:=]", remark.text)
+        )
 
-    def statements(self) -> dict[str, tuple[int, str]]:
-        """Return (line, value) by lower-case key of remarks "key: value" or "key = value"."""
-        parts = ((line, *split_statement(text)) for line, text in self.remarks)
-        return {key: (line, value) for line, key, value in parts if key}
+    def _has_size(self, counts: list[int], text: str) -> bool:
+        """Return whether the table, or its part without coordinates, has the stated size."""
+        rows, columns = len(self.rows), len(self.rows[0])
+        corner = self.names or parse_number(self.rows[0][0], self.decimal)
+        shapes = [(rows, columns), *([] if corner else [(rows - 1, columns - 1)])]
+        is_grid = columns <= 3 and re.match(r"n ?(cols|rows|[xy]\b)|[xy]", text.lower())
+        whole = (rows, *map(math.prod, shapes))
+        if len(counts) == 2:
+            return sorted(counts) in map(sorted, shapes) or math.prod(counts) in whole
+        (n,) = counts
+        if n in whole and re.search("point|pixel|sample|value", text.lower()):
+            return True
+        return n in sum(shapes, ()) or bool(is_grid and n and rows % n == 0)
 
-    def without_row_numbers(self) -> Self:
+    def _without_row_numbers(self) -> Self:
         """Return the table without a first column that a header marks as row numbers."""
         titles = ("", "#", "no", "nr", "index", "row", "line", "point", "sample")
         if len(self.names) < 2 or self.names[0].lower() not in titles:
@@ -272,14 +380,8 @@ class TextTable:
             labels=self.labels[1:],
             names=self.names[1:],
             units=self.units[1:],
-            remarks=[*self.remarks, (self.lines[0], "the first column holds row numbers")],
+            remarks=[*self.remarks, Remark(self.lines[0], "the first column holds row numbers")],
         )
-
-
-def describe_unused(remarks: Sequence[tuple[int, str]]) -> str:
-    """Return the lines of comments and headings that are not used, as text for a note."""
-    lines = [f"line {line} {text[:40]!r}" for line, text in remarks]
-    return f"comments and headings are not used: {list_first(lines, 3)}"
 
 
 def list_first(texts: Sequence[str], most: int) -> str:
@@ -288,7 +390,9 @@ def list_first(texts: Sequence[str], most: int) -> str:
     return ", ".join(texts[:most]) + more
 
 
-def read_table(path: str | PathLike[str], max_bytes: int = 2**26) -> TextTable:
+def read_table(
+    path: str | PathLike[str], max_bytes: int = 2**26, *, named: bool = False
+) -> TextTable:
     """Return the table in a text file; see `parse_table`.
 
     Parameters
@@ -297,19 +401,24 @@ def read_table(path: str | PathLike[str], max_bytes: int = 2**26) -> TextTable:
         The file.
     max_bytes : int
         Largest size of the file.
+    named : bool
+        Whether the columns must have names.
 
     Raises
     ------
     OSError
         See `input_file.read_text`.
     TextError
-        If there is no table.
+        If there is no table, or no name of a column that needs one.
     """
     try:
-        return parse_table(read_text(path, max_bytes, None))
+        table = parse_table(read_text(path, max_bytes, None))
     except UnicodeDecodeError:
         allowed = "text in UTF-8, UTF-16 or Windows-1252"
         raise TextError("bytes that are no text", allowed) from None
+    if named and not table.names:
+        raise TextError("no header row", "a row of column names above the numbers")
+    return table
 
 
 def parse_table(text: str, first_line: int = 1) -> TextTable:
@@ -335,39 +444,34 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
         decimal sign is not clear.
     """
     body, remarks = _separate_comments(text, first_line)
-    number_like = [(n, line) for n, line in body if _NUMBER_LIKE.match(line)]
     if not body:
         raise TextError("no rows", "a row of numbers for each point")
+    number_like = [line for line in body if _NUMBER_LIKE.match(line.text)]
     separator, decimal, width = _find_dialect(number_like or body)
-    rows = [_split(line, separator) for _, line in body]
-    lines = [number for number, _ in body]
-
-    def find_first(kind: str) -> int | None:
-        found = (len(row) == width and _classify(row, decimal) == kind for row in rows)
-        return next((k for k, is_row in enumerate(found) if is_row), None)
-
-    first = find_first("numbers")
-    first = find_first("mixed") if first is None else first
-    if first is None:
-        raise TextError("no rows below the header", "a row of numbers for each point")
-    while first and len(rows[first - 1]) == width and not _STATEMENT.match(body[first - 1][1]):
-        if _classify(rows[first - 1], decimal) != "mixed":
-            break
-        first -= 1  # a matrix with text in its corner, or a row with a cell that is no number
-    if first and rows[first - 1] == [str(len(rows) - first)]:  # the number of rows
-        first -= 1
-        remarks.append((lines.pop(first), rows.pop(first)[0]))
-        del body[first]
-    trailing = separator != " " and all(not row[-1] for row in rows[first:])
-    header, start = _find_header(body[: first + 1], remarks, separator, width, trailing)
-    for k in range(start):
-        if parse_number(rows[k][0], decimal) is not None and rows[k] != [str(len(rows) - first)]:
-            value = f"line {lines[k]}, {body[k][1].strip()[:40]!r}, before the table"
+    rows = [_split(line.text, separator) for line in body]
+    first = _find_first_row(body, rows, decimal, width)
+    count = [str(len(rows) - first)]
+    if first and rows[first - 1] == count:
+        above, remarks = body[: first - 1], [*remarks, Remark(body[first - 1].line, count[0])]
+    else:
+        above = body[:first]
+    lines, rows = [line.line for line in body[first:]], rows[first:]
+    trailing = separator != " " and all(not row[-1] for row in rows)
+    last_line = above[-1].line if above else 0
+    notes = [
+        r for r in remarks if last_line < r.line < lines[0] and not r.key and r.text != count[0]
+    ]
+    header, used = _find_header(above, notes, separator, width, trailing)
+    above = [line for line in above if line not in used]
+    for line in above:
+        cells = _split(line.text, separator)
+        if parse_number(cells[0], decimal) is not None and cells != count:
+            value = f"line {line.line}, {line.text.strip()[:40]!r}, before the table"
             allowed = f"rows of {width} cells; headings that begin with a letter or #"
             raise TextError(value, allowed)
-    remarks += [(number, line.strip()) for number, line in body[:start]]
-    rows, lines = rows[first:], lines[first:]
-    if trailing and len(rows[0]) > 1 and (not header or len(header[0]) < width):
+    remarks = [r for r in remarks if r not in used]
+    remarks += [Remark(line.line, line.text.strip()) for line in above]
+    if trailing and width > 1 and (not header or len(header[0]) < width):
         rows, width = [row[:-1] for row in rows], width - 1
     wrong = [(line, len(row)) for line, row in zip(lines, rows, strict=True) if len(row) != width]
     if wrong:
@@ -375,13 +479,13 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
         value = f"line {wrong[0][0]} of {wrong[0][1]} cells, not {width}{more}"
         raise TextError(value, "rows of equal length")
     if _begins_with_count(rows, decimal):
-        remarks.append((lines[0], " ".join(rows[0])))
+        remarks.append(Remark(lines[0], " ".join(rows[0])))
         rows, lines = rows[1:], lines[1:]
     named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
     names, units = zip(*named, strict=True) if named else ((), ())
     labels = tuple(header[0]) if header else ()
     table = TextTable(rows, lines, labels, names, units, sorted(remarks), decimal)
-    return table.without_row_numbers()
+    return table._without_row_numbers()
 
 
 def _replace_per_cent(text: str) -> str:
@@ -390,114 +494,81 @@ def _replace_per_cent(text: str) -> str:
     return re.sub(words, "%", text, flags=re.IGNORECASE)
 
 
-def _find_counts(text: str) -> list[int]:
-    """Return numbers of rows, columns or points that a remark states; empty without them."""
-    what = "(?:points|rows|columns|lines|samples|pixels|values|profiles)"
-    count = rf"(?:number of |data |no\.? of )?{what}|n ?(?:cols|rows|x|y)|[xy][ _-]?(?:res|pixels)"
-    match = re.fullmatch(rf"(?:{count})\s*[:=\s]\s*(\d+)", text.strip(), re.IGNORECASE)
-    match = match or re.fullmatch(rf"(\d+)\s+{what}", text.strip(), re.IGNORECASE)
-    match = match or re.search(rf"\b(\d+)\s*[x×*]\s*(\d+)\s+{what}\b", text, re.IGNORECASE)
-    return [int(number) for number in match.groups()] if match else []
-
-
-def _states_scale(key: str, value: str, text: str) -> bool:
-    """Return whether a remark states a scale, an offset or a sign that changes the numbers."""
-    scale = r"scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+|upside"
-    if re.search(rf"\b({scale})\b", key):
-        return value.lower() not in ("1", "1.0", "0", "0.0", "no", "off", "none", "false")
-    more = rf"{scale}|divided|magnif\w*|amplif\w*|verst(?:ä|ae)rk\w*|conversion|calibration"
-    number = r"(?![01](?:\.0*)?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
-    patterns = (
-        rf"\b(?:{more})\b(?:[\s:=]|by|of|is|factor|times)*{number}",
-        r"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b",
-        r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b",  # z x 1000
-        r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]",
-        r"\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
-    )
-    return any(re.search(pattern, text, re.IGNORECASE) for pattern in patterns)
-
-
-def _is_mark(cell: str) -> bool:
-    """Return whether instruments write a number, such as -9999, for missing points."""
-    return bool(re.fullmatch(r"-(9{3,}([.,][90]*)?|32768(\.0*)?)", cell.strip()))
-
-
-def _find_marks(numbers: Sequence[Sequence[float | None]]) -> set[float]:
-    """Return numbers such as -9999 that mark missing points: far larger than all others."""
-    values = {number for row in numbers for number in row if number is not None}
-    marks = {value for value in values if value <= -999.0 and _is_mark(f"{value:.10g}")}
-    largest = max((abs(value) for value in values - marks if math.isfinite(value)), default=0.0)
-    return {mark for mark in marks if abs(mark) > 1.5 * largest}
-
-
-def _separate_comments(
-    text: str, first_line: int
-) -> tuple[list[tuple[int, str]], list[tuple[int, str]]]:
-    """Return (line, text) of the lines with content, and of comments."""
-    # Largest length of a line, characters.
-    longest = 1_000_000
+def _separate_comments(text: str, first_line: int) -> tuple[list[Remark], list[Remark]]:
+    """Return the lines with content, and the comments."""
+    longest = 1_000_000  # characters of a line
     comment = re.compile(r"#|!|%(?!\s*(?:[;,\t#!]|$))")  # but "50 %" is no comment
     body, remarks = [], []
     for number, line in enumerate(text.split("\n"), first_line):
         content = line.strip()
         if len(content) > longest:
-            raise TextError(
-                f"line {number} longer than {longest} characters", "a line for each row"
-            )
+            value = f"line {number} longer than {longest} characters"
+            raise TextError(value, "a line for each row")
         if content[:1] in ("#", "!") or re.match(r"%(?!\s*[;,\t])", content):
-            remarks.append((number, content.lstrip("#%! ")))
+            remarks.append(Remark(number, content.lstrip("#%! ")))
         elif content:
             mark = comment.search(line) if _NUMBER_LIKE.match(line) else None
             if mark:
-                remarks.append((number, line[mark.end() :].strip()))
-            body.append((number, line[: mark.start()] if mark else line))
+                remarks.append(Remark(number, line[mark.end() :].strip()))
+            body.append(Remark(number, line[: mark.start()] if mark else line))
     return body, remarks
 
 
-def _find_dialect(lines: Sequence[tuple[int, str]]) -> tuple[str, str, int]:
-    """Return the separator, the decimal sign, and the number of columns of lines of numbers."""
-    sample = [line for _, line in lines[-200:]]
-    separator = next(
-        (mark for mark in ";\t" if 2 * sum(mark in line for line in sample) > len(sample)), ""
-    )
-    if not separator:
-        score = {
-            mark: sum(_classify([cell], sign) == "numbers" for cell in cells) / len(cells)
-            for mark, sign in ((",", "."), (" ", "."), (" ,", ","))
-            for cells in ([cell for line in sample[-20:] for cell in _split(line, mark[0])],)
-        }
-        separator = "," if score[","] >= max(score[" "], score[" ,"]) else " "
-        separator = separator if any(separator in line.strip() for line in sample) else " "
+def _find_dialect(lines: Sequence[Remark]) -> tuple[str, str, int]:
+    """Return the separator, the decimal sign, and the number of columns of lines of numbers.
+
+    Of the separators and signs that are possible, those count that make most cells of the last
+    lines numbers.
+    """
+    sample = [line.text for line in lines[-200:]]
+    common = [mark for mark in ";\t" if 2 * sum(mark in line for line in sample) > len(sample)]
+    quoted = any('"' in line for line in sample)
+
+    def share(dialect: tuple[str, str]) -> float:
+        """Return the share of numbers among the cells."""
+        cells = [cell for line in sample[-20:] for cell in _split(line, dialect[0])]
+        return sum(_classify([cell], dialect[1]) == "numbers" for cell in cells) / len(cells)
+
+    marks = common[:1] or [" ", ","]
+    dialects = [(mark, decimal) for decimal in ".," for mark in marks]
+    dialects = [pair for pair in dialects if quoted or pair != (",", ",")]
+    separator = max(dialects, key=share)[0]
     width = Counter(len(_split(line, separator)) for line in sample).most_common(1)[0][0]
-    commas = separator != "," or any('"' in line for _, line in lines)
-    commas = commas and any("," in line for _, line in lines)
-    undecided = separator == "," and not any("." in line for line in sample)
-    cells = [_split(line, separator) for _, line in lines] if commas or undecided else []
-    with_comma = any(re.search(r"^\s*[-+]?\d*,\d", cell) for row in cells for cell in row)
-    if undecided and not with_comma:
-        _check_comma(lines, [row for row in cells if len(row) == width])
-    for column in zip(*(row for row in cells if with_comma and len(row) == width), strict=True):
-        grouped = [bool(re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", cell)) for cell in column]
-        whole = [bool(re.fullmatch(r"[-+]?\d{1,3}", cell)) for cell in column]
+    if separator == "," and not quoted:
+        _check_separating_commas(lines, width)
+        return separator, ".", width
+    if not any("," in line.text for line in lines):
+        return separator, ".", width
+    rows = [(line, _split(line.text, separator)) for line in lines]
+    if not any(re.match(r"[-+]?\d*,\d", cell) for _, row in rows for cell in row):
+        return separator, ".", width
+    rows = [row for row in rows if len(row[1]) == width]
+    for k in range(width):
+        column = [row[k] for _, row in rows]
         both = [bool(re.search(r"\d,\d{3}\.\d|\d\.\d{3},\d", cell)) for cell in column]
-        ambiguous = any(grouped) and any(whole) and all(map(operator.or_, grouped, whole))
-        if any(both) or ambiguous:
-            k = (both if any(both) else grouped).index(True)
-            value = f"line {lines[k][0]}, {column[k]!r}: separators of thousands are possible"
+        groups = [bool(re.fullmatch(r"[-+]?[1-9]\d{0,2}(,\d{3})+", cell)) for cell in column]
+        whole = [bool(re.fullmatch(r"[-+]?\d{1,3}", cell)) for cell in column]
+        if any(groups) and any(whole) and all(map(max, groups, whole)):
+            both = groups
+        if any(both):
+            n = both.index(True)
+            value = f"line {rows[n][0].line}, {column[n]!r}: separators of thousands are possible"
             raise TextError(value, "numbers with a decimal sign alone")
-    return separator, "," if with_comma else ".", width
+    return separator, ",", width
 
 
-def _check_comma(lines: Sequence[tuple[int, str]], cells: Sequence[list[str]]) -> None:
+def _check_separating_commas(lines: Sequence[Remark], width: int) -> None:
     """Raise a TextError if commas between whole numbers look like decimal commas."""
-    if any("." in line for _, line in lines):
+    texts = [line.text for line in lines]
+    if any("." in text for text in texts):
         return
-    matches = [re.fullmatch(r"(\d\d+)([eEdD][-+]?\d+)?", c) for row in cells for c in row[1::2]]
+    cells = [row[1::2] for row in (_split(text, ",") for text in texts) if len(row) == width]
+    matches = [re.fullmatch(r"(\d\d+)([eEdD][-+]?\d+)?", cell) for row in cells for cell in row]
     alike = all(matches) and len({len(match[1]) for match in matches if match}) == 1
-    spaced = all(re.search(r",\s", line) and re.search(r"\d,\d", line) for _, line in lines)
-    if spaced or (alike and len(cells[0]) % 2 == 0 and len(cells[0]) > 2):
-        number, line = lines[0]
-        value = f"line {number}, {line.strip()[:40]!r}: commas between columns and in numbers"
+    spaced = all(re.search(r",\s", text) and re.search(r"\d,\d", text) for text in texts)
+    if spaced or (alike and width % 2 == 0 and width > 2):
+        place = f"line {lines[0].line}, {texts[0].strip()[:40]!r}"
+        value = f"{place}: commas between columns and in numbers"
         raise TextError(value, "semicolons or tabs between columns, or decimal points")
 
 
@@ -518,6 +589,28 @@ def _classify(row: Sequence[str], decimal: str) -> str:
     return "mixed" if numbers else "words"
 
 
+def _find_first_row(
+    body: Sequence[Remark], rows: Sequence[list[str]], decimal: str, width: int
+) -> int:
+    """Return the index of the first row of the table; a TextError without one.
+
+    It is the first row of numbers alone. Rows directly above it that also have other cells belong
+    to the table: the first row of a matrix with a word in its corner, or a row with a wrong cell.
+    """
+    for kind in ("numbers", "mixed"):
+        fitting = (len(row) == width and _classify(row, decimal) == kind for row in rows)
+        first = next((k for k, fits in enumerate(fitting) if fits), None)
+        if first is not None:
+            break
+    else:
+        raise TextError("no rows below the header", "a row of numbers for each point")
+    while first and len(rows[first - 1]) == width and not body[first - 1].key:
+        if _classify(rows[first - 1], decimal) != "mixed":
+            break
+        first -= 1
+    return first
+
+
 def _begins_with_count(rows: Sequence[list[str]], decimal: str) -> bool:
     """Return whether the first row gives the number of the other rows, away from their values."""
     if rows[0][0] != str(len(rows) - 1) or not all(map(str.isdigit, rows[0])) or len(rows) < 4:
@@ -528,101 +621,83 @@ def _begins_with_count(rows: Sequence[list[str]], decimal: str) -> bool:
 
 
 def _find_header(
-    lines: Sequence[tuple[int, str]],
-    remarks: list[tuple[int, str]],
-    separator: str,
-    width: int,
-    trailing: bool,
-) -> tuple[list[list[str]], int]:
-    """Return the labels and the row of units, and the number of lines above them in the file.
+    above: Sequence[Remark], notes: Sequence[Remark], separator: str, width: int, trailing: bool
+) -> tuple[list[list[str]], list[Remark]]:
+    """Return the labels and units of the columns, and the lines that state them; else empty lists.
 
     Parameters
     ----------
-    lines, remarks : sequence of (int, str)
-        Lines up to the first row of numbers; comments, from which the header is removed.
+    above : sequence of Remark
+        Lines above the first row: the last is a header if it has a label for each column.
+    notes : sequence of Remark
+        Comments below these lines: else, the last is a header if its labels look like columns.
     separator : str
         Separator of the columns.
     width : int
         Number of columns.
     trailing : bool
         Whether the last column is empty, so that the header may have one cell less.
-
-    Returns
-    -------
-    header : list of list of str
-        Labels and units of each column; empty without a header.
-    start : int
-        Number of lines above the header.
     """
-    above = lines[:-1]
 
-    def fit(line: str) -> list[str]:
-        """Return a cell for each column; empty if the line is no header."""
-        if _STATEMENT.match(line):
-            return []
-        candidates = [_split(line, separator)]
+    def read_labels(line: Remark) -> list[str]:
+        """Return a label for each column; empty if the line is no header."""
+        texts = [_split(line.text, separator)]
         if separator == " ":
-            candidates.append(_split(re.sub(r"\s+(?=[\[(])", "", line), " "))
-            patterns = r"\s{2,}|\t+", r"[,;]\s*"
-            candidates += [re.split(pattern, line.strip()) for pattern in patterns]
-        for cells in candidates:
+            texts.append(_split(re.sub(r"\s+(?=[\[(])", "", line.text), " "))
+            texts += [re.split(mark, line.text.strip()) for mark in (r"\s{2,}|\t+", r"[,;]\s*")]
+        for cells in () if line.key else texts:
             labels = cells[:-1] if trailing and not cells[-1] else cells
             if len(labels) in (width, width - trailing) and _classify(labels, ".") == "words":
                 return labels
         return []
 
-    plain = [fit(line) for _, line in above[-2:]]
-    if plain and not plain[-1] and not _STATEMENT.match(above[-1][1]):
-        cells = len(_split(above[-1][1], separator))
-        if separator != " " and cells > 1:
-            value = f"line {above[-1][0]}, {above[-1][1].strip()[:40]!r}, of {cells} cells"
+    def read_header(lines: Sequence[Remark]) -> tuple[list[list[str]], list[Remark]]:
+        """Return the header in the last line, or in the last two if they state names and units."""
+        labels = [read_labels(line) for line in lines[-2:]]
+        if not labels or not labels[-1]:
+            return [], []
+        is_units = all(_read_unit(cell) is not None for cell in labels[-1] if cell)
+        if is_units and len(labels) > 1 and len(labels[0]) == len(labels[1]):
+            return labels, [*lines[-2:]]
+        return [labels[-1], [""] * len(labels[-1])], [lines[-1]]
+
+    header, used = read_header(above)
+    if header:
+        return header, used
+    if above and not above[-1].key and separator != " ":
+        cells = len(_split(above[-1].text, separator))
+        if cells > 1:
+            value = f"line {above[-1].line}, {above[-1].text.strip()[:40]!r}, of {cells} cells"
             raise TextError(value, f"a header of {width} cells, as many as in the rows")
-    between = (above[-1][0] if above else 0), lines[-1][0]
-    notes = [r for r in remarks if between[0] < r[0] < between[1] and not _STATEMENT.match(r[1])]
-    for found in plain, [fit(line) for _, line in notes[-2:]]:
-        if not found or not found[-1]:
-            continue
-        header = [found[-1], [""] * len(found[-1])]
-        units = [_read_unit(cell) for cell in found[-1] if cell]
-        if len(found) > 1 and len(found[-2]) == len(found[-1]) and None not in units:
-            header = [found[-2], found[-1]]
-        used = 1 + (header[1] is found[-1])
-        if found is plain:
-            return header, len(above) - used
-        named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
-        if any(unit or len(name) == 1 or "." in name for name, unit in named):
-            for note in notes[-used:]:
-                remarks.remove(note)
-            return header, len(above)
-    return [], len(above)
+    header, used = read_header(notes)
+    named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
+    is_named = any(unit or len(name) == 1 or "." in name for name, unit in named)
+    return (header, used) if is_named else ([], [])
 
 
 def _read_unit(text: str) -> str | None:
     """Return a unit without brackets, of lengths as in `LENGTHS`; None for other words."""
     inner = re.sub(r"^\s*[\[({<]\s*|\s*[\])}>]\s*$", "", text)
     known = find_length_unit(inner)
-    if known or inner != text or inner.casefold() in _SCALES:
-        return known or inner
-    return None
+    return known or (inner if inner != text or inner.casefold() in _SCALES else None)
 
 
 def _parse_label(label: str, unit: str = "") -> tuple[str, str]:
     """Return the name and the unit of a column; an error if a row of units has another unit."""
-    # Other words may be part of a name.
-    units = {unit: unit for unit in ("kN", "N", "MPa", "GPa", "kPa", "Nm", "mrad", "rad", "deg")}
-    name, stated = label.strip().strip("'\""), ""
+    name = label.strip().strip("'\"")
+    text = _replace_per_cent(name)
     brackets, last_word = r"(.+?)[\s_]*[\[({<](.*)[\])}>]", r"(.+?)(?:[\s_]in[\s_]|[\s,/]+)(\S+)"
-    ratio = re.fullmatch(r"(.*?\w)(?:[\s_]+in)?[\s_,/]*([%‰])", _replace_per_cent(name))
-    match = re.fullmatch(f"{brackets}|{last_word}", name)
+    ratio = re.fullmatch(r"(.*?\w)(?:[\s_]+in)?[\s_,/]*([%‰])", text)
+    stated = ""
     if ratio:
         name, stated = ratio[1], ratio[2]
-    elif match and match[1]:
+    elif match := re.fullmatch(brackets, name):
         name, stated = match[1], find_length_unit(match[2]) or _replace_per_cent(match[2].strip())
-    elif match and (found := find_length_unit(match[4]) or units.get(match[4])):
-        name, stated = match[3], found
-    elif short := re.fullmatch(r"([^\W\d_]+)_([^\W_]+)", name):
-        found = find_length_unit(short[2]) or units.get(short[2])
-        name, stated = (short[1], found) if found else (name, "")
+    elif match := re.fullmatch(last_word, name) or re.fullmatch(r"([^\W\d_]+)_([^\W_]+)", name):
+        # Other words may be part of a name.
+        others = ("kN", "N", "MPa", "GPa", "kPa", "Nm", "mrad", "rad", "deg")
+        found = find_length_unit(match[2]) or (match[2] if match[2] in others else "")
+        name, stated = (match[1], found) if found else (name, "")
     below = (_read_unit(_replace_per_cent(unit)) or unit) if unit else ""
     if stated and below and stated != below:
         raise TextError(f"column {label!r} in {below}", "one unit for each column")

@@ -13,7 +13,7 @@ from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Nois
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, shorten, suggest_name, warn
-from tractive_sam.text_table import TextError, TextTable, describe_unused, find_scale, read_table
+from tractive_sam.text_table import TextError, TextTable, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,14 +157,8 @@ def read_measured(data: Data, key: str) -> Measured:
                 hint = suggest_name(name, columns.labels)
                 faults.append(Fault(source, f"no column {shorten(column)}", hint))
                 continue
-            unit, meaning = columns.units[place], _meaning(data, name)
-            factor = find_scale(unit, meaning)
-            if factor is None:
-                value = f"column {shorten(columns.labels[place])} in {unit}"
-                faults.append(Fault(source, value, f"the unit of {name} ({meaning})"))
-                continue
             try:
-                numbers[name] = factor * columns.numbers([place])[:, 0]
+                numbers[name] = columns.column(place, _meaning(data, name))
             except TextError as error:
                 faults.append(Fault(source, error.value, error.allowed))
     except TextError as error:
@@ -180,12 +174,9 @@ def read_measured(data: Data, key: str) -> Measured:
 def _table_of(data: Data, key: str) -> TextTable:
     """Return the columns of a data set; TextError if they lack names or differ in length."""
     if data.values is None:
-        table = read_table(str(data.file))
-        if not table.names:
-            raise TextError("no header row", "a row of column names above the numbers")
-        unused = [mark for mark in table.remarks if table.check_remark(*mark, table.units)]
-        if unused:
-            warn(f"{key}: {Path(str(data.file)).name}: {describe_unused(unused)}")
+        table = read_table(str(data.file), named=True)
+        if note := table.find_unused(table.units):
+            warn(f"{key}: {Path(str(data.file)).name}: {note}")
         return table
     columns = {
         name: [str(value) for value in np.atleast_1d(np.asarray(values, dtype=object))]
@@ -208,7 +199,7 @@ def _meaning(data: Data, name: str) -> str:
         return Scene.find_field(name).title or ""
     quantities = index_by_name(COLUMNS)
     name = data.observe[0] if name == data.uncertainty.column else name
-    return quantities[name].unit if name in quantities else "mm"
+    return f"{name}, {quantities[name].unit if name in quantities else 'mm'}"
 
 
 def _measured(data: Data, key: str, numbers: Mapping[str, np.ndarray]) -> Measured:

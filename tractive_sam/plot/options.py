@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from tractive_sam.description import ShortArrays, format_unit
 from tractive_sam.results import BODIES, COLUMNS, History, index_by_name
-from tractive_sam.text_table import find_scale, read_table
+from tractive_sam.text_table import read_table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -44,26 +44,19 @@ class Measurements(ShortArrays):
         ValueError
             If the file cannot be read, is not a table, or an entry is not a number.
         """
+        quantities, columns = index_by_name(COLUMNS), {}
         try:
-            table = read_table(path)
-            values = table.numbers(missing=True).T
-            if not table.names:
-                raise ValueError("no header row")
+            table = read_table(path, named=True)
+            for place, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
+                quantity = quantities.get(name.partition(" ")[0])
+                meaning = quantity.unit if quantity else unit  # `check` refuses unknown columns
+                columns[name] = table.column(place, meaning, missing=True)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ValueError(
                 f"{path} is not a table ({reason}); allowed: a text file with a row of column "
                 "names and a row for each point"
             ) from None
-        quantities = index_by_name(COLUMNS)
-        columns = {}
-        for name, unit, column in zip(table.names, table.units, values, strict=True):
-            quantity = quantities.get(name.partition(" ")[0])
-            meaning = quantity.unit if quantity else unit  # `check` refuses unknown columns
-            factor = find_scale(unit, meaning)
-            if factor is None:
-                raise ValueError(f"{path}, column {name}: the unit {unit}; use {meaning}")
-            columns[name] = factor * column
         return cls(columns)
 
     def check(self, history: History) -> None:

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import product
 from os import PathLike
@@ -15,12 +15,13 @@ from tractive_sam.input_file import read_text
 from tractive_sam.output_file import write_file
 from tractive_sam.text_table import (
     LENGTHS,
+    Remark,
     TextTable,
     find_length_unit,
+    find_length_units,
     list_first,
     parse_number,
     parse_table,
-    split_statement,
 )
 
 from .measured import UNITS, Kind, from_measurement
@@ -37,15 +38,6 @@ SUFFIXES = (
 
 Side = Literal["left", "right"]
 """Sides of a file with the profiles of both sides."""
-
-_DESCRIPTIONS = re.compile(
-    r"alarm|area(gain|loss|ref)|battery|bogie|car|chainage|chars|comment|curve|date|device|"
-    r"driver|empl(oyee)?(num|no)?|field id|file( ?name)?|flag|grade|id|instrument|km|kp|line|"
-    r"location|location_(latitude|longitude)|mileage|mp|name|operator|originalheader|"
-    r"program ?(date|name|ver|version)|qr|rcf|s[dh]|serial ?(no|number)|speed|stock|temperature|"
-    r"time|title|train|type|uof\d|user ?name|vehicle|version|w\d|windows ?version"
-)
-"""Keys of headings, in lower case, that describe a measurement and never its points or datum."""
 
 
 class ProfileError(ValueError):
@@ -131,11 +123,12 @@ def _read_simpack(
         raise ValueError(f"side = {side}, and one profile; allowed: no side")
     used = r"shift\.[yz]|rotate|bound\.[yz]\.(min|max)|mirror\.[yz]|inversion|point\.dist\.min"
     used += r"|units\.(len|ang)(\.f)?|header\.(type|version)"
-    section, keys, unused = "", dict[str, str](), list[str]()
+    first = parts[0].count("\n") + 1  # line of the points
+    section, keys, unused = "", dict[str, str](), list[Remark]()
     for line in (parts[0] + parts[2]).splitlines():
         content, _, remark = line.strip().partition("!")
         content = content.strip()
-        unused.append(remark.strip())
+        unused.append(Remark(0, remark.strip()))
         if mark := re.fullmatch(r"(\w+)\.(begin|end)", content):
             section = mark[1] if mark[2] == "begin" else ""
             continue
@@ -144,11 +137,11 @@ def _read_simpack(
         if entry and re.fullmatch(used, key):
             _state(keys, key, entry[2].strip(" '\""))
         else:
-            unused.append(content.lstrip("#% "))
+            unused.append(Remark(0, content.lstrip("#% ")))
     stated = _read_number(keys, "header.type", float(kind == "wheel"))
     if stated != float(kind == "wheel"):
         raise ValueError(f"type = {stated:g}, and a {kind}; allowed: 0 of a rail, 1 of a wheel")
-    table = parse_table(parts[1], first_line=parts[0].count("\n") + 1)
+    table = parse_table(parts[1], first)
     values = table.numbers()
     if values.shape[1] not in (2, 3):
         raise ValueError(f"{values.shape[1]} columns of points; allowed: y, z, and a weight")
@@ -156,7 +149,7 @@ def _read_simpack(
     if (names and names[:2] != ["y", "z"]) or any(table.units[:2]):
         raise ValueError(f"columns {', '.join(table.labels)}; allowed: y, z, and a weight")
     factor = _find_simpack_unit(keys, unit)
-    notes = [*_describe_unused([*unused, *(text for _, text in table.remarks)], factor)]
+    notes = _describe_unused([*unused, *table.remarks], factor)
     if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
         notes.append("the weights of the points, their third column, are not used")
     points, inside = _apply_steps(values[:, :2], keys)
@@ -226,7 +219,7 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
     notes = []
     offsets = np.array([_read_number(statements, f"{axis}offset") for axis in "xy"])
     points = (values + offsets) * (-1.0 if mirrored else 1.0, 1.0)
-    remarks, rest = [text for _, text in table.remarks], len(table.rows[0]) - len(columns)
+    remarks, rest = [remark.text for remark in table.remarks], len(table.rows[0]) - len(columns)
     if "the first column holds row numbers" in remarks or (columns == [1, 2] and not table.names):
         notes.append("the first column is taken for row numbers")
     elif rest and "columndef" not in statements and not table.names and side is None:
@@ -253,22 +246,20 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
     return points * UNITS[name], [*notes, *_describe_unused(unused, UNITS[name])]
 
 
-def _read_heading(table: TextTable) -> tuple[dict[str, str], list[str]]:
-    """Return the entries that are used, by key, and the texts of the others."""
-    number, statements, unused = len(table.rows), dict[str, str](), list[str]()
-    counts, used = r"xypoints|points|number of points", r"[xy]offset|columndef|(length )?units?"
+def _read_heading(table: TextTable) -> tuple[dict[str, str], list[Remark]]:
+    """Return the entries that are used, by key, and the other remarks."""
+    number, statements, unused = len(table.rows), dict[str, str](), list[Remark]()
     known = rf"{number}( \d+)*|.*: y and z in mm, y outward, z down"  # count; see write_profile
-    for _, text in table.remarks:
-        key, value = split_statement(text)
-        expected = parse_number(value.split(",")[0]) if re.fullmatch(counts, key) else None
-        if expected is not None and expected != number:
-            raise ValueError(f"{number} points, and {key} = {expected:g}; the file may be cut off")
-        side = key in ("rail", "side") and re.fullmatch(r"(?i)l.*|r|right", value)
-        if expected is not None or side or re.fullmatch(used, key):
+    for remark in table.remarks:
+        key, value = remark.key, remark.value
+        count = parse_number(value.split(",")[0]) if remark.states("points") else None
+        if count is not None and count != number:
+            raise ValueError(f"{number} points, and {key} = {count:g}; the file may be cut off")
+        if count is not None or remark.states("side") or remark.states("entry"):
             _state(statements, key, value)
-        elif not re.fullmatch(known, text):
-            unused.append(text)
-    if "end mark" in statements.get("points", "") and table.remarks[-1][1] != "end":
+        elif not re.fullmatch(known, remark.text):
+            unused.append(remark)
+    if "end mark" in statements.get("points", "") and table.remarks[-1].text != "end":
         raise ValueError("the end mark is missing: the file is cut off")
     return statements, unused
 
@@ -342,29 +333,22 @@ def _is_numbered(table: TextTable) -> bool:
     return counted and abs(np.sign(np.diff(y)).mean()) > 0.9
 
 
-def _describe_unused(texts: Iterable[str], unit: float) -> Iterator[str]:
-    """Yield a note that lists the lines that are not used, and state something.
+def _describe_unused(remarks: Iterable[Remark], unit: float) -> list[str]:
+    """Return a note that lists the remarks that state something, or no note.
 
-    Parameters
-    ----------
-    texts : iterable of str
-        Comments and entries of a file.
-    unit : float
-        Unit of its lengths, mm: another unit in a text is a statement, as are numbers and values.
+    Another unit than that of lengths, in mm, is a statement, as are numbers and values.
     """
-
-    def is_stated(text: str) -> bool:
-        key, value = split_statement(text)
-        if text.endswith(("=", ":")) or (key and parse_number(value) == 0.0):
-            return False
-        if _DESCRIPTIONS.fullmatch(key) and "=" not in value:
-            return False
-        units = {find_length_unit(word) for word in re.findall(r"\w+", text) if word != "in"}
-        return bool(key or re.search(r"\d", text) or {LENGTHS[u] for u in units if u} - {unit})
-
-    unused = [text if len(text) <= 60 else text[:57] + "..." for text in filter(is_stated, texts)]
-    if unused:
-        yield f"entries of the file that are not used: {list_first(unused, 6)}"
+    texts = [
+        text if len(text) <= 60 else text[:57] + "..."
+        for remark in remarks
+        for text in (remark.text,)
+        if not (text.endswith(("=", ":")) or remark.states("description"))
+        if not (remark.key and parse_number(remark.value) == 0.0)
+        if remark.key
+        or re.search(r"\d", text)
+        or {LENGTHS[name] for name in find_length_units(text)} - {unit}
+    ]
+    return [f"entries of the file that are not used: {list_first(texts, 6)}"] if texts else []
 
 
 def write_profile(profile: Profile, path: str | PathLike[str], kind: Kind, title: str = "") -> None:

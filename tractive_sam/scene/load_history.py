@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -28,7 +27,7 @@ from tractive_sam.schema import (
     suggest_name,
     warn,
 )
-from tractive_sam.text_table import TextError, describe_unused, find_scale, read_table
+from tractive_sam.text_table import TextError, find_marks, read_table
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .gap import TEXTS, absolute_path
@@ -344,11 +343,9 @@ def _name_implausible_rows(columns: Mapping[str, np.ndarray], lines: Sequence[st
     for name, values in columns.items():
         if name == "revolutions":
             continue
-        sizes = np.abs(values)
-        marks = [v for v in np.unique(sizes) if re.fullmatch(r"9{3,}(\.9+)?|3276[78]", f"{v:.10g}")]
-        others = sizes[~np.isin(sizes, marks)]
-        median, largest = float(np.median(sizes)), float(others.max()) if others.size else np.inf
-        is_mark = np.isin(sizes, marks) & (sizes > 1.5 * largest)
+        sizes, is_mark = np.abs(values), find_marks(values)
+        is_mark &= not is_mark.all()
+        median = float(np.median(sizes))
         is_peak = (sizes > 20.0 * median) & (median > 0.0)
         is_peak &= is_peak.sum() <= max(1, sizes.size // 100)
         for where, text in (
@@ -409,23 +406,18 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
     """Return the columns of a text file by name in units of a scene, and the lines of its rows."""
     columns: dict[str, np.ndarray] = {}
     try:
-        table = read_table(path, max_bytes=2**29)
-        if not table.names:
-            raise TextError("no header row", "a row of column names above the numbers")
+        table = read_table(path, max_bytes=2**29, named=True)
         times = ("time", "t", "date", "timestamp", "datetime", "clock")
         unused = [name for name in table.names if name.lower() in times]
         used = {name: k for k, name in enumerate(table.names) if name not in unused}
         if len(used) + len(unused) < len(table.names):
             raise TextError(f"columns {', '.join(table.names)}", "each column once")
-        remarks = [mark for mark in table.remarks if table.check_remark(*mark, table.units)]
+        note = table.find_unused(table.units)
         _check_names(used)
         for name, place in used.items():
             table_name, _, key = _COLUMNS[name].rpartition(".")
             meaning = _TABLES.get(table_name, Block).model_fields[key].title or ""
-            factor = find_scale(table.units[place], meaning)
-            if factor is None:
-                raise TextError(f"column {name} in {table.units[place]}", f"the unit of {meaning}")
-            columns[name] = factor * table.numbers([place])[:, 0]
+            columns[name] = table.column(place, meaning)
     except OSError as error:
         allowed = f"an existing text file of columns with names ({error.strerror})"
         raise SceneError([Fault("measured", shorten(str(path)), allowed)]) from None
@@ -434,9 +426,9 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         raise SceneError([Fault("measured", value, error.allowed)]) from None
     if unused:
         warn(f"load_history: columns of {path.name} that are not read: {', '.join(unused)}")
-    if remarks:
-        warn(f"load_history: {path.name}: {describe_unused(remarks)}")
-    known = {*table.lines, *(line for line, _ in table.remarks)}
+    if note:
+        warn(f"load_history: {path.name}: {note}")
+    known = {*table.lines, *(remark.line for remark in table.remarks)}
     gaps = [n for n in table.lines[1:] if n - 1 not in known]
     if gaps and len(gaps) < len(table.lines) // 4:
         places = ", ".join(map(str, gaps[:3]))

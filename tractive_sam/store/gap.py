@@ -1,7 +1,7 @@
 """Reads measured or worn separations, and profiles as instruments write them."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_statements import (
     NAMES,
+    agree_units,
     name_unused,
     names_scale,
     read_heading,
@@ -29,7 +30,7 @@ from tractive_sam.text_table import (
     LENGTHS,
     TextError,
     TextTable,
-    find_length_unit,
+    find_marks,
     parse_number,
     read_table,
 )
@@ -139,26 +140,25 @@ def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
     Numbers such as -9999, with which instruments mark missing points, are missing values.
     """
     values = data.values.copy()
-    finite = values[np.isfinite(values)]
     lines = [v for v in (values, values.T) if len(v) == 2 and np.array_equal(v[0], v[1], True)]
     repeats = 1 + bool(lines)  # a profile
-    extremes = {float(v) for v in (finite.min(), finite.max())} if finite.size else set()
-    marks = {v for v in extremes if re.fullmatch(r"-?(9{3,}(\.9+)?|3276[78])", f"{v:.10g}")}
-    others = finite[~np.isin(finite, [*(marks or extremes)])]
-    largest = float(np.abs(others).max()) if others.size else 0.0
-    for extreme in extremes if largest else ():
-        factor = abs(extreme) / largest
-        text = (
-            f"{extreme:g} at {(finite == extreme).sum() // repeats} points, {factor:.3g} times the "
-        )
-        text += "largest of the other values"
-        if extreme in marks and factor > 1.5:
-            if settings.missing is None:
+    is_mark = find_marks(values)
+    finite = values[np.isfinite(values) & ~is_mark]
+    extremes = np.unique([finite.min(), finite.max()]) if finite.size else finite
+    inner = finite[~np.isin(finite, extremes)]
+    for kind, others in ((values[is_mark], finite), (extremes, inner)):
+        largest = float(np.abs(others).max(initial=0.0))
+        for extreme in np.unique(kind) if largest else ():
+            factor = abs(extreme) / largest
+            text = f"{extreme:g} at {(values == extreme).sum() // repeats} points, "
+            text += f"{factor:.3g} times the largest of the other values"
+            if others is inner and factor > 1000.0:
+                warn(f"gap: {path.name}: {text}; remove outliers")
+            elif others is finite and settings.missing is None:
                 cure = 'values at all points; gap.missing = "interpolate" replaces such marks'
                 raise GapError(path, text, cure)
-            values[values == extreme] = np.nan
-        elif factor > 1000.0:
-            warn(f"gap: {path.name}: {text}; remove outliers")
+            elif others is finite:
+                values[values == extreme] = np.nan
     missing = np.isnan(values)
     if not missing.any():
         return values
@@ -213,23 +213,15 @@ def _interpolate_rows(places: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
 def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in the datasets x, y and separation of an HDF5 file, with their units."""
     with open_to_read(path) as file:
-        missing = [name for name in NAMES if name not in file]
-        if missing:
-            raise GapError(path, f"no dataset {', '.join(missing)}", f"datasets {', '.join(NAMES)}")
-        datasets = {name: numeric_dataset(get_member(file, name)) for name in NAMES}
-        attributes = [dataset.attrs for dataset in datasets.values()]
-        units = read_units(path, settings, attributes, file.attrs)
-        name_unused(path, [name for name in file if name not in NAMES])
-        x, y, values = (_unpack(dataset[()], dataset.attrs) for dataset in datasets.values())
+        _check_names(path, file, "dataset")
+        parts = [numeric_dataset(get_member(file, name)) for name in NAMES]
         names = [
-            {
-                dimension.label,
-                *(h5py.h5i.get_name(scale.id).decode().strip("/") for scale in scales),
-            }
-            for dimension in datasets["separation"].dims
+            {dimension.label, *(h5py.h5i.get_name(scale.id).decode() for scale in scales)}
+            for dimension in parts[2].dims
             for scales in (dimension.values(),)
         ]
-    return _order(path, x, y, values, [name - {""} for name in names], units)
+        arrays = [(dataset[()], dict(dataset.attrs)) for dataset in parts]
+        return _from_datasets(path, settings, arrays, names, file.attrs)
 
 
 def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
@@ -239,19 +231,51 @@ def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
             return _read_hdf5(path, settings)
         opened.seek(0)
         with scipy.io.netcdf_file(opened, mmap=False) as file:
-            missing = [name for name in NAMES if name not in file.variables]
-            if missing:
-                raise GapError(path, f"no {', '.join(missing)}", f"variables {', '.join(NAMES)}")
-            variables = [file.variables[name] for name in NAMES]
-            attributes = [vars(variable)["_attributes"] for variable in variables]
-            x, y, values = (
-                _unpack(variable.data, attribute)
-                for variable, attribute in zip(variables, attributes, strict=True)
-            )
-            names = [{name} for name in variables[2].dimensions]
-            units = read_units(path, settings, attributes, vars(file)["_attributes"])
-            name_unused(path, [name for name in file.variables if name not in NAMES])
-    return _order(path, x, y, values, names, units)
+            _check_names(path, file.variables, "variable")
+            parts = [file.variables[name] for name in NAMES]
+            arrays = [(part.data, vars(part)["_attributes"]) for part in parts]
+            names = [{name} for name in parts[2].dimensions]
+            attributes = vars(file)["_attributes"]
+            return _from_datasets(path, settings, arrays, names, attributes)
+
+
+def _check_names(path: Path, found: Collection[str], kind: str) -> None:
+    """Raise a GapError unless x, y and separation are among the names of datasets or fields."""
+    missing = [name for name in NAMES if name not in found]
+    if missing:
+        raise GapError(path, f"no {kind} {', '.join(missing)}", f"{kind}s {', '.join(NAMES)}")
+    name_unused(path, [name for name in found if name not in NAMES])
+
+
+def _from_datasets(
+    path: Path,
+    settings: scene.Gap,
+    parts: Sequence[tuple[np.ndarray, Mapping[str, Any]]],
+    dimensions: Sequence[set[str]],
+    of_file: Mapping[str, Any],
+) -> _GapData:
+    """Return the gap of x, y and separation with their attributes.
+
+    Parameters
+    ----------
+    path, settings : Path, Gap
+        See `_read`.
+    parts : sequence of (ndarray, mapping)
+        Stored numbers and attributes of x, y and separation.
+    dimensions : sequence of set of str
+        Names of the dimensions of the separation, which state the order of x and y.
+    of_file : mapping
+        Attributes of the file.
+    """
+    units = read_units(path, settings, [attributes for _, attributes in parts], of_file)
+    x, y, values = (_unpack(*part) for part in parts)
+    names = [{name.strip("/") for name in texts} - {""} for texts in dimensions]
+    if names == [{"y"}, {"x"}]:
+        values = values.T
+    elif any(names) and names != [{"x"}, {"y"}]:
+        stated = ", ".join("/".join(sorted(name)) or "without a name" for name in names)
+        raise GapError(path, f"separation with the dimensions {stated}", "the dimensions x and y")
+    return _GapData(_finite(path, x, "x"), _finite(path, y, "y"), values, units)
 
 
 def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
@@ -265,23 +289,6 @@ def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
         for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
     )
     return values if (scale, offset) == (1.0, 0.0) else scale * values + offset
-
-
-def _order(
-    path: Path,
-    x: np.ndarray,
-    y: np.ndarray,
-    values: np.ndarray,
-    names: Sequence[set[str]],
-    units: tuple[str, str],
-) -> _GapData:
-    """Return a gap whose values are ordered by x and y, according to the names of dimensions."""
-    if names == [{"y"}, {"x"}]:
-        values = values.T
-    elif any(names) and names != [{"x"}, {"y"}]:
-        stated = ", ".join("/".join(sorted(name)) or "without a name" for name in names)
-        raise GapError(path, f"separation with the dimensions {stated}", "the dimensions x and y")
-    return _GapData(_finite(path, x, "x"), _finite(path, y, "y"), values, units)
 
 
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
@@ -314,10 +321,7 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
 def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
     """Return the gap in an array with the fields x, y, separation, or in a matrix."""
     if array.dtype.names is not None:
-        missing = [name for name in NAMES if name not in array.dtype.names]
-        if missing:
-            raise GapError(path, f"no field {', '.join(missing)}", f"fields {', '.join(NAMES)}")
-        name_unused(path, [name for name in array.dtype.names if name not in NAMES])
+        _check_names(path, array.dtype.names, "field")
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
     return _gap_from_matrix(path, settings, np.asarray(array, float))
 
@@ -414,20 +418,10 @@ def _gap_from_columns(path: Path, settings: scene.Gap, table: TextTable) -> _Gap
         cure = f"x, y and one of {', '.join(_HEIGHTS)}; or one of these and y, x, lateral, position"
         raise GapError(path, value, cure)
     _check_meaning(path, settings, names[order[-1]], len(order) == 2)
-    units = [find_length_unit(table.units[k]) or table.units[k] for k in order]
-    units = [settings.length_unit or unit for unit in units[:-1]] + [settings.unit or units[-1]]
-    if any(units) and not all(units):
-        bare = ", ".join(table.labels[k] for k, unit in zip(order, units, strict=True) if not unit)
-        cure = "units of all columns or none; gap.unit and gap.length_unit state them, too"
-        raise GapError(path, f"a header without the unit of {bare}", cure)
-    unknown = [unit for unit in units if unit and unit not in LENGTHS]
-    if unknown:
-        raise GapError(path, f"the unit {unknown[0]}", f"units of {', '.join(LENGTHS)}")
-    if len({*units[:-1]}) > 1:
-        raise GapError(path, f"x and y in {' and '.join(units[:-1])}", "one unit for x and y")
+    labels, units = ([texts[k] for k in order] for texts in (table.labels, table.units))
+    stated = agree_units(path, settings, labels, units, "a header without the unit of")
     places = table.numbers(order[:-1])
     points = np.column_stack([places, _read_cells(path, settings, table, order[-1:])])
-    stated = units[0] or "mm", units[-1] or "mm"
     if len(order) == 2:
         return _gap_from_profile(settings, points[:, 0], points[:, 1], stated)
     return replace(_gap_from_points(path, settings, points), units=stated)

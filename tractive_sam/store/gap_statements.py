@@ -12,12 +12,12 @@ from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
 from tractive_sam.text_table import (
     LENGTHS,
+    Remark,
     TextTable,
-    describe_unused,
     find_length_unit,
+    find_length_units,
     list_first,
     parse_number,
-    split_statement,
 )
 
 NAMES = ("x", "y", "separation")
@@ -41,86 +41,87 @@ def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str,
     has_units = bool(table.units) and all(table.units)
     lengths = has_units or settings.length_unit is not None or settings.step is not None
     heights = has_units or settings.unit is not None
-    spacings = r"unit|step|spacing|pixel|cell ?size|resolution|pitch|increment|sampling|\bd[xyz]\b"
-    used = [*table.units, settings.unit or "", settings.length_unit or ""]
+    cell = table.rows[0][0]
+    is_matrix = not table.names and (
+        settings.step is not None or len(table.rows[0]) > len(NAMES) or parse_number(cell) is None
+    )
+    has_words = not table.names and re.search(r"[^\W\d].*[\\/,]|\[", cell)
+    corner = [Remark(table.lines[0], cell)] if has_words else []
+    for remark in corner if is_matrix and _find_axes(cell) else []:
+        _check_order(path, remark, None, "x/y in the corner for it")
     unused = []
-    corner = [(table.lines[0], table.rows[0][0])]
-    corner = [] if table.names or not re.search(r"[^\W\d].*[\\/,]|\[", corner[0][1]) else corner
-    for line, text in [*table.remarks, *corner]:
-        key, value = split_statement(text)
-        words = re.split(r"[\s\[\](){},;:=]+", value)
-        found = (find_length_unit(word) for word in words if word not in ("in", "mil"))
-        units = [unit for unit in found if unit]
-        size = re.fullmatch(r"([\d.eE+-]+)\s*(\S+)", value)
-        if units and not table.names and re.search(r"^(?!.*(\b[xy]\b|lateral)).*\bunits?\b", key):
+    for remark in table.remarks:
+        units = find_length_units(remark.value)
+        if units and not table.names and remark.states("unit of values"):
             stated["unit"] = units[0]
-            continue
-        if key in ("width", "height") and size and units:
-            stated[key] = float(size[1]) * LENGTHS[units[0]]
-            continue
-        if _check_layout(path, settings, table, line, text):
-            continue
-        matters = table.check_remark(
-            line, text, (*LENGTHS, *table.units) if heights and not has_units else used
-        )
-        if (
-            units or re.search(spacings, key or (text.lower() if re.search(r"\d", text) else ""))
-        ) and not (heights and lengths):
+        elif units and (size := remark.states("size")):
+            stated[remark.key] = float(size[1]) * LENGTHS[units[0]]
+        elif not _is_layout(path, settings, table, remark, is_matrix):
+            unused.append(remark)
+    used = [*table.units, settings.unit or "", settings.length_unit or ""]
+    known = (*LENGTHS, *table.units) if heights and not has_units else used
+    note = table.find_unused(known, unused)
+    table.find_unused(known, corner)  # an error if the corner has another unit
+    for remark in () if heights and lengths else [*unused, *corner]:
+        if find_length_units(remark.value) or remark.states("lengths"):
             keys = "gap.unit, gap.length_unit" + ("" if table.names else " and gap.step")
-            value = f"line {line}, {text[:60]!r}, which is not read"
-            raise GapError(path, value, f"{keys}, which state it; or the file without this line")
-        unused += [(line, text)] if matters and (line, text) not in corner else []
-    if unused:
-        warn(f"gap: {path.name}: {describe_unused(unused)}")
+            cure = f"{keys}, which state it; or the file without this line"
+            raise GapError(path, f"{remark.place}, which is not read", cure)
+    if note:
+        warn(f"gap: {path.name}: {note}")
     return stated
 
 
-def _check_layout(path: Path, settings: scene.Gap, table: TextTable, line: int, text: str) -> bool:
-    """Return whether a line states the order or the spacing of the points that is used.
+def _is_layout(
+    path: Path, settings: scene.Gap, table: TextTable, remark: Remark, is_matrix: bool
+) -> bool:
+    """Return whether a remark states the order or the spacing of the points that is used.
 
     Raises
     ------
     GapError
         If it states another order, direction or spacing.
     """
-    key, value = split_statement(text.lower())
-    place, cure = f"line {line}, {text[:60]!r}", "the file without this line, if it does not apply"
-    first, width = table.rows[0][0], len(table.rows[0])
-    is_matrix = not table.names and (
-        settings.step is not None or width > len(NAMES) or parse_number(first, ".") is None
-    )
-    axes = re.findall(r"(?<![^\W_])[xy](?![^\W_])", text.lower())
-    order = [name.lower() for name in table.names if name.lower() in ("x", "y")] or ["x", "y"]
-    order = [settings.profile] if not is_matrix and width == 2 and not table.names else order
-    words = r"\b(columns?|rows?|format|fields?|order|layout)\b"
-    is_corner = is_matrix and (line, text) == (table.lines[0], first)
-    if axes and (is_corner or re.search(words, key or text.lower())):
-        turned = r"rows?\W+(are |along )?y\b|columns?\W+(are |along )?x\b"
-        if axes != order[: len(axes)] or (is_matrix and re.search(turned, text.lower())):
-            layout = f"the order {', '.join(order)}"
-            layout = "rows of equal x and columns of equal y" if is_matrix else layout
-            cure = "x/y in the corner for it" if is_corner else cure
-            raise GapError(path, f"{place}, another layout", f"{layout}; or {cure}")
-        return not find_length_unit(re.sub(r".*[\[(]|[\])].*", "", text))
-    if is_matrix and key == "origin" and re.search(r"lower|upper|top|bottom|left|right", value):
-        raise GapError(path, f"{place}, which is not applied", f"x and y that increase; or {cure}")
-    down = r"\b(positive|direction|orientation|sign|points?|axis)\b.*"
-    down += r"\b(down\w*|into|inwards?|below)\b"
-    if re.search(down, text.lower()) and "positive" not in settings.model_fields_set:
-        raise GapError(path, f"{place}, and no gap.positive", f"gap.positive; or {cure}")
-    spacings = r"(\bd[xy]\b|step|spacing|pixel ?size|cell ?size|pitch|increment)"
-    spacing = re.search(spacings, text.lower())
-    if not (is_matrix and spacing and settings.step):
+    cure = "the file without this line, if it does not apply"
+    if remark.states("order") and _find_axes(remark.text):
+        order = [name.lower() for name in table.names if name.lower() in ("x", "y")] or ["x", "y"]
+        if not is_matrix and len(table.rows[0]) == 2 and not table.names:
+            order = [settings.profile]
+        _check_order(path, remark, None if is_matrix else order, cure)
+        return not find_length_unit(re.sub(r".*[\[(]|[\])].*", "", remark.text))
+    if is_matrix and remark.states("origin"):
+        value = f"{remark.place}, which is not applied"
+        raise GapError(path, value, f"x and y that increase; or {cure}")
+    if remark.states("downwards") and "positive" not in settings.model_fields_set:
+        raise GapError(path, f"{remark.place}, and no gap.positive", f"gap.positive; or {cure}")
+    stated = remark.states("step")
+    if not (is_matrix and stated and settings.step):
         return False
     scale = LENGTHS[settings.length_unit or "mm"]
-    units = [find_length_unit(word) for word in re.findall(r"[^\W\d]+", value)]
-    factor = next((LENGTHS[unit] for unit in units if unit), scale) / scale
-    steps = {"dx": settings.step[0], "dy": settings.step[1]}.get(spacing[1], settings.step)
-    numbers = [float(n) for n in re.findall(r"(?<![\w.])\d*\.?\d+(?:e[-+]?\d+)?", value)]
-    if not all(np.isclose(factor * n, steps, rtol=0.01).any() for n in numbers):
-        allowed = f"a spacing equal to it; or {cure}"
-        raise GapError(path, f"{place}, and gap.step = {list(settings.step)}", allowed)
-    return bool(numbers)
+    units = find_length_units(remark.value)
+    factor = LENGTHS[units[0]] / scale if units else 1.0
+    steps = {"dx": settings.step[0], "dy": settings.step[1]}.get(stated[0], settings.step)
+    texts = re.findall(r"(?<![\w.])\d*\.?\d+(?:e[-+]?\d+)?", remark.value.lower())
+    if not all(np.isclose(factor * float(text), steps, rtol=0.01).any() for text in texts):
+        value = f"{remark.place}, and gap.step = {list(settings.step)}"
+        raise GapError(path, value, f"a spacing equal to it; or {cure}")
+    return bool(texts)
+
+
+def _find_axes(text: str) -> list[str]:
+    """Return the words x and y of a text in their order."""
+    return re.findall(r"(?<![^\W_])[xy](?![^\W_])", text.lower())
+
+
+def _check_order(path: Path, remark: Remark, order: Sequence[str] | None, cure: str) -> None:
+    """Raise a GapError if a remark states another order of axes, or of a matrix without `order`."""
+    turned = not order and remark.states("rows along y")
+    names = order or ("x", "y")
+    axes = _find_axes(remark.text)
+    if axes != [*names][: len(axes)] or turned:
+        layout = f"the order {', '.join(names)}"
+        layout = layout if order else "rows of equal x and columns of equal y"
+        raise GapError(path, f"{remark.place}, another layout", f"{layout}; or {cure}")
 
 
 def read_units(
@@ -132,47 +133,58 @@ def read_units(
     """Return the units of coordinates and separation; GapError for attributes with other scales."""
     used = ("scale_factor", "add_offset", "missing_value")
     hidden = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "DIMENSION_LABELS")
-    spellings: list[dict[str, str]] = []
+    stated: list[set[str]] = []
     unused = []
     for name, entries in zip((*NAMES, "file"), (*attributes, of_file), strict=True):
-        # Names in capitals and names that begin with an underscore are parts of the formats.
-        names = [key for key in entries if key not in hidden and key[:1] != "_"]
-        names = [key for key in names if key not in used or name == "file"]
-        values = [entries[key] for key in names]
-        texts = {
-            key: value.decode() if isinstance(value, bytes) else str(value)
-            for key, value in zip(names, values, strict=True)
-        }
-        spellings.append({k: t for k, t in texts.items() if k.casefold() in ("unit", "units")})
-        for key, text in texts.items():
+        stated.append(set())
+        for key, value in entries.items():
+            # Names in capitals and names that begin with an underscore are parts of the formats.
+            if key in hidden or key[:1] == "_" or (key in used and name != "file"):
+                continue
+            text = value.decode() if isinstance(value, bytes) else str(value)
             has_sign = key.lower() == "positive" and "positive" in settings.model_fields_set
-            trivial = text in ("1", "1.0", "0", "0.0") or has_sign
-            if names_scale(key) and not trivial:
+            if names_scale(key) and text not in ("1", "1.0", "0", "0.0") and not has_sign:
                 cure = "numbers to which it is applied; units, scale_factor and add_offset of each "
                 cure += "dataset; gap.positive for a direction"
                 raise GapError(path, f"the attribute {key} = {text[:40]} of {name}", cure)
-        unused += [
-            f"{name}.{key}"
-            for key, text in texts.items()
-            if key not in spellings[-1] and (re.search(r"\d", text) or "unit" in key.lower())
-        ]
+            if key.casefold() in ("unit", "units"):
+                stated[-1].add(find_length_unit(text) or text)
+            elif re.search(r"\d", text) or "unit" in key.lower():
+                unused.append(f"{name}.{key}")
     name_unused(path, unused)
-    shared = spellings.pop()
-    stated = [settings.length_unit, settings.length_unit, settings.unit]
-    known: list[str | None] = []
-    for name, spelled, given in zip(NAMES, spellings, stated, strict=True):
-        found = {find_length_unit(text): text for text in (spelled or shared).values()}
-        if None in found or len(found) > 1:
-            text = ", ".join(found.values())
-            raise GapError(path, f"{name} in {text}", f"one unit of {', '.join(LENGTHS)}")
-        known.append(given or next((unit for unit in found if unit), None))
-    if any(known) and not all(known):
-        bare = ", ".join(name for name, unit in zip(NAMES, known, strict=True) if not unit)
-        cure = "units of all datasets or none; gap.unit and gap.length_unit state them, too"
-        raise GapError(path, f"no attribute units of {bare}", cure)
-    if known[0] != known[1]:
-        raise GapError(path, f"x in {known[0]}, y in {known[1]}", "one unit for x and y")
-    return known[0] or "mm", known[2] or "mm"
+    shared = stated.pop()
+    texts = [" and ".join(sorted(units or shared)) for units in stated]
+    return agree_units(path, settings, NAMES, texts, "no attribute units of")
+
+
+def agree_units(
+    path: Path, settings: scene.Gap, names: Sequence[str], stated: Sequence[str], bare: str
+) -> tuple[str, str]:
+    """Return the units of coordinates and values; a GapError unless they agree.
+
+    Parameters
+    ----------
+    path, settings : Path, Gap
+        The file, and the table of the scene, whose units replace those of the file.
+    names, stated : sequence of str
+        Names of the coordinates and, at the end, of the values; their units, "" if not stated.
+    bare : str
+        Message if units are missing, before the names without one.
+    """
+    units = [settings.length_unit or unit for unit in stated[:-1]]
+    units.append(settings.unit or stated[-1])
+    pairs = [*zip(names, units, strict=True)]
+    for name, unit in pairs:
+        if unit and unit not in LENGTHS:
+            raise GapError(path, f"{name} in {unit}", f"one unit of {', '.join(LENGTHS)}")
+    if any(units) and not all(units):
+        missing = ", ".join(name for name, unit in pairs if not unit)
+        cure = "units of all or none; gap.unit and gap.length_unit state them, too"
+        raise GapError(path, f"{bare} {missing}", cure)
+    if len({*units[:-1]}) > 1:
+        listed = ", ".join(f"{name} in {unit}" for name, unit in pairs[:-1])
+        raise GapError(path, listed, "one unit for x and y")
+    return units[0] or "mm", units[-1] or "mm"
 
 
 def name_unused(path: Path, names: Sequence[str]) -> None:
