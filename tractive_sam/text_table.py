@@ -43,44 +43,50 @@ _MISSING = frozenset(
 _NUMBER_LIKE = re.compile(r"\s*[\"']?[-+−]?[.,]?\d")
 _STATEMENT = re.compile(r"\s*([^\W\d][^:=]*?)\s*[:=]\s*(.*\S)")
 
-_ITEMS = "(?:points|rows|columns|lines|samples|pixels|values|profiles)"
-_SCALE = r"\b(?:scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+|upside"
-_NUMBER = r"(?![01](?:\.0*)?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
-_STEP = r"\bd[xy]\b|step|spacing|pixel ?size|cell ?size|pitch|increment"
-_MEANINGS = {
-    # What all readers check or refuse.
-    "counts": rf"^(?:number of |data |no\.? of )?{_ITEMS}[=\s]\s*(\d+)$|^(\d+)\s+{_ITEMS}$|"
-    rf"^(?:n ?(?:cols|rows|x|y)|[xy][ _-]?(?:res|pixels))[=\s]\s*(\d+)$|"
-    rf"\b(\d+)\s*[x×*]\s*(\d+)\s+{_ITEMS}\b",
-    "scale": rf"{_SCALE})\b[^=]*=(?!(?:[01](?:\.0)?|no|off|none|false)$)|"
-    rf"{_SCALE}|divided|magnif\w*|amplif\w*|verst(?:ä|ae)rk\w*|conversion|calibration)\b"
-    rf"(?:[\s=]|by|of|is|factor|times)*{_NUMBER}|"
-    r"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?!=(?:[01](?:\.0)?|no|off|none|false)$)|"
-    r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b|"  # z x 1000
-    r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
-    # What maps and traces use or refuse.
-    "unit of values": r"^(?![^=]*(?:\b[xy]\b|lateral))[^=]*\bunits?\b[^=]*=",
-    "size": r"^(?:width|height)=([\d.e+-]+)\s*(\S+)$",
-    "order": r"^(?:[^=]*\b(?:columns?|rows?|format|fields?|order|layout)\b[^=]*=|"
-    r"[^=]*\b(?:columns?|rows?|format|fields?|order|layout)\b[^=]*$)",
-    "rows along y": r"rows?\W+(?:are |along )?y\b|columns?\W+(?:are |along )?x\b",
-    "origin": r"^origin=.*(?:lower|upper|top|bottom|left|right)",
-    "downwards": r"\b(?:positive|direction|orientation|sign|points?|axis)\b.*"
-    r"\b(?:down\w*|into|inwards?|below)\b",
-    "step": _STEP,
-    "lengths": rf"^(?=[^=]*=|.*\d)[^=]*(?:unit|pixel|resolution|sampling|\bdz\b|{_STEP})",
-    # What profiles use.
-    "points": r"^(?:xypoints|points|number of points)=",
-    "entry": r"^(?:[xy]offset|columndef|(?:length )?units?)=",
-    "side": r"^(?:rail|side)=(?:l.*|r|right)$",
-    "description": r"^(?:alarm|area(?:gain|loss|ref)|battery|bogie|car|chainage|chars|comment|"
-    r"curve|date|device|driver|empl(?:oyee)?(?:num|no)?|field id|file(?: ?name)?|flag|grade|id|"
-    r"instrument|km|kp|line|location|location_(?:latitude|longitude)|mileage|mp|name|operator|"
-    r"originalheader|program ?(?:date|name|ver|version)|qr|rcf|s[dh]|serial ?(?:no|number)|speed|"
-    r"stock|temperature|time|title|train|type|uof\d|user ?name|vehicle|version|w\d|"
-    r"windows ?version)=[^=]*$",
-}
-"""Meanings of remarks: patterns of "key=value" or of texts without a key, in lower case."""
+
+def _write_patterns() -> dict[str, str]:
+    """Return the patterns of remarks by meaning: of "key=value", or of a text without a key."""
+    items = "(?:points|rows|columns|lines|samples|pixels|values|profiles)"
+    scale = r"\b(?:scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+|upside"
+    none = r"(?:[01](?:\.0)?|no|off|none|false)$"
+    number = r"(?![01](?:\.0*)?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
+    step = r"\bd[xy]\b|step|spacing|pixel ?size|cell ?size|pitch|increment"
+    return {
+        # What all readers check or refuse.
+        "counts": rf"^(?:number of |data |no\.? of )?{items}[=\s]\s*(\d+)$|^(\d+)\s+{items}$|"
+        rf"^(?:n ?(?:cols|rows|x|y)|[xy][ _-]?(?:res|pixels))[=\s]\s*(\d+)$|"
+        rf"\b(\d+)\s*[x×*]\s*(\d+)\s+{items}\b",
+        "scale": rf"{scale})\b[^=]*=(?!{none})|"
+        rf"{scale}|divided|magnif\w*|amplif\w*|verst(?:ä|ae)rk\w*|conversion|calibration)\b"
+        rf"(?:[\s=]|by|of|is|factor|times)*{number}|"
+        rf"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?!={none})|"
+        r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b|"  # z x 1000
+        r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
+        # What maps and traces use or refuse.
+        "unit of values": r"^(?![^=]*(?:\b[xy]\b|lateral))[^=]*\bunits?\b[^=]*=",
+        "size": r"^(?:width|height)=([\d.e+-]+)\s*(\S+)$",
+        "order": r"^[^=]*\b(?:columns?|rows?|format|fields?|order|layout)\b[^=]*(?:=|$)",
+        "rows along y": r"rows?\W+(?:are |along )?y\b|columns?\W+(?:are |along )?x\b",
+        "origin": r"^origin=.*(?:lower|upper|top|bottom|left|right)",
+        "downwards": r"\b(?:positive|direction|orientation|sign|points?|axis)\b.*"
+        r"\b(?:down\w*|into|inwards?|below)\b",
+        "step": step,
+        "lengths": rf"^(?=[^=]*=|.*\d)[^=]*(?:unit|pixel|resolution|sampling|\bdz\b|{step})",
+        # What profiles use.
+        "points": r"^(?:xypoints|points|number of points)=",
+        "entry": r"^(?:[xy]offset|columndef|(?:length )?units?)=",
+        "side": r"^(?:rail|side)=(?:l.*|r|right)$",
+        "description": r"^(?:alarm|area(?:gain|loss|ref)|battery|bogie|car|chainage|chars|comment|"
+        r"curve|date|device|driver|empl(?:oyee)?(?:num|no)?|field id|file(?: ?name)?|flag|grade|id|"
+        r"instrument|km|kp|line|location|location_(?:latitude|longitude)|mileage|mp|name|operator|"
+        r"originalheader|program ?(?:date|name|ver|version)|qr|rcf|s[dh]|serial ?(?:no|number)|"
+        r"speed|stock|temperature|time|title|train|type|uof\d|user ?name|vehicle|version|w\d|"
+        r"windows ?version)=[^=]*$",
+    }
+
+
+_MEANINGS = _write_patterns()
+"""Patterns of remarks, in lower case, by their meaning."""
 
 
 class TextError(ValueError):
