@@ -42,10 +42,10 @@ stress_volume, fatigue
 
 **Fits** fit, FitDesign, FitResult, open_fit, FitError
 
-**Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, InterfacialLayer, Slope, Bound, Elasticity,
-ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions, Energy, PerBody,
-SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie,
-OrthogonalShear, VolumeLife, Woehler; allow_laws
+**Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
+Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions,
+Energy, PerBody, SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley,
+FatemiSocie, OrthogonalShear, VolumeLife, Woehler; allow_laws
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 

@@ -28,6 +28,7 @@ from .mechanics import InterfacialLayer as InterfacialLayer
 from .mechanics import Material as Material
 from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import PerBody as PerBody
+from .mechanics import ScaledFriction as ScaledFriction
 from .mechanics import SlidingShare as SlidingShare
 from .mechanics import Slope as Slope
 from .mechanics import SpectralHalfSpaces as SpectralHalfSpaces

@@ -198,10 +198,15 @@ def math_label(quantity: Labelled) -> str:
     return format_with_unit(f"${math_symbol(quantity)}$", quantity.unit)
 
 
+def format_place(coordinate: Labelled, value: float) -> str:
+    """Return a revolution or distance in the format of its column, thousands with commas."""
+    return f"{value:,{coordinate.format}}"
+
+
 def math_value(quantity: Labelled, value: float) -> str:
-    """Return symbol, value and unit of a quantity as math text, as in "$N = 50$"."""
+    """Return symbol, value and unit of a coordinate with math text, as in "$N$ = 1,000"."""
     unit = f" {quantity.unit}" if format_unit(quantity.unit) else ""
-    return f"${math_symbol(quantity)} = {value:{quantity.format}}${unit}"
+    return f"${math_symbol(quantity)}$ = {format_place(quantity, value)}{unit}"
 
 
 def html_symbol(symbol: str) -> Html:

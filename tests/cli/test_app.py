@@ -1,9 +1,13 @@
+import re
 import subprocess
 import sys
 from importlib.metadata import version
 
 import pytest
+import typer
 
+from tractive_sam.cli.program import app
+from tractive_sam.cli.scene_input import complete_creep_tables
 from tractive_sam.scene import Scene, builtin_names
 
 
@@ -37,6 +41,20 @@ def test_help(call, arguments):
     result = call(*arguments)
     assert result.exit_code == 0
     assert "Usage" in result.stdout
+
+
+def test_help_shows_names_in_brackets(call, monkeypatch):
+    """Brackets are markup in help texts, unless they are escaped."""
+    monkeypatch.setenv("COLUMNS", "400")  # no line breaks
+    commands = typer.main.get_command(app).commands
+    seen = []
+    for name in commands:
+        callback = commands[name].callback
+        names = re.findall(r"\[+[a-z.]+\]+", callback.__doc__.replace("\n", " "))
+        shown = call(name, "--help").stdout
+        seen += [text for text in names if text in shown]
+        assert [text for text in names if text not in shown] == []
+    assert "[[fit.test]]" in seen
 
 
 @pytest.mark.slow
@@ -79,3 +97,9 @@ def test_a_scene_to_start_from(call, folder):
     assert (folder / "cylinders.toml").read_bytes() == written
     assert call("scenes", "--write", "nonsense").exit_code == 2
     assert call("explain", "cylinders.toml").exit_code == 0
+
+
+def test_tables_are_completed(folder):
+    (folder / "stiff.nc").touch()
+    (folder / "stress.h5").touch()
+    assert complete_creep_tables("st") == ["steel", "stiff.nc"]

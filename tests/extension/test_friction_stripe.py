@@ -42,6 +42,17 @@ class Capped(ts.Coulomb):
         return ts.Bound(np.minimum(pressure, most), np.where(pressure < most, 1.0, 0.0))
 
 
+@dataclass(frozen=True, eq=False)
+class PressureDependent(ts.ScaledFriction):
+    """Any friction law whose bound is multiplied by 1/2 at the pressure `half`, MPa."""
+
+    half: float = 1000.0
+
+    def factors(self, pressure):
+        factor = 1.0 / (1.0 + pressure / self.half)
+        return factor, -(factor**2) / self.half
+
+
 def integral(x, y):
     """Of 1/r over a rectangle, from its corner at the origin."""
     return x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
@@ -120,3 +131,23 @@ def test_a_strength_caps_the_traction(body):
     plain = ts.solve(scene.replace(**{"solver.method": "uzawa"}), laws=laws)
     np.testing.assert_allclose(plain.traction, contact.traction, atol=1e-5 * law.strength)
     assert contact.cost.applications < 0.2 * plain.cost.applications
+
+
+def test_a_factor_of_the_pressure_holds_for_falling_friction_too():
+    law = {"law": "exponential", "static": MU, "kinetic": 0.2, "half_speed": 300.0}
+    sliding = SCENE.replace(friction=law, creepage={"longitudinal": -0.05, "speed": 2e4})
+    plain = ts.Laws.of(sliding).friction
+    contact = ts.solve(sliding, laws=ts.Laws.of(sliding).replace(
+        friction=PressureDependent(plain, half=400.0)))  # fmt: skip
+    pressure = contact.pressure
+    # The creepage of 1000 mm/s is more than three half speeds: full slip at nearly constant speed.
+    expected = (0.2 * pressure / (1.0 + pressure / 400.0)).sum() / pressure.sum()
+    share = 0.2 / (0.2 + 0.1 * 2.0 ** (-1000.0 / 300.0))
+    assert expected < contact.Qx / contact.P < 1.01 * expected / share
+
+
+def test_derivative_of_a_factor_of_the_pressure():
+    law, p, h = PressureDependent(ts.Coulomb(mu=(MU, MU))), np.array([[50.0, 900.0]]), 1e-3
+    low, high = (law.bound(p + change, 0.0, 0.0).radius for change in (-h, h))
+    difference = (high - low) / (2 * h)  # of second order, h/half = 1e-6, and its rounding
+    np.testing.assert_allclose(law.bound(p, 0.0, 0.0).by_pressure, difference, rtol=1e-8)

@@ -12,6 +12,8 @@ import tractive_sam as ts
 from tests.plot import strip_theory as strips
 from tests.plot.rendering import render
 from tractive_sam import plot
+from tractive_sam.plot.options import change_options
+from tractive_sam.plot.style import LOOK, new_figure
 
 OF_A_STATE = (
     plot.pressure,
@@ -74,7 +76,7 @@ def test_the_power_of_ten_is_over_its_colour_bar():
 def test_maps_side_by_side_share_their_colours():
     figure = plot.pressure_over_revolutions(strips.history())
     *maps, bar = figure.axes
-    assert [ax.get_title() for ax in maps] == ["$N = 0$", "$N = 10$", "$N = 100$"]
+    assert [ax.get_title() for ax in maps] == ["$N$ = 0", "$N$ = 10", "$N$ = 100"]
     meshes = [mesh for ax in maps for mesh in ax.collections if isinstance(mesh, QuadMesh)]
     assert len(meshes) == 3
     for mesh in meshes:
@@ -289,3 +291,13 @@ def test_what_does_not_touch_is_left_out(tmp_path):
 def test_every_drawing_is_a_figure_that_notebooks_show(room):
     module = importlib.import_module(f"tractive_sam.plot.{room}")
     assert getattr(module, "Figure", plot.Figure) is plot.Figure
+
+
+def test_pdf_has_fonts_that_journals_accept(tmp_path):
+    plot.forces(strips.history()).savefig(tmp_path / "forces.pdf")
+    assert b"/Type3" not in (tmp_path / "forces.pdf").read_bytes().replace(b" ", b"")
+
+
+def test_no_figure_is_lower_than_45_mm():
+    with change_options(scale=84.0 / 25.4 / LOOK.panel_width):
+        assert new_figure(1.8, 0.6).get_figheight() >= 45.0 / 25.4

@@ -37,6 +37,8 @@ SMALL = [f"body.{body}.radius_x=0.03" for body in "AB"]
         (["wear.intensity=1e-14"], r"wear\.intensity: k"),
         ([*SMALL, "load.pressure=300"], r"body\.A\.radius_x"),
         (["body.B.young=2.1e8"], r"body\.B: E"),
+        (["creepage.speed=1.2"], r"creepage\.speed: 1.2 mm/s"),
+        (["body.A.width=0.1"], r"describe a crown by \[gap\]"),
     ],
 )
 def test_what_looks_like_another_unit(settings, key):

@@ -143,8 +143,7 @@ def keys(table: _Table = None) -> None:
         inside = wanted is None or any(f"{name}.".startswith(f"{wanted}.") for name in group.names)
         if not (inside and group.keys):
             continue
-        heading = ", ".join(f"[{name}]" for name in group.names if name) or "Above all tables"
-        out.print(f"\n{heading}", style="bold")
+        out.print(f"\n{group.headings or 'Above all tables'}", style="bold")
         out.print(group.about.split("\n\n")[0].replace("\n", " "))
         rows = Table(box=box.SIMPLE_HEAD, pad_edge=False)
         for head in ("key", "meaning, unit", "allowed", "default"):
@@ -163,7 +162,7 @@ def scenes(write: _Name = None) -> None:
     Parameters
     ----------
     write
-        Write this scene to NAME.toml, with a comment on every key.
+        Write this scene to NAME.toml, with a comment on each of its keys.
     """
     from tractive_sam.output_file import write_file
     from tractive_sam.scene import Scene, builtin_names, commented_scene

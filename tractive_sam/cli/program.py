@@ -91,8 +91,8 @@ def _add_command(command: Callable[..., None]) -> None:
         kind = command.__annotations__[name]
         if not hasattr(kind, "__metadata__"):
             kind = command.__annotations__[name] = Annotated[kind, typer.Option()]
-        kind.__metadata__[0].help = " ".join(described.split())
-    app.command(help=summary)(command)
+        kind.__metadata__[0].help = " ".join(described.split()).replace("[", r"\[")  # no markup
+    app.command(help=summary.replace("[", r"\["))(command)
 
 
 # fmt: off

@@ -17,14 +17,24 @@ STANDARD_INPUT = "-"
 
 def complete_scenes(incomplete: str) -> list[str]:
     """Return the completions of a scene argument: built-in names, scene files and folders."""
+    return [*complete_builtin(incomplete), *_complete_files(incomplete, ".toml")]
+
+
+def complete_creep_tables(incomplete: str) -> list[str]:
+    """Return the completions of a table argument: the built-in table, designs, tables, folders."""
+    from tractive_sam.tables import builtin_tables
+
+    names = [name for name in builtin_tables() if name.startswith(incomplete)]
+    return [*names, *_complete_files(incomplete, ".toml", ".nc")]
+
+
+def _complete_files(incomplete: str, *suffixes: str) -> list[str]:
+    """Return files with one of the suffixes, and folders, whose names begin with a text."""
     from glob import escape
 
     files = Path().glob(f"{escape(incomplete)}*") if not Path(incomplete).is_absolute() else ()
     paths = [f"{file}/" if file.is_dir() else str(file) for file in files]
-    return [
-        *complete_builtin(incomplete),
-        *sorted(path for path in paths if path.endswith(("/", ".toml"))),
-    ]
+    return sorted(path for path in paths if path.endswith(("/", *suffixes)))
 
 
 def complete_keys(incomplete: str) -> list[str]:

@@ -20,12 +20,15 @@ from tractive_sam.cli.output import (
     report_warnings,
     show_progress,
 )
-from tractive_sam.cli.scene_input import Allow
+from tractive_sam.cli.scene_input import Allow, complete_creep_tables
 from tractive_sam.cli.study import check_workers
 
 
 def table(
-    file: Annotated[str, typer.Argument(metavar="TABLE.toml|FILE.nc|NAME")],
+    file: Annotated[
+        str,
+        typer.Argument(metavar="TABLE.toml|FILE.nc|NAME", autocompletion=complete_creep_tables),
+    ],
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.nc")] = None,
     header: Annotated[Path | None, typer.Option(metavar="FILE.h")] = None,
     fmu: Annotated[Path | None, typer.Option(metavar="FILE.fmu")] = None,

@@ -294,16 +294,24 @@ class FrictionLaw(Law, ABC):
 class ScaledFriction(FrictionLaw):
     """A friction law with its traction bound multiplied by a factor.
 
+    A subclass may define `factors`, for a factor that depends on the pressure.
+
     Parameters
     ----------
     law : FrictionLaw
         The law without the factor.
     factor : float or ndarray, shape (n_x, n_y)
         Factor on its bound.
+
+    Examples
+    --------
+    >>> law = ts.ScaledFriction(ts.Coulomb(mu=(0.5, 0.5)), 0.8)
+    >>> law.bound(np.array([[100.0, 300.0]]), 0.0, 0.0).radius
+    array([[ 80., 240.]])
     """
 
     law: FrictionLaw
-    factor: float | np.ndarray
+    factor: float | np.ndarray = 1.0
 
     @property
     def frame(self) -> Frame:
@@ -317,7 +325,7 @@ class ScaledFriction(FrictionLaw):
 
     def bound(self, pressure: np.ndarray, x: np.ndarray, y: np.ndarray) -> Bound:
         """Return the traction bound of the law at rest, times the factor (`FrictionLaw.bound`)."""
-        return self._scaled(self.law.bound(pressure, x, y))
+        return self._scaled(self.law.bound(pressure, x, y), pressure)
 
     def bound_sliding(
         self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray, second: bool
@@ -326,7 +334,7 @@ class ScaledFriction(FrictionLaw):
 
         Parameters as in `FrictionLaw.bound_sliding`.
         """
-        return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second))
+        return self._scaled(self.law.bound_sliding(pressure, slip, x, y, second), pressure)
 
     def on_rows(self, y: np.ndarray, place: np.ndarray) -> "ScaledFriction":
         """Return the law on a mesh, with its factor (`FrictionLaw.on_rows`)."""
@@ -336,12 +344,23 @@ class ScaledFriction(FrictionLaw):
         """Return the law with the rolling speed multiplied by `ratio`; 0 gives the static law."""
         return replace(self, law=self.law.at_speed_ratio(ratio))
 
-    def _scaled(self, bound: Bound) -> Bound:
-        """Return a bound and its derivatives, multiplied by the factor."""
-        slope, factor = bound.slope, self.factor
+    def factors(self, pressure: np.ndarray) -> tuple[float | np.ndarray, float | np.ndarray]:
+        """Return the factor and its derivative by the pressure; by default `factor` and 0.
+
+        Parameters
+        ----------
+        pressure : ndarray, shape (n_x, n_y)
+            Contact pressure, MPa.
+        """
+        return self.factor, 0.0
+
+    def _scaled(self, bound: Bound, pressure: np.ndarray) -> Bound:
+        """Return a bound and its derivatives, multiplied by the factor at a pressure."""
+        slope, (factor, change) = bound.slope, self.factors(pressure)
         if slope is not None:
             slope = replace(slope, by_share=factor * slope.by_share)
-        return Bound(factor * bound.radius, factor * bound.by_pressure, slope)
+        by_pressure = factor * bound.by_pressure + change * bound.radius
+        return Bound(factor * bound.radius, by_pressure, slope)
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
 
+from tractive_sam.description import format_place
 from tractive_sam.plot.contact_view import (
     ContactView,
     check_touching,
@@ -203,7 +204,7 @@ class ContactMap:
         maps = [cls(figure, layout.left + k * step, view, frame) for k, view in enumerate(views)]
         for chart in maps:
             narrow = frame.width < layout.narrow / 2 and chart.view is not first
-            at = format(chart.view.at, first.coordinate.format) if narrow else chart.view.position
+            at = format_place(first.coordinate, chart.view.at) if narrow else chart.view.position
             chart.axes.set_title(at, loc="center")
         share_y_axis([chart.axes for chart in maps])
         return figure, maps

@@ -9,11 +9,10 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
-from tractive_sam.description import math_label
+from tractive_sam.description import format_place, math_label
 from tractive_sam.plot.contact_map import ContactMap
 from tractive_sam.plot.contact_view import (
     SINGLE_ROW,
@@ -37,6 +36,7 @@ from tractive_sam.plot.style import (
     history_title,
     new_axes,
     new_figure,
+    record_colours,
     set_title,
 )
 from tractive_sam.results import BODIES, History
@@ -61,7 +61,8 @@ def traction_sections(view: ContactView, offset: float = 0.75) -> Figure:
     half, symbol = scale.a, scale.a_symbol
     if not offset * scale.a < scale.b < 3.0 * scale.a:
         half, symbol = scale.b, scale.b_symbol
-    lines = {"$y = 0$": 0.0, f"$y = {offset}\\,{symbol}$": offset * half}
+    at = f"{offset}\\,{symbol}$" if scale.relative else f"{offset * half:.3g}$ mm"
+    lines = {"$y = 0$": 0.0, f"$y = {at}": offset * half}
     pressure = view.contact.pressure
     lines = {name: y for name, y in lines.items() if _along_line(view, pressure, y).any()} or {
         "row of the largest pressure": float(view.y[pressure.max(axis=0).argmax()])
@@ -209,10 +210,9 @@ def line_pressures(history: History) -> Figure:
     views = [ContactView.from_source(history, at) for at in history.saved]
     figure, axes = rolling_axes("", *views)
     places = select_evenly(history.saved)
-    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
-    for at, shade in zip(places, shades, strict=True):
+    for at, shade in zip(places, record_colours(len(places)), strict=True):
         pressure = history.field("pressure", at)[:, 0]
-        label = format(at, history.coordinate.format)
+        label = format_place(history.coordinate, at)
         axes.plot(history.x / scale.length, pressure / scale.pressure, color=shade, label=label)
     axes.set(ylim=(0.0, None), ylabel=scale.pressure_label("p_n"))
     set_title(figure, history_title(history, "contact pressure", scale.note))
@@ -465,10 +465,9 @@ def _draw_records(axes: Axes, history: History, *functions: Callable[[float], np
     """Draw functions of the coordinate over y at up to eight stored records, later ones darker."""
     y = history.y / Scale.from_history(history).across
     places = select_evenly(history.saved).tolist()
-    shades = colormaps["viridis_r"](np.linspace(0.08, 1.0, len(places)))
-    for at, shade in zip(places, shades, strict=True):
+    for at, shade in zip(places, record_colours(len(places)), strict=True):
         lines = axes.plot(y, np.transpose([function(at) for function in functions]), color=shade)
-        lines[0].set_label(format(at, history.coordinate.format))
+        lines[0].set_label(format_place(history.coordinate, at))
     axes.set_xlim(y.min(), y.max())
     if len(places) > 1:
         title = math_label(history.coordinate)

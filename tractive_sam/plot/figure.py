@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import IO, Any
 
+import matplotlib as mpl
 import matplotlib.figure
 import numpy as np
 from matplotlib.artist import Artist
@@ -169,7 +170,8 @@ class Figure(matplotlib.figure.Figure):
         if not path.suffix:
             path = path.with_name(f"{path.name.rstrip('.')}.{options['format']}")
         memory = BytesIO()
-        super().savefig(memory, **options)
+        with mpl.rc_context({"pdf.fonttype": 42}):  # TrueType: journals refuse type 3
+            super().savefig(memory, **options)
         write_file(path, memory.getbuffer())
 
     def _repr_png_(self) -> tuple[bytes, dict[str, float]]:

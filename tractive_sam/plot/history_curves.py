@@ -171,14 +171,14 @@ def stress_course(history: History) -> Figure:
     """
     scale = Scale.from_history(history)
     figure, axes = course_axes(history, "largest stress in each body", scale.note)
-    for kind, style in (("interior", "-"), ("surface", "--")):
+    # The largest stress at a surface is one element wide and jumps between records: no line.
+    for kind, style in (("interior", {}), ("surface", {"linestyle": "", "marker": "."})):
         column = history.of_role(f"stress_{kind}")
         for body in history.bodies:
             look: dict[str, Any] = {
                 "color": LOOK.bodies[body],
-                "linestyle": style,
                 "label": f"{body}, {kind}",
-            }
+            } | style
             draw_column(axes, history, column.name, body, divisor=scale.pressure, **look)
     axes.set(ylim=(0.0, None), ylabel=scale.pressure_label(column.symbol))
     axes.legend(loc="lower right", ncols=2)
@@ -218,7 +218,7 @@ def measured_column(history: History, column: str) -> Figure:
     of_body = f" of body {body}" if body else ""
     figure, axes = course_axes(history, f"measured and computed {name.replace('_', ' ')}{of_body}")
     draw_column(axes, history, name, body, label="computed")
-    axes.set_ylabel(math_label(history.columns[name]))
+    axes.set_ylabel(math_label(history.columns[name]) + of_body)
     return figure
 
 

@@ -9,6 +9,7 @@ from textwrap import wrap
 from typing import Any, ParamSpec, Self, TypeVar
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.rcsetup import cycler
@@ -51,6 +52,8 @@ class Look:
     signed: str = "RdBu_r"
     # A figure with one panel is as wide as a column of a journal and legible on a screen, inches.
     panel_width: float = 4.8
+    # No figure is lower, mm.
+    least_height: float = 45.0
     # Longer titles are cut, characters.
     longest_title: int = 300
 
@@ -120,7 +123,8 @@ def apply_style(draw: Callable[Arguments, Result]) -> Callable[Arguments, Result
 
 def new_figure(width: float = 1.0, height: float = 0.66) -> Figure:
     """Return an empty figure; its sides are in widths of a figure with one panel."""
-    return Figure(figsize=(width * LOOK.width, height * LOOK.width))
+    least = LOOK.least_height / 25.4
+    return Figure(figsize=(width * LOOK.width, max(height * LOOK.width, least)))
 
 
 def new_axes(width: float = 1.0, height: float = 0.66, title: str = "") -> tuple[Figure, Axes]:
@@ -142,6 +146,11 @@ def line_colours(number: int) -> list[tuple[float, float, float]]:
             red, green, blue = ((1.0 - share) * part + share * end for part in to_rgb(colour))
             colours.append((red, green, blue))
     return colours[:number]
+
+
+def record_colours(number: int) -> np.ndarray:
+    """Return the colours of lines of this number of records: later ones are darker."""
+    return mpl.colormaps["viridis_r"](np.linspace(0.25, 1.0, number))
 
 
 def format_title(title: str, *notes: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar
 
 from tractive_sam.mechanics import (
@@ -209,6 +209,12 @@ class Body(Table):
     32.5
     """
 
+    key_advice: ClassVar[Mapping[str, str]] = {
+        "tilt": "[gap] with heights that rise across the track, for axes that are not parallel",
+        "crown": "radius_y, the radius across the track, or [gap] for other shapes",
+        "hardness_depth": "hardness, which is constant over the depth; for a hardened layer, judge "
+        "the stress at its depth ([subsurface]) by its strength there",
+    }
     young: Positive | None = optional("Young's modulus, MPa")
     shear: Positive | None = optional("shear modulus, MPa")
     poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)

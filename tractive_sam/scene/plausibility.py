@@ -165,6 +165,12 @@ def read_creepages(scene: Any) -> Iterator[Reading]:
         yield Reading(f"creepage.{key}", abs(creepage), details)
 
 
+def read_speed(scene: Any) -> Iterator[Reading]:
+    """Yield the rolling speed, mm/s."""
+    speed = scene.creepage.speed
+    yield Reading("creepage.speed", speed, {"mm": 1e3 * speed})
+
+
 def read_friction(scene: Any) -> Iterator[Reading]:
     """Yield the larger of the friction coefficients mu1 and mu2."""
     yield Reading("friction.mu", max(scene.friction.mu))
@@ -337,7 +343,8 @@ RULES = (
         "scene",
         read_widths,
         "the contact is {width:.3g} mm wide and body {name} {body:g} mm; its edges, at which the "
-        "pressure rises, are not modelled",
+        "pressure rises, are not modelled: reduce the load, describe a crown by [gap], or compute "
+        "a line contact (radius_y = inf, load.normal in N/mm)",
         "the distance to an edge is then a quarter of the half width",
         above=0.8,
     ),
@@ -369,6 +376,17 @@ RULES = (
         "{given:g} is {percent:g} %; if {given:g} % is meant, write {meant:g}",
         "beyond 0.1 bodies slide rather than roll; 1 is one body at rest",
         above=0.1,
+    ),
+    Rule(
+        "speed in m/s",
+        "scene",
+        read_speed,
+        "{value:g} mm/s is slow; is it in m/s? {value:g} m/s is {mm:g} mm/s; falling friction and "
+        "heat depend on the speed",
+        "discs, gears and wheels roll at 1e2 to 1e5 mm/s, in m/s 0.1 to 100",
+        needs="creepage.speed",
+        above=0.0,
+        below=60.0,
     ),
     Rule(
         "friction in per cent",

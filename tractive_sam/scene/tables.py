@@ -155,7 +155,9 @@ class Load(Table):
     force_x: Real | None = optional("prescribed force Q_x on body A, N or N/mm")
     force_y: Real | None = optional("prescribed force Q_y on body A, N or N/mm")
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach", "pressure"),)
-    renamed_keys: ClassVar[Mapping[str, str]] = {"traction_x": "force_x", "traction_y": "force_y"}
+    key_advice: ClassVar[Mapping[str, str]] = {
+        f"traction_{axis}": f"force_{axis}, the new name of the key" for axis in "xy"
+    }
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows (label, text): the load and the peak pressure by Hertz.
@@ -197,6 +199,7 @@ class Creepage(Table):
     Creepage(longitudinal=-0.005, lateral=0.0, spin=0.01, speed=None)
     """
 
+    key_advice: ClassVar[Mapping[str, str]] = {"slip": "longitudinal, lateral or spin"}
     longitudinal: Real = entry("longitudinal creepage xi_x", default=0.0)
     lateral: Real = entry("lateral creepage xi_y", default=0.0)
     spin: Real = entry("spin creepage phi, 1/mm", default=0.0)

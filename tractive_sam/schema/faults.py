@@ -136,7 +136,8 @@ def suggest_name(name: str, names: Iterable[str], meanings: Mapping[str, str] = 
     """
     names = list(names)
     listed = f"{'one of ' * (len(names) > 1)}{', '.join(names)}"
-    reordered = [key for key in names if sorted(key.split("_")) == sorted(name.split("_"))]
+    parts = sorted(name.lower().split("_"))
+    reordered = [key for key in names if sorted(key.lower().split("_")) == parts]
     nearest = reordered or difflib.get_close_matches(name, names, n=1)
     if not nearest:
         described = [key for key in names if name in re.findall(r"\w+", meanings.get(key, ""))]

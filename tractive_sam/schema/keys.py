@@ -55,11 +55,20 @@ class KeyGroup:
         Description in a few lines.
     keys : tuple of Key
         Keys, without keys of inner tables.
+    of_array : bool
+        Whether the tables are items of arrays.
     """
 
     names: tuple[str, ...]
     about: str
     keys: tuple[Key, ...]
+    of_array: bool = False
+
+    @property
+    def headings(self) -> str:
+        """Headings of the tables as in a file, "[[duty]]" of an array; "" of the document."""
+        left, right = ("[[", "]]") if self.of_array else ("[", "]")
+        return ", ".join(f"{left}{name}{right}" for name in self.names if name)
 
 
 def split_key(key: str) -> list[str | int]:
@@ -77,7 +86,7 @@ def join_key(path: Iterable[str | int]) -> str:
     return "".join(parts).lstrip(".")
 
 
-def key_groups(table: Any, *names: str) -> Iterator[KeyGroup]:
+def key_groups(table: Any, *names: str, of_array: bool = False) -> Iterator[KeyGroup]:
     """Yield a `KeyGroup` for a table class and for each class of its inner tables.
 
     Parameters
@@ -86,17 +95,19 @@ def key_groups(table: Any, *names: str) -> Iterator[KeyGroup]:
         The class.
     *names : str
         Dotted names of tables of this class in the document; none for the document itself.
+    of_array : bool
+        Whether these tables are items of arrays, as [[duty]].
     """
     inner: dict[Any, list[str]] = {}
     for name, info in table.model_fields.items():
         if kind := table.table_class(info):
-            inner.setdefault(kind, []).append(name)
-    yield KeyGroup(names or ("",), _summary(table), tuple(_keys(table)))
-    for kind, inner_names in inner.items():
+            is_array = get_origin(info.annotation) is tuple
+            inner.setdefault((kind, is_array), []).append(name)
+    yield KeyGroup(names or ("",), _summary(table), tuple(_keys(table)), of_array)
+    for (kind, is_array), inner_names in inner.items():
         outer = names or ("",)
-        yield from key_groups(
-            kind, *(f"{table}.{name}".lstrip(".") for table in outer for name in inner_names)
-        )
+        places = (f"{table}.{name}".lstrip(".") for table in outer for name in inner_names)
+        yield from key_groups(kind, *places, of_array=is_array)
 
 
 def _keys(table: type[BaseModel]) -> Iterator[Key]:

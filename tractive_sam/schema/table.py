@@ -101,7 +101,7 @@ class Table(TableBase, metaclass=_TableType):
     internal: ClassVar[frozenset[str]] = frozenset(
         (
             *("check_complete", "checks", "describe_array", "effect", "error_class", "find_field"),
-            *("find_parameter", "internal", "renamed_keys", "table_class", "unfold"),
+            *("find_parameter", "internal", "key_advice", "table_class", "unfold"),
         )
     )
     """Names that the package uses and completion leaves out."""

@@ -48,7 +48,7 @@ class TableBase(BaseModel):
     )
     checks: ClassVar[tuple[Check, ...]] = ()
     """Checks between the entries of the table."""
-    renamed_keys: ClassVar[Mapping[str, str]] = {}
+    key_advice: ClassVar[Mapping[str, str]] = {}
     """New names of keys by their names in older versions, for messages."""
 
     @classmethod
@@ -123,8 +123,8 @@ def suggest_key(table: type[TableBase], name: str) -> str:
         for outer, info in table.model_fields.items()
         if (kind := inner_table(info)) and name in kind.model_fields
     ]
-    if name in table.renamed_keys:
-        return f"{table.renamed_keys[name]}, the new name of the key"
+    if name in table.key_advice:
+        return table.key_advice[name]
     if inner:
         return f"{' or '.join(inner)}, perhaps? The key belongs in a table"
     meanings = {key: info.title or "" for key, info in table.model_fields.items()}
