@@ -5,7 +5,7 @@ import numpy as np
 from tractive_sam.description import Description, Section, format_duration
 from tractive_sam.fitting.case import FitCase, exact_columns, is_steady
 from tractive_sam.fitting.data import Measured
-from tractive_sam.fitting.design import Data, FitDesign, Parameters
+from tractive_sam.fitting.design import FitDesign, Parameters
 from tractive_sam.fitting.run import read_all
 from tractive_sam.fitting.series import Series, groups_of
 from tractive_sam.studies import estimate_times
@@ -39,25 +39,26 @@ def explain_fit(design: FitDesign) -> Description:
         cases |= {scene.fingerprint(): FitCase(scene, series.columns) for scene in scenes}
         kind = "contacts" if is_steady(scenes[0]) else "runs"
         data_sets.append((measured.data.name or series.key, _describe_data(measured, kind)))
-    changed = [len(fit.free) - _count_exact(case, fit.free) for case in cases.values()]
+    exact = (
+        exact_columns(case.scene, case.columns, fit.free) if case.is_steady else {}
+        for case in cases.values()
+    )
+    changed = [len(fit.free) - len(keys) for keys in exact]
     times = estimate_times((case.scene for case in cases.values()), with_files=False)
     seconds = float(np.dot(times, np.add(changed, 1)))
     runs = sum(not case.is_steady for case in cases.values())
     counts = f"{len(cases) - runs} contacts and {runs} runs, and {sum(changed)} with a changed"
+    points = fit.curve * sum(bool(data_set.vary) for data_set in fit.data)
+    finer = "; all data once on a finer mesh (fit.mesh_check)" * fit.mesh_check
     work = [
         ("an iteration", f"{counts} parameter; about {format_duration(seconds)} of one core"),
         ("iterations", f"at most {fit.iterations * fit.starts}"),
-        ("afterwards", _describe_rest(fit.data, fit.curve, fit.mesh_check)),
+        ("afterwards", f"intervals, and up to {points} contacts for figures (fit.curve){finer}"),
     ]
     rows = [(key, _describe_parameter(parameters, k)) for k, key in enumerate(fit.free)]
     return Description(
         (Section("Parameters", rows), Section("Data", data_sets), Section("Work", work))
     )
-
-
-def _count_exact(case: FitCase, keys: tuple[str, ...]) -> int:
-    """Return the number of keys with exact derivatives, which need no further computation."""
-    return len(exact_columns(case.scene, case.columns, keys)) if case.is_steady else 0
 
 
 def _describe_parameter(parameters: Parameters, k: int) -> str:
@@ -77,10 +78,3 @@ def _describe_data(measured: Measured, kind: str) -> str:
     body = f" of body {data.body}" if data.body else ""
     along = f" over {', '.join(data.vary)}" if data.vary else ""
     return f"{measured.points} values of {', '.join(data.observe)}{body}{along}, from {kind}"
-
-
-def _describe_rest(data: tuple[Data, ...], curve: int, mesh_check: bool) -> str:
-    """Describe what is computed after the search: intervals, curves of figures, finer mesh."""
-    curves = sum(bool(data_set.vary) for data_set in data)
-    text = f"intervals, and up to {curve * curves} contacts for figures (fit.curve)"
-    return text + ("; all data once on a finer mesh (fit.mesh_check)" if mesh_check else "")

@@ -241,7 +241,7 @@ def _read_table(file: h5py.File) -> StoredTable:
 def _read_numbers(file: h5py.File, name: str) -> np.ndarray:
     """Return a numeric dataset as an array; links and external datasets are refused."""
     try:
-        return numeric_dataset(get_member(file, name))[()]
+        return np.asarray(numeric_dataset(get_member(file, name))[()], float)
     except (KeyError, ValueError) as error:
         raise ValueError(f"{name}: {error}") from error
 
