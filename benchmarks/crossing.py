@@ -19,8 +19,7 @@ from scipy.interpolate import CubicSpline
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, equilibrium
-from tractive_sam.contact.wheel_rail import share_load
+from tractive_sam.contact import Model, equilibrium, share_load
 from tractive_sam.rail import Patch, Profile, RailSections, read_profile
 
 ORIGIN = (750.0, 0.0)

@@ -1,25 +1,27 @@
 """The package compared with closed forms, tables and an independent program.
 
 The cases are Hertz's solution and the mesh convergence of Q_x for `spheres`, its creep-force curve,
-Kalker's creep coefficients, and orthotropic friction for all angles. The values of the program
-CONTACT and of Kalker's table are in tests/data/reference.json.
+orthotropic friction for all angles, and all published sets of `tractive-sam validate`. The values
+of the program CONTACT are in tests/data/reference.json.
 
 Page: docs/validation.md
 """
 
 import json
+import shutil
+import tempfile
 import warnings
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.special import elliprd
 from timing import RESULTS, show, write
 
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.reference import creep_coefficients, kalker_simplified, vermeulen_johnson
+from tractive_sam.reference import kalker_simplified, vermeulen_johnson
 from tractive_sam.scene import Scene
 from tractive_sam.schema import PlausibilityWarning
+from tractive_sam.validation import validate
 
 REFERENCE = json.loads(
     (Path(__file__).parents[1] / "tests" / "data" / "reference.json").read_text()
@@ -115,57 +117,14 @@ def creep_force_curve():
     figure.savefig(RESULTS / "creep_force_curve.png", dpi=150)
 
 
-def kalker_table():
-    rows = []
-    for ratio in (0.1, 0.3, 0.5, 1.0, 2.0, 5.0, 10.0):
-        for poisson in (0.0, 0.25, 0.5):
-            truth = creep_coefficients(ratio, poisson)
-            meshes = (60, 90, 120, 160) if 0.2 < ratio < 5 else (40, 60, 80, 100)
-            coefficients = np.array([no_slip(ratio, poisson, n) for n in meshes])
-            h = 1.0 / np.array(meshes)
-            row = {"a/b": ratio, "nu": poisson}
-            for k, name in enumerate(("C11", "C22", "C23", "C33")):
-                limit, error = line_through(h, coefficients[:, k])
-                row |= {name: limit, f"{name} +-": error, f"{name} Kalker": truth[k]}
-                row[f"{name} %"] = 100 * (limit / truth[k] - 1)
-            rows.append(row)
-    show("Creep coefficients without slip, extrapolated over four meshes", rows)
-    write("kalker_coefficients", rows)
-
-
-def no_slip(a_over_b: float, poisson: float, across: int) -> np.ndarray:
-    """Return C11, C22, C23, C33 on a mesh with `across` elements over each axis of the ellipse.
-
-    G = 1; friction is too high to slip; sizes are corrected for the area of the contact on the
-    mesh.
-    """
-    a, b, p0 = 1.0, 1.0 / a_over_b, 1e-3
-    scale = p0 * a * b * (1 - poisson) / 3
-    radius_x, radius_y = (0.5 / (scale * elliprd(0.0, u * u, v * v)) for u, v in ((b, a), (a, b)))
-    body = {"shear": 1.0, "poisson": poisson, "radius_x": 2 * radius_x, "radius_y": 2 * radius_y}
-    out = []
-    for creepage in ("longitudinal", "lateral", "spin"):
-        c = solved(
-            Scene(
-                body={"A": body, "B": body},
-                load={"normal": 2 / 3 * np.pi * a * b * p0},
-                creepage={creepage: 1e-9},
-                friction={"mu": 1000.0},
-                grid={
-                    "half_length": (1.1 * a, 1.1 * b),
-                    "elements": (int(1.1 * across), int(1.1 * across)),
-                },
-            )
-        )
-        area = np.count_nonzero(c.touching) * c.grid.element_area
-        size = np.sqrt(a * b * area / (np.pi * a * b))
-        if creepage == "longitudinal":
-            out.append(-c.Qx / (size**2 * c.xi_x))
-        elif creepage == "lateral":
-            out.append(-c.Qy / (size**2 * c.xi_y))
-        else:
-            out += [-c.Qy / (size**3 * c.spin), -c.Mz / (size**4 * c.spin)]
-    return np.array(out)
+def published_sets():
+    """Compute all published sets, as `tractive-sam validate` does."""
+    with tempfile.TemporaryDirectory() as folder:
+        outcomes = validate(folder)
+        shutil.copy(Path(folder) / "comparisons.csv", RESULTS / "published_sets.csv")
+    values = [one for outcome in outcomes for one in outcome.comparisons]
+    agree = sum(one.agrees for one in values)
+    print(f"{len(outcomes)} published sets: {agree} of {len(values)} values agree")
 
 
 def orthotropic_angles():
@@ -223,4 +182,4 @@ if __name__ == "__main__":
     mesh_convergence()
     creep_force_curve()
     orthotropic_angles()
-    kalker_table()
+    published_sets()

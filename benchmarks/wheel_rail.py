@@ -16,144 +16,18 @@ import numpy as np
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, equilibrium, solve_patches_on_fitted_mesh
-from tractive_sam.contact.wheel_rail import share_load
-from tractive_sam.rail import Patch
+from tractive_sam.contact import Model, equilibrium, share_load, solve_patches_on_fitted_mesh
+from tractive_sam.validation.wheel_rail import (
+    NAMES,
+    PATCHES,
+    POSITIONS,
+    Position,
+    model_of_position,
+    solve_two_patches,
+)
 
-STEEL = {"shear": 82e3, "poisson": 0.28}
-TABLES = {
-    "body": {"A": STEEL, "B": STEEL},
-    "wheel": {"profile": "S1002", "radius": 460.0},
-    "rail": {"profile": "UIC60-manchester"},
-    "friction": {"mu": 0.3},
-}
-
-
-@dataclass(frozen=True)
-class Position:
-    """A position of the wheelset (mm, mrad) and the values that CONTACT prints for it.
-
-    `point` and `angle` are x and y (mm) and angle (rad) of the contact plane, `creepages` the
-    longitudinal and lateral creepage and the spin (1/mm), `forces` are P, p_max, the approach and
-    the magnitudes of Q_x and Q_y. A right wheel counts as the mirror of a left one. `planes` are
-    "separate" for each patch, "common" for the printed plane, or "coupled" for a single patch in
-    the printed plane, in which the pressure at each point deforms the other points. "weighted" is
-    such a patch with the influence that CONTACT gives its two parts on each other.
-    """
-
-    side: str
-    y: float
-    yaw: float
-    roll: float
-    point: tuple[float, float]
-    angle: float
-    creepages: tuple[float, float, float]
-    forces: tuple[float, float, float, float, float]
-    planes: str = "separate"
-
-    @property
-    def wheelset(self) -> dict[str, object]:
-        """The [wheelset] table."""
-        place = {"y": self.y, "yaw": self.yaw, "roll": self.roll}
-        return {"side": self.side, **place, "load": 1e4}
-
-    def creepages_at(self, patch: Patch, ahead: float) -> tuple[float, float, float]:
-        """Return the printed creepages at the origin of a patch, in the signs of this package.
-
-        Parameters
-        ----------
-        patch : Patch
-            The patch.
-        ahead : float
-            Distance along x from the centre of an element to the point at which CONTACT takes the
-            spin, mm.
-        """
-        longitudinal, lateral, spin = self.creepages
-        sign = 1.0 if self.side == "left" else -1.0
-        along = patch.origin[0] - self.point[0] + ahead
-        across = (patch.origin[1] - self.point[1]) / math.cos(patch.angle)
-        spin *= sign
-        return -longitudinal - spin * across, sign * lateral + spin * along, spin
-
-    def in_printed_plane(self, patch: Patch) -> Patch:
-        """Return a patch in the plane that CONTACT prints."""
-        x, y = self.point
-        z = float(patch.rail.height(np.array([y]))[0])
-        limits = tuple(
-            (patch.origin[1] - y + limit * math.cos(patch.angle)) / math.cos(self.angle)
-            for limit in patch.limits
-        )
-        return replace(patch, origin=np.array([x, y, z]), angle=self.angle, limits=limits)
-
-
-POSITIONS = (
-    Position("right", 0.0, 0.0, 0.0, (0.0, 751.8726), -0.0290, (-5.665e-5, 0.0, 6.302e-5),
-             (9997, 338.3, 0.01596, 0.28, 253.6)),
-    Position("left", 1.5, 3.6, -0.08103, (2.7017, 755.9669), -0.0152,
-             (-7.53e-4, 3.599e-3, -3.33e-5), (10050, 446.5, 0.02007, 641.1, 2942)),
-    Position("left", 4.5, 10.8, -0.2977, (8.1878, 757.799), -0.0091,
-             (-1.591e-3, 1.079e-2, -2.049e-5), (10030, 540.2, 0.02209, 440.6, 2976)),
-    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
-             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738)),
-    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
-             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "common"),
-    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
-             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "coupled"),
-    Position("right", 5.0, 12.0, -0.3554, (-6.9999, 727.0855), -0.2905,
-             (4.174e-3, 1.255e-2, 6.188e-4), (9619, 1556, 0.02719, 763.3, 2738), "weighted"),
-    Position("right", 5.5, 13.2, -0.4777, (-7.3700, 726.1169), -0.3363,
-             (4.379e-3, 1.401e-2, 7.122e-4), (9629, 1486, 0.02926, 850.2, 2759)),
-    Position("right", 6.0, 14.4, -0.6272, (-7.3822, 725.1371), -0.4176,
-             (5.077e-3, 1.580e-2, 8.744e-4), (9709, 1149, 0.02728, 880, 2775)),
-    Position("right", 6.5, 15.6, -4.376, (5.8010, 718.4931), -1.1591,
-             (1.828e-2, 3.905e-2, 1.937e-3), (15440, 2603, 0.03623, 1987, 4170)),
-    Position("right", 8.0, 19.2, -8.606, (-0.9036, 719.8316), -0.9501,
-             (2.127e-2, 3.300e-2, 1.701e-3), (12720, 2634, 0.03494, 2070, 3195)),
-    Position("right", 10.0, 24.0, -11.26431, (-5.2821, 721.0880), -0.7992,
-             (2.378e-2, 3.445e-2, 1.486e-3), (11440, 2643, 0.03411, 1947, 2820)),
-)  # fmt: skip
-
-
-def model_of_position(
-    position: Position, element: float = 0.2, slip: str = "upwind", ahead: float = 1.0 / 6.0
-) -> Model:
-    """Return the model of a position with its printed creepages.
-
-    With several patches in separate planes, the longitudinal creepage belongs to the first one and
-    determines the angular velocity of the wheel; other creepages follow from the motion.
-
-    Parameters
-    ----------
-    position : Position
-        The position.
-    element : float
-        Size of the elements, mm.
-    slip : str
-        Scheme of the slip, as `solver.slip`.
-    ahead : float
-        Distance ahead of the centre of an element at which the spin is taken, in elements: 1/6 in
-        CONTACT (its input FACPHI), 0 in this package.
-    """
-    wheelset, motion = position.wheelset, {}
-    own = ts.Scene(**TABLES, wheelset=wheelset).wheel_rail.patches
-    half = np.max([patch.half_length for patch in own], axis=0)
-    patches, separate = own, len(own) > 1 and position.planes == "separate"
-    if position.planes != "separate":
-        patches = tuple(position.in_printed_plane(patch) for patch in own)
-        ends = [abs(patch.origin[1] - position.point[1]) + patch.half_length[1] for patch in own]
-        half[1] = max(ends)
-    if position.planes in ("coupled", "weighted"):
-        patches = (replace(patches[0], limits=(-np.inf, np.inf)),)
-    creepage = position.creepages_at(patches[0], ahead * element)
-    if separate:
-        slow, fast = (own[0].creepages(pitch)[0] for pitch in (0.0, 1e-3))  # linear in the pitch
-        wheelset["pitch"] = 1e-3 * (creepage[0] - slow) / (fast - slow)
-    else:
-        motion["creepage"] = dict(zip(("longitudinal", "lateral", "spin"), creepage, strict=True))
-    elements = [2 * round(1.2 * length / element) + 1 for length in half]
-    grid = {"half_length": [0.5 * element * n for n in elements], "elements": elements}
-    scene = ts.Scene(**TABLES, wheelset=wheelset, grid=grid, solver={"slip": slip}, **motion)
-    return Model(scene, wheel_rail=replace(scene.wheel_rail, patches=patches))
+PLANES = ("separate", "common", "coupled", "weighted")
+"""Treatments of a tread and a flange root in contact at once; see `Position` and below."""
 
 
 @dataclass(frozen=True)
@@ -205,9 +79,9 @@ class WeightedInfluence:
 
 def solve_contacts(position: Position, element: float = 0.2) -> tuple[Model, tuple[ts.State, ...]]:
     """Return the model of a position and the contacts in its patches."""
-    model = model_of_position(position, element)
     if position.planes != "weighted":
-        return solve_patches_on_fitted_mesh(model)
+        return solve_patches_on_fitted_mesh(model_of_position(position, element))
+    model = model_of_position(replace(position, planes="coupled"), element)
     parts = model_of_position(replace(position, planes="common")).wheel_rail.patches
     limit = max(y for part in parts for y in part.limits if np.isfinite(y))
     influence = WeightedInfluence(limit)
@@ -237,38 +111,12 @@ def solve_position(position: Position) -> dict[str, object]:
     return values | {"p_max fine": max(contact.p_max for contact in finer)}
 
 
-# Position y = 5 mm with separate patches (the example mbench_a22_varfric of CONTACT): friction
-# coefficient; P, p_max, approach, |Q_x|, |Q_y|. VPITCH is -4.3353637 at 2 m/s.
-PATCHES = (
-    (0.2323, (8244, 1579, 0.02714, 637.2, 1805)),
-    (0.2581, (1536, 305.1, 0.006464, 0.28, 396.3)),
-)
-
-
-def solve_two_patches(element: float = 0.2) -> list[dict[str, object]]:
+def compare_two_patches() -> list[dict[str, object]]:
     """Return two patches of one wheel, which share its depth and its load, with printed values."""
-    place = {"y": 5.0, "yaw": 12.0, "roll": -0.3554, "pitch": 4.3353637 * 0.46 / 2.0 - 1.0}
-    tables = {**TABLES, "wheelset": {**place, "load": 1e4}, "solver": {"slip": "upwind"}}
-    half = np.max([patch.half_length for patch in ts.Scene(**tables).wheel_rail.patches], axis=0)
-    elements = [2 * round(1.2 * length / element) + 1 for length in half]
-    grid = {"half_length": [0.5 * element * n for n in elements], "elements": elements}
-    scene = ts.Scene(**tables, grid=grid)
-    patches = scene.wheel_rail.patches
-    models = {
-        id(patch): Model(scene.replace(**{"friction.mu": mu}))
-        for patch, (mu, _) in zip(patches, PATCHES, strict=True)
-    }
-
-    def solve(model: Model, start: ts.State | None) -> ts.State:
-        local = models[id(model.patch)].of_patch(model.patch, model.wheel_depth)
-        return equilibrium(local, start=start, check_resolution=False)
-
     rows = []
-    contacts = share_load(Model(scene), solve)
-    for contact, patch, (mu, printed) in zip(contacts, patches, PATCHES, strict=True):
+    for (patch, contact), (mu, printed) in zip(solve_two_patches(), PATCHES, strict=True):
         row: dict[str, object] = {"angle": math.degrees(patch.angle), "mu": mu}
-        names = ("P", "p_max", "approach", "Qx", "Qy")
-        for name, known in zip(names, printed, strict=True):
+        for name, known in zip(NAMES, printed, strict=True):
             row |= {name: abs(float(getattr(contact, name))), f"{name} printed": known}
         rows.append(row)
     return rows
@@ -327,8 +175,12 @@ def measure_times() -> list[dict[str, object]]:
 if __name__ == "__main__":
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ts.SceneWarning)
-        rows = [solve_position(position) for position in POSITIONS]
-        patches = solve_two_patches()
+        rows = [
+            solve_position(replace(position, planes=planes))
+            for position in POSITIONS
+            for planes in (PLANES if position.planes == "common" else ("separate",))
+        ]
+        patches = compare_two_patches()
         spins = vary_central_position()
         times = measure_times()
     write("wheel_rail", rows)

@@ -182,16 +182,24 @@ def creep_forces() -> str:
     return format_columns(read_rows("creep_force_curve.csv"), columns)
 
 
-def kalker() -> str:
-    """Return creep coefficients and their difference from Kalker's table."""
-    columns = {"$a/b$": ("a/b", number("g")), r"$\nu$": ("nu", number("g"))}
-    for name in ("C11", "C22", "C23", "C33"):
-        columns |= {
-            f"$C_{{{name[1:]}}}$": (name, number(".3f")),
-            f"$C_{{{name[1:]}}}$, Kalker": (f"{name} Kalker", number(".3g")),
-            f"difference of $C_{{{name[1:]}}}$, %": (f"{name} %", number("+.2f")),
-        }
-    return format_columns(read_rows("kalker_coefficients.csv"), columns)
+def published_sets() -> str:
+    """Return each published set with its number of values and their agreement."""
+    by_set: dict[tuple[str, str], list[Mapping[str, str]]] = defaultdict(list)
+    for row in read_rows("published_sets.csv"):
+        by_set[row["set"], row["source"]].append(row)
+
+    def cells(title: str, source: str, rows: list[Mapping[str, str]]) -> tuple[str, ...]:
+        sizes = [abs(float(row["published"])) for row in rows]
+        largest = max(
+            (abs(float(row["difference"])) / size for row, size in zip(rows, sizes, strict=True)
+             if size > 1e-6),
+            default=0.0,
+        )  # fmt: skip
+        agree = sum(row["verdict"] == "agrees" for row in rows)
+        return title, source, f"{agree} of {len(rows)}", f"{largest:.2%}", rows[0]["CPU s"]
+
+    head = ("set", "source", "values that agree", "largest difference", "CPU s")
+    return format_table(head, (cells(*key, rows) for key, rows in by_set.items()))
 
 
 def orthotropic() -> str:
@@ -955,7 +963,7 @@ TABLES = {
         conservation_wheels,
         spheres,
         creep_forces,
-        kalker,
+        published_sets,
         orthotropic,
         twin_discs,
         twin_discs_mesh,

@@ -30,6 +30,7 @@ from tractive_sam.cli.run import run
 from tractive_sam.cli.show import plot, report, show, study_show
 from tractive_sam.cli.study import study
 from tractive_sam.cli.table import table
+from tractive_sam.cli.validate import validate
 from tractive_sam.safe_text import printable_text
 
 
@@ -98,7 +99,7 @@ def _add_command(command: Callable[..., None]) -> None:
 # fmt: off
 for command in (
     run, show, plot, report, export, explain, keys, scenes, reproduce, study, study_show, table,
-    fit, locus, wear,
+    fit, locus, wear, validate,
 ):
     _add_command(command)
 # fmt: on

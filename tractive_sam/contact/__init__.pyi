@@ -30,3 +30,4 @@ from .steady import solve_patches_on_fitted_mesh as solve_patches_on_fitted_mesh
 from .step import StepInput as StepInput
 from .step import Stepper as Stepper
 from .step import StepResult as StepResult
+from .wheel_rail import share_load as share_load
