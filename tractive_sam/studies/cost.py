@@ -71,7 +71,22 @@ def _describe_space(volume: float, files: int) -> str:
 
 
 def estimate_times(scenes: Iterable[Scene], with_files: bool = True) -> list[float]:
-    """Return the estimated CPU time of each scene on this machine, s."""
+    """Return the estimated CPU time of each scene on this machine, s.
+
+    Parameters
+    ----------
+    scenes : iterable of Scene
+        Scenes.
+    with_files : bool
+        Whether each scene writes its results file.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> from tractive_sam.studies import estimate_times
+    >>> len(estimate_times([ts.Scene.builtin("spheres")]))
+    1
+    """
     return _estimate_times(_models(scenes), with_files)
 
 
