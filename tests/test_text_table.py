@@ -120,6 +120,22 @@ def test_remarks_keep_what_a_heading_states():
 
 
 @pytest.mark.parametrize(
+    ("text", "result"),
+    [("Gain: 1", "Gain"), ("Gain: 1.000", "Gain"), ("Magnification: 1x", "Magn"), ("Note: -", "N"),
+     ("Operator: S", "Operator"), ("upside down: no", "upside"), ("left side", "left"),
+     ("second scan", ""), ("Gain: 2", None), ("normal: N", None), ("heights: m", None)],
+)  # fmt: skip
+def test_remarks_are_named_and_scales_and_units_refused(text, result):
+    table = parse_table(f"# {text}\n{TABLE}")
+    if result is None:
+        with pytest.raises(TextError, match="line 1"):
+            table.find_unused(table.units)
+    else:
+        note = table.find_unused(table.units)
+        assert f"line 1 '{result}" in note if result else not note
+
+
+@pytest.mark.parametrize(
     ("text", "unit"),
     [("µm", "um"), ("μm", "um"), ("Micron", "um"), ("micrometers", "um"), ("inches", "in"),
      ("Å", "angstrom"), ("MM", "mm"), ("m", "m"), ("M", None), ("µin", "uin"), ("V", None)],

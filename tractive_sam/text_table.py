@@ -48,8 +48,8 @@ def _write_patterns() -> dict[str, str]:
     """Return the patterns of remarks by meaning: of "key=value", or of a text without a key."""
     items = "(?:points|rows|columns|lines|samples|pixels|values|profiles)"
     scale = r"\b(?:scal\w*|factor|gain|offset|inver\w+|mirror\w*|flip\w*|multipl\w+|upside"
-    none = r"(?:[01](?:\.0)?|no|off|none|false)$"
-    number = r"(?![01](?:\.0*)?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
+    none = r"(?:[01](?:[.,]0*)?x?|1:1|no|off|none|false|linear)$"
+    number = r"(?![01](?:\.0*)?x?(?![\w.,]))[-+]?[\d.,]*\d(?:e[-+]?\d+)?(?![-/:.\d])"
     step = r"\bd[xy]\b|step|spacing|pixel ?size|cell ?size|pitch|increment"
     return {
         # What all readers check or refuse.
@@ -59,9 +59,13 @@ def _write_patterns() -> dict[str, str]:
         "scale": rf"{scale})\b[^=]*=(?!{none})|"
         rf"{scale}|divided|magnif\w*|amplif\w*|verst(?:ä|ae)rk\w*|conversion|calibration)\b"
         rf"(?:[\s=]|by|of|is|factor|times)*{number}|"
-        rf"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?!={none})|"
+        rf"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?![^=]*={none})|"
         r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b|"  # z x 1000
         r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
+        # What all readers name, also without a number.
+        "direction": r"\b(?:left|right|up|upwards?|down|downwards?|inwards?|outwards?|negative|"
+        r"positive|opposite|revers\w+|swap\w+|exchanged|transposed|rotated|tilted|relative|double\w*|"
+        r"halved|half|twice|normali[sz]ed|averaged|per (?:wheel|axle|side|bogie)\w*)\b",
         # What maps and traces use or refuse.
         "unit of values": r"^(?![^=]*(?:\b[xy]\b|lateral))[^=]*\bunits?\b[^=]*=",
         "size": r"^(?:width|height)=([\d.e+-]+)\s*(\S+)$",
@@ -348,15 +352,16 @@ class TextTable:
             inner = word.strip("[](){}<>.")
             is_unit = inner != word or before in ("in", "unit", "units")
             is_unit |= bool(remark.key) and inner not in ("in", "mil")
-            stated = _read_unit(f"[{inner}]") if is_unit and not inner.isdigit() else None
-            stated = stated if find_length_unit(inner) or inner.casefold() in _SCALES else None
+            # "Operator: S" names no unit, but "normal: N" does.
+            is_unit &= not inner.isdigit() and inner != "-"
+            is_unit &= len(inner) > 1 or not inner.isupper() or inner == "N"
+            stated = _read_unit(inner) if is_unit and not remark.states("description") else None
             if stated and parse_number(before) is None and stated not in units:
                 value = f"{remark.place}, with the unit {inner}"
                 raise TextError(value, f"units in the header; or {cure}")
         is_count = remark.text.replace(" ", "").isdigit() and remark.text.split()[0] == str(rows)
-        return not is_count and bool(
-            remark.key or "%" in words or re.search(r"[\d:=]", remark.text)
-        )
+        has_number = "%" in words or re.search(r"[\d:=]", remark.text)
+        return not is_count and bool(remark.key or has_number or remark.states("direction"))
 
     def _has_size(self, counts: list[int], text: str) -> bool:
         """Return whether the table, or its part without coordinates, has the stated size."""

@@ -241,6 +241,8 @@ def test_a_study_over_the_levels(loads):
         ([300, 310, 7000, 305, 330, 320], "line 4, more than 20 times the median"),
         ([0.3, 0.31, 0.29, 0.33, 0.3, 0.3], "kN"),
         ([300, 310, 320, 305, 330, "\n310", 300, 320], "empty line at line 8"),
+        ([300, 310, "# second\n320", 305, 330, 310, 300, 320], "a comment at line 5"),
+        ([300, "310 # per wheel", 300], "line 3 'per wheel'"),
         ([300, "310 # tare: 50 N", 300], "line 3 'tare: 50 N'"),
         ([300, "310 # forces per wheelset (2 wheels)", 300], "2 wheels"),
     ],
@@ -250,6 +252,15 @@ def test_implausible_rows_of_a_history_are_named(tmp_path, values, found):
     path.write_text("\n".join(map(str, ("normal", *values))) + "\n")
     with pytest.warns(ts.SceneWarning, match=re.escape(found)):
         ts.blocks_of(path)
+
+
+def test_a_time_that_begins_again_is_named(tmp_path):
+    path = tmp_path / "loads.csv"
+    rows = [f"{k % 6};{300 + k}" for k in range(12)]
+    path.write_text("\n".join(("time [s];normal [N]", *rows)) + "\n")
+    with pytest.warns(ts.SceneWarning) as notes:
+        ts.blocks_of(path)
+    assert any("a fall of the time at line 8" in str(note.message) for note in notes)
 
 
 @pytest.mark.filterwarnings("ignore::tractive_sam.schema.PlausibilityWarning")  # of small loads

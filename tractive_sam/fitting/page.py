@@ -12,7 +12,7 @@ from tractive_sam.description import html_columns
 from tractive_sam.fitting.design import Parameters, base_of
 from tractive_sam.fitting.results import DONE, FitResult
 from tractive_sam.markup import Html, fill
-from tractive_sam.output_file import make_folder, write_file
+from tractive_sam.output_file import make_folder, omit_failing_figure, write_file
 from tractive_sam.pages import fill_page
 from tractive_sam.plot import (
     DPI,
@@ -61,8 +61,10 @@ def save_fit_figures(
     paths = []
     for name, _, figure in fit_figures(result):
         interrupt.raise_if_interrupted()
-        paths.append(directory / f"{name}.{format}")
-        figure.savefig(paths[-1], dpi=dpi)
+        path = directory / f"{name}.{format}"
+        with omit_failing_figure(path.name):
+            figure.savefig(path, dpi=dpi)
+            paths.append(path)
     return paths
 
 
@@ -73,12 +75,13 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
     for number in np.unique(series):
         for name in dict.fromkeys(names[series == number]):
             rows = np.flatnonzero((series == number) & (names == name))
-            curve = _curve(result, rows, str(name))
             label = result.design.fit.data[number].name or f"data set {number}"
             title = "\n".join(filter(None, (result.title, label)))
             caption = f"{label}: measured {name} with one standard deviation, and the model."
             file = f"data{number}-{str(name).replace(' ', '-')}"
-            yield file, caption, fitted_curve(curve, title=title)
+            with omit_failing_figure(file):
+                curve = _curve(result, rows, str(name))
+                yield file, caption, fitted_curve(curve, title=title)
     determined = np.flatnonzero(np.isfinite(data["sd"].values))
     if determined.size > 1:
         keys = [result.keys[k] for k in determined]
@@ -86,10 +89,11 @@ def fit_figures(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
         correlation = result.correlation[np.ix_(determined, determined)]
         limits = Parameters.of(result.design.fit).limits(np.array([*result.values.values()]))
         lower, upper = (limit[determined] for limit in limits)
-        figure = confidence_ellipses(
-            keys, values, deviations, correlation, title=result.title, limits=(lower, upper)
-        )
-        yield "ellipses", "Ellipses of 68 and 95 % of each pair of parameters.", figure
+        with omit_failing_figure("ellipses"):
+            figure = confidence_ellipses(
+                keys, values, deviations, correlation, title=result.title, limits=(lower, upper)
+            )
+            yield "ellipses", "Ellipses of 68 and 95 % of each pair of parameters.", figure
     if "likelihood" in data:
         yield from _likelihoods(result)
 
@@ -143,8 +147,9 @@ def _likelihoods(result: FitResult) -> Iterator[tuple[str, str, Figure]]:
     for k in np.unique(numbers[:, 0]).astype(int):
         _, values, rise = numbers[numbers[:, 0] == k].T
         key = result.keys[k]
-        figure = profile_likelihood(key, values, rise, limit, title=result.title)
-        yield f"likelihood-{key}", f"Profile likelihood of {key}.", figure
+        with omit_failing_figure(f"likelihood-{key}"):
+            figure = profile_likelihood(key, values, rise, limit, title=result.title)
+            yield f"likelihood-{key}", f"Profile likelihood of {key}.", figure
 
 
 def report_fit(result: FitResult, path: str | PathLike[str]) -> Path:
@@ -203,9 +208,10 @@ def _pictures(result: FitResult) -> Iterator[Html]:
     # Width of a picture, pixels.
     width = 460.0
     card = "<figure><figcaption>$caption</figcaption>$image</figure>\n"
-    for _, caption, figure in fit_figures(result):
+    for name, caption, figure in fit_figures(result):
         interrupt.raise_if_interrupted()
-        yield fill(card, caption=caption, image=figure.to_html(width))
+        with omit_failing_figure(name):
+            yield fill(card, caption=caption, image=figure.to_html(width))
 
 
 def _tables(result: FitResult) -> Iterator[Html]:

@@ -259,13 +259,14 @@ def fit(
     if next_test:
         check_tests(table, Parameters.of(table))
     with compute_with(workers) as compute:
-        answers = read_answers(document, path, overwrite, _hash_files(document))
+        files = _hash_files(document)
+        answers = read_answers(document, path, overwrite, files)
         done = Evaluations(compute, answers, progress=progress)
         if path is not None:
-            done.save = lambda: write_fit(path, _unfinished(document, done))
+            done.save = lambda: write_fit(path, _unfinished(document, done, files))
         problem = make_problem(table, done)
         best = Search(problem, table).run()
-        result = _complete(document, best, next_test)
+        result = _complete(document, best, next_test, files)
     if path is not None:
         write_fit(path, result)
     return result
@@ -361,14 +362,14 @@ def _check_count(measured: list[Measured], parameters: Parameters) -> None:
         raise FitError([Fault("fit.data", f"{points} points for {sought}", cure)])
 
 
-def _unfinished(document: FitDesign, done: Evaluations) -> FitResult:
+def _unfinished(document: FitDesign, done: Evaluations, files: Mapping[str, str]) -> FitResult:
     """Return the result of a running fit: no estimates, only the answers so far."""
     design = ((), document.to_toml(), "1", "the fit file")
     attributes = {
         "status": "running",
         "message": f"computations stored: {len(done.stored)}; run the fit again to resume it",
         "version": versions()["tractive-sam"],
-        "files": json.dumps(_hash_files(document)),
+        "files": json.dumps(files),
     }
     return FitResult(make_dataset({"design": design, **answer_variables(done.stored)}, attributes))
 
@@ -389,7 +390,9 @@ def find_intervals(best: Estimate, table: Fit) -> Intervals:
     return Intervals(low, high, sd, tuple(curves))
 
 
-def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult:
+def _complete(
+    document: FitDesign, best: Estimate, next_test: bool, files: Mapping[str, str]
+) -> FitResult:
     """Return the full result of an ended search: intervals, mesh error, next tests, notes."""
     table, problem = document.fit, best.problem
     n = len(problem.parameters)
@@ -412,5 +415,5 @@ def _complete(document: FitDesign, best: Estimate, next_test: bool) -> FitResult
         **test_variables(gains),
         **answer_variables(problem.evaluations.stored),
     }
-    attributes = attributes_of(best, table) | {"files": json.dumps(_hash_files(document))}
+    attributes = attributes_of(best, table) | {"files": json.dumps(files)}
     return FitResult(make_dataset(variables, attributes))

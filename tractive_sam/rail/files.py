@@ -346,6 +346,7 @@ def _describe_unused(remarks: Iterable[Remark], unit: float) -> list[str]:
         if not (remark.key and parse_number(remark.value) == 0.0)
         if remark.key
         or re.search(r"\d", text)
+        or remark.states("direction")
         or {LENGTHS[name] for name in find_length_units(text)} - {unit}
     ]
     return [f"entries of the file that are not used: {list_first(texts, 6)}"] if texts else []

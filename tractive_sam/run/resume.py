@@ -120,7 +120,13 @@ def describe_differences(before: Scene, requested: Scene, free: Collection[str] 
     entries = before.entries(), requested.entries()
     given = [key for key in keys if any(_find_entry(one, key) is not None for one in entries)]
     keys = given or keys
-    listed = [_describe_difference(stored, current, key) for key in keys[:most_listed]]
+    history, is_block = requested.load_history, re.compile(r"duty\b").match
+    made = [f"load_history.file: other blocks from {history.file}"] if history else []
+    if made and any(map(is_block, keys)):
+        keys = [key for key in keys if not is_block(key)]
+    else:
+        made = []
+    listed = made + [_describe_difference(stored, current, key) for key in keys[:most_listed]]
     more = [f"and {len(keys) - most_listed} more"] if len(keys) > most_listed else []
     return "; ".join(listed + more)
 

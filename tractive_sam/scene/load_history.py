@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from os import PathLike
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -27,7 +28,14 @@ from tractive_sam.schema import (
     suggest_name,
     warn,
 )
-from tractive_sam.text_table import TextError, find_marks, read_table
+from tractive_sam.text_table import (
+    TextError,
+    TextTable,
+    find_marks,
+    list_first,
+    parse_number,
+    read_table,
+)
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
 from .gap import TEXTS, absolute_path
@@ -428,10 +436,30 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
         warn(f"load_history: columns of {path.name} that are not read: {', '.join(unused)}")
     if note:
         warn(f"load_history: {path.name}: {note}")
-    known = {*table.lines, *(remark.line for remark in table.remarks)}
-    gaps = [n for n in table.lines[1:] if n - 1 not in known]
-    if gaps and len(gaps) < len(table.lines) // 4:
-        places = ", ".join(map(str, gaps[:3]))
-        text = f"rows continue after an empty line at line {places}: all blocks are one history"
+    if places := _find_restarts(table, unused):
+        text = f"rows continue after {places}: all blocks are one history"
         warn(f"load_history: {path.name}: {text}")
     return columns, [f"{path.name}, line {line}" for line in table.lines]
+
+
+def _find_restarts(table: TextTable, times: Iterable[str]) -> str:
+    """Name lines at which a second block may begin: after a gap, or where the time falls."""
+    comments = {remark.line for remark in table.remarks} - {*table.lines}
+    pairs = [(m, n) for m, n in pairwise(table.lines) if n - m > 1]
+    after_comment = [n for m, n in pairs if {*range(m + 1, n)} <= comments]
+    after_gap = [n for _, n in pairs if n not in after_comment]
+    falls = []
+    for column in map(table.names.index, times):
+        clock = [parse_number(row[column], table.decimal) or 0.0 for row in table.rows]
+        steps = zip(table.lines[1:], pairwise(clock), strict=True)
+        falls += [line for line, (start, end) in steps if end < start]
+    kinds = (
+        (after_gap, "an empty line"),
+        (after_comment, "a comment"),
+        (falls, "a fall of the time"),
+    )
+    return " and ".join(
+        f"{what} at line {list_first([*map(str, lines)], 3)}"
+        for lines, what in kinds
+        if lines and len(lines) < max(2, len(table.lines) // 4)
+    )

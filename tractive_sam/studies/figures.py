@@ -11,7 +11,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.description import format_setting
-from tractive_sam.output_file import make_folder
+from tractive_sam.output_file import make_folder, omit_failing_figure
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, Quantity, index_by_name
 from tractive_sam.scene import CreepageCourse, Scene
@@ -101,11 +101,12 @@ def save_figures(
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
     paths = []
     for name in names:
-        for kind, figure in _figures(results, name, index, title):
-            interrupt.raise_if_interrupted()
-            stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
-            paths.append(directory / f"{stem}.{format}")
-            figure.savefig(paths[-1], dpi=DPI)
+        with omit_failing_figure(name):
+            for kind, figure in _figures(results, name, index, title):
+                interrupt.raise_if_interrupted()
+                stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
+                figure.savefig(directory / f"{stem}.{format}", dpi=DPI)
+                paths.append(directory / f"{stem}.{format}")
     return paths
 
 
