@@ -57,7 +57,9 @@ def tamaas_run(model: Model):
         pressure = np.array(solver_model.traction).reshape(grid.elements) / model.units.pressure
         lift = model.operators.normal(pressure[None])[0]
         gap = model.undeformed_gap / model.units.gap + lift
-        residual = natural_residual(pressure, gap - gap[pressure > 0].mean())
+        residual = natural_residual(
+            pressure, gap - gap[pressure > 0].mean(), model.operators.lattice
+        )
         if residual <= TOLERANCE:
             return seconds(run), residual, pressure.max()
     return None

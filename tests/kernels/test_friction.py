@@ -57,7 +57,8 @@ def linearised(traction, slip, bound, staggered=False, weights=(1.0, 1.0)):
     state, direction = np.empty(shape, np.int8), np.empty((2, *shape))
     kappa, across, defect = np.empty(shape), np.empty((2, 2, *shape)), np.empty((2, *shape))
     squares, merit, _ = friction.linearise(
-        traction, slip, bound, bound, staggered, *weights, state, direction, kappa, across, defect
+        *(traction, slip, bound, bound, staggered, (*weights, 1.0)),
+        *(state, direction, kappa, across, defect),
     )
     assert weights != (1.0, 1.0) or merit == pytest.approx(squares)
     return state, direction, kappa, across, defect, squares

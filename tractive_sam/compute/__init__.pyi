@@ -2,9 +2,11 @@
 
 from .backend import Array as Array
 from .backend import Backend as Backend
+from .backend import Mirror as Mirror
 from .backend import Places as Places
 from .backends import backend_of as backend_of
 from .convolution import Convolution as Convolution
+from .convolution import MirroredConvolution as MirroredConvolution
 from .fft import ConvolutionMeter as ConvolutionMeter
 from .fft import LayerTransform as LayerTransform
 from .fft import cores as cores

@@ -7,7 +7,8 @@ these attributes. Meshes, laws and tables of coefficients are made with NumPy.
 """
 
 from collections.abc import Sequence
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -16,6 +17,28 @@ Array = Any
 
 Places = tuple[np.ndarray, np.ndarray]
 """Indices (i, j) of elements, two arrays of shape (m,)."""
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """Symmetry of fields about an axis y = 0, at the beginning of a mesh of their upper half.
+
+    A single field is even in y.
+
+    Attributes
+    ----------
+    even : int
+        Index of the field, of two, that is even in y; the other one is odd.
+    between : bool
+        Whether the axis lies between elements: in front of the first row, or in the middle of it.
+    """
+
+    even: Literal[0, 1]
+    between: bool
+
+    def whole(self, count: int) -> int:
+        """Return the number of rows of a mesh with `count` rows in its upper half."""
+        return 2 * count - 1 + self.between
 
 
 class Backend(Protocol):

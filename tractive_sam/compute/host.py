@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.compute.backend import Places
+from tractive_sam.compute.backend import Mirror, Places
 from tractive_sam.compute.fft import count_time
 from tractive_sam.compute.tiles import Product, convolver
 from tractive_sam.kernels import friction, spectral
@@ -18,6 +18,7 @@ class Host:
     xp: Any = np
     products: ClassVar[dict[int, Product]] = {
         1: spectral.scalar,
+        2: spectral.mirrored,
         3: spectral.symmetric_2x2,
         9: spectral.full_3x3,
     }
@@ -45,15 +46,22 @@ class Host:
         return [tile.astype(single) for tile in tiles]
 
     def convolve(
-        self, fields: np.ndarray, spectra: Sequence[np.ndarray], padded: tuple[int, int]
+        self,
+        fields: np.ndarray,
+        spectra: Sequence[np.ndarray],
+        padded: tuple[int, int],
+        mirror: Mirror | None = None,
     ) -> np.ndarray:
-        """Return the convolution in the precision of the fields (`Backend.convolve`)."""
+        """Return the convolution in the precision of the fields (`Backend.convolve`).
+
+        With a mirror the fields are given on the upper half of their mesh.
+        """
         single = fields.dtype == np.float32
-        plan = convolver(len(fields), fields.shape[1:], padded, single)
+        plan = convolver(len(fields), fields.shape[1:], padded, single, mirror)
         began = 0.0 if single else process_time()
         result = plan(fields, spectra, self.products[len(spectra[0])])
         if not single:
-            count_time(len(fields), padded, began)
+            count_time(1 if mirror else len(fields), padded, began)
         return result
 
     def project(self, traction: np.ndarray, radius: np.ndarray) -> np.ndarray:

@@ -13,8 +13,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from tractive_sam.compute.backend import Mirror
 from tractive_sam.compute.fft import PlanCache, count_transform, plan, threads_for_transform
 from tractive_sam.compute.fftw import pyfftw
+from tractive_sam.kernels import spectral
 
 Product = Callable[[np.ndarray, np.ndarray], None]
 """In-place product of kernels (entries, m) and spectra (fields, m), as in `kernels.spectral`."""
@@ -84,6 +86,30 @@ def join_kernels(tiles: Sequence[np.ndarray], padded: tuple[int, int]) -> np.nda
     return np.concatenate(stored, axis=1)[..., :px].swapaxes(1, 2)
 
 
+def load_rows(fields: np.ndarray, first: int, padded: np.ndarray, mirror: Mirror | None) -> None:
+    """Set padded rows (rows, p_y) to those of fields from the index `first` on.
+
+    The rows of all fields follow each other; with a mirror a row has all fields.
+    """
+    if mirror is not None:
+        spectral.pack_half(fields, mirror.even, int(mirror.between), first, padded)
+        return
+    ny = fields.shape[-1]
+    padded[:, :ny] = fields.reshape(-1, ny)[first : first + len(padded)]
+    padded[:, ny:] = 0.0
+
+
+def store_rows(
+    padded: np.ndarray, fields: np.ndarray, first: int, out: np.ndarray, mirror: Mirror | None
+) -> None:
+    """Set rows of `out` from padded rows, the inverse of `load_rows` of `fields`."""
+    if mirror is not None:
+        spectral.unpack_half(padded, fields, mirror.even, int(mirror.between), first, out)
+        return
+    ny = fields.shape[-1]
+    out.reshape(-1, ny)[first : first + len(padded)] = padded[:, :ny]
+
+
 class Convolver(Protocol):
     """Protocol of a convolution on one mesh: a call with fields, kernels and a product."""
 
@@ -103,13 +129,20 @@ class UntiledConvolution:
     ----------
     fields, shape, padded, single
         See `PaddedTransform`.
+    mirror : Mirror, optional
+        Symmetry of fields that are given on the upper half of their mesh, one after packing.
     """
 
     def __init__(
-        self, fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool
+        self,
+        fields: int,
+        shape: tuple[int, int],
+        padded: tuple[int, int],
+        single: bool,
+        mirror: Mirror | None = None,
     ) -> None:
-        (nx, self._ny), (px, py) = shape, padded
-        self._fields, self._padded = fields, padded
+        (nx, _), (px, py) = shape, padded
+        self._fields, self._padded, self._mirror = fields, padded, mirror
         real, spectral = _number_types(single)
         self._real = pyfftw.zeros_aligned((fields, nx, py), dtype=real)
         stored = (fields, py // 2 + 1, column_stride(px))
@@ -136,15 +169,16 @@ class UntiledConvolution:
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
     ) -> np.ndarray:
         """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
-        self._real[..., : self._ny] = fields
-        self._real[..., self._ny :] = 0.0
+        rows, out = self._real.reshape(-1, self._padded[1]), np.empty(fields.shape, fields.dtype)
+        load_rows(fields, 0, rows, self._mirror)
         count_transform(2 * self._fields, self._padded)
         for transform in self._forward:
             transform.execute()
         product(kernels[0], self._spectrum)
         for transform in self._backward:
             transform.execute()
-        return self._real[..., : self._ny].copy()
+        store_rows(rows, fields, 0, out, self._mirror)
+        return out
 
 
 class RowBuffer(NamedTuple):
@@ -158,13 +192,12 @@ class RowBuffer(NamedTuple):
 
     @classmethod
     def create(cls, rows: int, py: int, single: bool) -> "RowBuffer":
-        """Return a buffer for a number of rows of the padded length p_y; its padding stays zero."""
+        """Return a buffer for a number of rows of the padded length p_y."""
         real, spectral = _number_types(single)
         inputs, outputs = (pyfftw.zeros_aligned((rows, py), dtype=real) for _ in range(2))
         spectra = pyfftw.zeros_aligned((rows, py // 2 + 1), dtype=spectral)
         forward = plan(inputs, spectra, 1, "FFTW_FORWARD", measured=True)
         backward = plan(spectra, outputs, 1, "FFTW_BACKWARD", measured=True)
-        inputs[:] = 0.0  # planning wrote into it
         return cls(inputs, spectra, outputs, forward, backward)
 
 
@@ -198,11 +231,15 @@ class Worker:
         Padded shape (p_x, p_y).
     share : slice
         Blocks of rows and tiles of columns of this worker.
+    mirror : Mirror, optional
+        See `UntiledConvolution`.
     """
 
-    def __init__(self, spectra: np.ndarray, padded: tuple[int, int], share: slice) -> None:
+    def __init__(
+        self, spectra: np.ndarray, padded: tuple[int, int], share: slice, mirror: Mirror | None
+    ) -> None:
         fields, nx, half = spectra.shape
-        single, self._share = spectra.dtype == np.complex64, share
+        single, self._share, self._mirror = spectra.dtype == np.complex64, share, mirror
         self._spectra = spectra.reshape(-1, half)
         self._blocks = block_edges(fields * nx, padded)[share]
         heights = {b - a for a, b in self._blocks}
@@ -213,10 +250,10 @@ class Worker:
         self._columns = {n: ColumnBuffer.create(fields, n, padded[0], single) for n in widths}
 
     def transform_rows(self, fields: np.ndarray) -> None:
-        """Transform this thread's rows of fields (fields * n_x, n_y) along y into its spectra."""
+        """Transform this thread's rows of fields (n, n_x, n_y) along y into its spectra."""
         for a, b in self._blocks:
             buffer = self._rows[b - a]
-            buffer.inputs[:, : fields.shape[1]] = fields[a:b]
+            load_rows(fields, a, buffer.inputs, self._mirror)
             buffer.forward.execute()
             self._spectra[a:b] = buffer.spectra
 
@@ -231,16 +268,13 @@ class Worker:
             buffer.backward.execute()
             tile[:] = buffer.columns[..., :nx]
 
-    def restore_rows(self, out: np.ndarray) -> None:
-        """Transform the rows of this thread back along y, into its rows of `out`.
-
-        `out` has the rows of all fields one below the other, shape (fields * n_x, n_y).
-        """
+    def restore_rows(self, fields: np.ndarray, out: np.ndarray) -> None:
+        """Transform the rows of this thread back along y, into its rows of `out`, like fields."""
         for a, b in self._blocks:
             buffer = self._rows[b - a]
             buffer.spectra[:] = self._spectra[a:b]
             buffer.backward.execute()
-            out[a:b] = buffer.outputs[:, : out.shape[1]]
+            store_rows(buffer.outputs, fields, a, out, self._mirror)
 
 
 class TiledConvolution:
@@ -248,19 +282,24 @@ class TiledConvolution:
 
     Parameters
     ----------
-    fields, shape, padded, single
-        See `PaddedTransform`.
+    fields, shape, padded, single, mirror
+        See `UntiledConvolution`.
     """
 
     def __init__(
-        self, fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool
+        self,
+        fields: int,
+        shape: tuple[int, int],
+        padded: tuple[int, int],
+        single: bool,
+        mirror: Mirror | None = None,
     ) -> None:
         self._fields, self._padded = fields, padded
         half = (fields, shape[0], padded[1] // 2 + 1)
         spectra = pyfftw.zeros_aligned(half, dtype=_number_types(single)[1])
         threads = threads_for_transform(padded)
         shares = (slice(k, None, threads) for k in range(threads))
-        self._workers = [Worker(spectra, padded, share) for share in shares]
+        self._workers = [Worker(spectra, padded, share, mirror) for share in shares]
 
     def __call__(
         self, fields: np.ndarray, kernels: Sequence[np.ndarray], product: Product
@@ -268,11 +307,10 @@ class TiledConvolution:
         """Return the convolution of fields (n, n_x, n_y) with kernels of `split_kernels`."""
         count_transform(2 * self._fields, self._padded)
         out = np.empty(fields.shape, fields.dtype)
-        inputs, results = (each.reshape(-1, fields.shape[-1]) for each in (fields, out))
         phases: tuple[Callable[[Worker], None], ...] = (
-            lambda worker: worker.transform_rows(inputs),
+            lambda worker: worker.transform_rows(fields),
             lambda worker: worker.convolve_columns(kernels, product),
-            lambda worker: worker.restore_rows(results),
+            lambda worker: worker.restore_rows(fields, out),
         )
         if len(self._workers) == 1:
             for phase in phases:
@@ -291,12 +329,19 @@ def _number_types(single: bool) -> tuple[type, type]:
 
 
 def _create(
-    fields: int, shape: tuple[int, int], padded: tuple[int, int], single: bool
+    fields: int,
+    shape: tuple[int, int],
+    padded: tuple[int, int],
+    single: bool,
+    mirror: Mirror | None = None,
 ) -> Convolver:
     """Return the convolution for a mesh: tiled if its spectra do not fit the cache."""
+    fields = 1 if mirror else fields
     tiled = len(tile_edges(fields, padded)) > 2
-    return (TiledConvolution if tiled else UntiledConvolution)(fields, shape, padded, single)
+    return (TiledConvolution if tiled else UntiledConvolution)(
+        fields, shape, padded, single, mirror
+    )
 
 
 convolver = PlanCache(_create, 32)
-"""The `Convolver` of (fields, shape, padded, single), planned on its first use."""
+"""The `Convolver` of (fields, shape, padded, single, mirror), planned on its first use."""

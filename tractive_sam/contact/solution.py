@@ -16,6 +16,7 @@ from tractive_sam.results import State, Status
 from tractive_sam.schema import warn
 from tractive_sam.solvers import (
     PRESSURE_ONLY,
+    OnHalfMesh,
     Outcome,
     Problem,
     ProblemSolver,
@@ -54,7 +55,7 @@ def solve_problem(
         return PRESSURE_ONLY.solve(problem, tolerance)  # the bodies do not touch
     if coupled and start is not None and not needed(start.pressure, "start.pressure").any():
         start = None  # Newton's method needs a contact area to start
-    return _solver_of(model, problem, sliding).solve(problem, tolerance, start)
+    return OnHalfMesh(_solver_of(model, problem, sliding)).solve(problem, tolerance, start)
 
 
 def _solver_of(model: Model, problem: Problem, sliding: bool | None) -> ProblemSolver:

@@ -46,7 +46,16 @@ from tractive_sam.mechanics import (
 )
 from tractive_sam.operators import Advection, FrictionSlip, RollingStep
 from tractive_sam.results import Cost, Grid, State, Status, widen_field
-from tractive_sam.solvers import PRESSURE_ONLY, NormalProblem, Note, Outcome, Problem, Start, needed
+from tractive_sam.solvers import (
+    PRESSURE_ONLY,
+    NormalProblem,
+    Note,
+    OnHalfMesh,
+    Outcome,
+    Problem,
+    Start,
+    needed,
+)
 
 Three = tuple[float, float, float]
 
@@ -584,7 +593,7 @@ class Stepper:
         """Solve the contact under the load of a step without traction; creepages are ignored."""
         model, none = self.model, np.zeros((2, *self.model.grid.elements))
         problem = self._problem(inputs, none, RollingStep(model.stencil), model.friction_law)
-        outcome = PRESSURE_ONLY.solve(problem, model.scene.solver.tolerance)
+        outcome = OnHalfMesh(PRESSURE_ONLY).solve(problem, model.scene.solver.tolerance)
         depth = model.add_initial_wear(0.0)
         return state_of(model, problem, outcome, none, (0.0, 0.0, 0.0), depth)
 

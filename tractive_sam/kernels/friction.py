@@ -249,7 +249,7 @@ def _set_sticking(direction, kappa, across, i, j):
 
 @compiled
 def linearise(
-    traction, slip, bound, contact, staggered, w0, w1, state, direction, kappa, across, defect
+    traction, slip, bound, contact, staggered, weights, state, direction, kappa, across, defect
 ):
     """Set `state` to `defect` of the linearised law; return three sums of squares.
 
@@ -261,9 +261,10 @@ def linearise(
         Radius of the disc, and an array that is positive in contact.
     staggered : float
         How far the slip opposed is turned back, to that at the centre (`turn`); 0: not at all.
-    w0, w1 : float
-        Weights of the slip along the axes. They define the norm of the projection (`_onto_disc`);
-        the solution does not depend on them.
+    weights : tuple of float
+        w0, w1 : of the slip along the axes, which define the norm of the projection
+        (`_onto_disc`); the solution does not depend on them. Then the weight of the first column in
+        the sums: 1, or 1/2 if an axis of symmetry halves it.
     state : ndarray of int8, shape (nx, ny)
         Set to OPEN, STICK or SLIP.
     direction : ndarray, shape (2, nx, ny)
@@ -290,6 +291,7 @@ def linearise(
     """
     nx, ny = bound.shape
     total = merit = reached = 0.0
+    w0, w1, first = weights
     inverse0, inverse1 = 1.0 / w0, 1.0 / w1
     centre, turned, ratios = np.empty((2, ny)), np.empty((2, ny)), np.ones(ny)
     for i in range(nx):
@@ -303,24 +305,23 @@ def linearise(
                     slip[0, i, j], slip[1, i, j], centre[0, j], centre[1, j]
                 )
         for j in range(ny):
-            g = bound[i, j]
-            p0, p1 = traction[0, i, j], traction[1, i, j]
-            m0, m1 = centre[0, j], centre[1, j]
+            g, share = bound[i, j], 1.0 if j else first
+            p0, p1, m0, m1 = traction[0, i, j], traction[1, i, j], centre[0, j], centre[1, j]
             s0, s1, ratio = turned[0, j], turned[1, j], ratios[j]
             _set_sticking(direction, kappa, across, i, j)
             if g <= 0.0:
                 state[i, j] = OPEN
                 d0, d1 = -p0, -p1
-                total += d0 * d0 + d1 * d1
-                merit += d0 * d0 * inverse0 + d1 * d1 * inverse1
+                total += share * (d0 * d0 + d1 * d1)
+                merit += share * (d0 * d0 * inverse0 + d1 * d1 * inverse1)
                 defect[0, i, j], defect[1, i, j] = d0, d1
                 continue
             z0, z1, root = _onto_disc(p0 - s0, p1 - s1, g, 1.0, 1.0)
-            total += (z0 - p0) ** 2 + (z1 - p1) ** 2
+            total += share * ((z0 - p0) ** 2 + (z1 - p1) ** 2)
             if w0 != 1.0 or w1 != 1.0:
                 z0, z1, root = _onto_disc(p0 - w0 * s0, p1 - w1 * s1, g, w0, w1)
             d0, d1 = z0 - p0, z1 - p1
-            merit += d0 * d0 * inverse0 + d1 * d1 * inverse1
+            merit += share * (d0 * d0 * inverse0 + d1 * d1 * inverse1)
             if root == 0.0:
                 # Here disc(p - w s) - p = -w s. The row asks it of the slip of the leading face,
                 # which has the size of s but is linear in the tractions, unlike the turned one.
@@ -348,7 +349,7 @@ def linearise(
                 kappa[i, j] = k
                 _respond(slip, m0, m1, staggered, s0, s1, ratio, -n1, n0, i, j, across)
             defect[0, i, j], defect[1, i, j] = d0, d1
-            reached += (p0 + d0) ** 2 + (p1 + d1) ** 2
+            reached += share * ((p0 + d0) ** 2 + (p1 + d1) ** 2)
     return total, merit, reached
 
 

@@ -33,6 +33,83 @@ def full_3x3(s, h):
 
 
 @compiled(fastmath=ANY_ORDER)
+def mirrored(s, h):
+    """Set the spectrum h of two packed fields to s[0] h + s[1] conj(h at the opposite k_x).
+
+    Parameters
+    ----------
+    s : ndarray, shape (2, columns, p_x)
+        Factors.
+    h : ndarray of complex, shape (1, m)
+        Spectrum along x, column by column at equal distances of at least p_x.
+    """
+    _, columns, px = s.shape
+    stride, opposite = h.shape[1] // columns, np.empty(px, h.dtype)
+    for q in range(columns):
+        column, direct, crossed = h[0, q * stride : q * stride + px], s[0, q], s[1, q]
+        opposite[0] = np.conj(column[0])
+        for k in range(1, px):
+            opposite[k] = np.conj(column[px - k])
+        for k in range(px):
+            column[k] = direct[k] * column[k] + crossed[k] * opposite[k]
+
+
+@compiled
+def pack_half(fields, even, between, first, out):
+    """Set `out` to the sum of fields on all of a period along y, from their half at y >= 0.
+
+    Parameters
+    ----------
+    fields : ndarray, shape (1 or 2, n_x, n)
+        Fields at y >= 0; field `even` is even in y, the other one is odd.
+    even, between : int
+        Index of the even field; 1 if the axis y = 0 lies between elements, 0 on the first row.
+    first : int
+        Index along x of the first rows.
+    out : ndarray, shape (rows, p_y)
+        Set; values at -y are at the end, and those of the odd field on the axis are left out.
+    """
+    n, odd = fields.shape[2], fields.shape[0] - 1 - even
+    rows, py = out.shape
+    for i in range(rows):
+        for j in range(n, py - n + 1 - between):
+            out[i, j] = 0.0
+        if fields.shape[0] == 1:
+            for j in range(n):
+                out[i, j] = fields[0, first + i, j]
+            for j in range(1 - between, n):
+                out[i, py - between - j] = fields[0, first + i, j]
+        else:
+            for j in range(n):
+                out[i, j] = fields[even, first + i, j] + fields[odd, first + i, j]
+            for j in range(1 - between, n):
+                out[i, py - between - j] = fields[even, first + i, j] - fields[odd, first + i, j]
+            if not between:
+                out[i, 0] = fields[even, first + i, 0]
+
+
+@compiled
+def unpack_half(packed, fields, even, between, first, out):
+    """Set `out`, shape (1 or 2, n_x, n), to the fields at y >= 0 of a sum (`pack_half`).
+
+    The odd field on the axis is set to its value in `fields`: an equation with the solution zero.
+    """
+    n, odd = out.shape[2], out.shape[0] - 1 - even
+    rows, py = packed.shape
+    for i in range(rows):
+        if out.shape[0] == 1:
+            for j in range(n):
+                out[0, first + i, j] = packed[i, j]
+        else:
+            for j in range(1 - between, n):
+                above, below = packed[i, j], packed[i, py - between - j]
+                out[even, first + i, j], out[odd, first + i, j] = above + below, above - below
+            if not between:
+                out[even, first + i, 0] = 2.0 * packed[i, 0]
+                out[odd, first + i, 0] = fields[odd, first + i, 0]
+
+
+@compiled(fastmath=ANY_ORDER)
 def row_products(out, rows, kernel, places):
     """Set `out` (m, m) to the work of each row on each other row, by Parseval's theorem.
 

@@ -254,6 +254,7 @@ class FrictionLaw(Law, ABC):
         staggered: float,
         active: np.ndarray | None = None,
         weight: float = 1.0,
+        first: float = 1.0,
     ) -> "Linearisation":
         """Return the residual of the friction law at tractions and slips, and its derivative.
 
@@ -272,13 +273,15 @@ class FrictionLaw(Law, ABC):
             not changed by the slip.
         weight : float
             Relative weight of slip and traction residuals; the solution does not depend on it.
+        first : float
+            Weight of the first column in sums: 1/2 if an axis of symmetry halves it.
         """
         shape, staggered = bound.radius.shape, float(staggered)
         state, kappa = np.empty(shape, np.int8), np.empty(shape)
         direction, defect, across = (np.empty((*size, *shape)) for size in ((2,), (2,), (2, 2)))
-        weights = (weight * axis_weight for axis_weight in self.frame.weights)
+        w0, w1 = self.frame.weights
         sums: tuple[float, float, float] = friction.linearise(
-            *(traction, slip, bound.radius, contact, staggered, *weights),
+            *(traction, slip, bound.radius, contact, staggered, (weight * w0, weight * w1, first)),
             *(state, direction, kappa, across, defect),
         )
         if active is not None:

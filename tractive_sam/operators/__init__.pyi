@@ -4,7 +4,6 @@ from .advection import Advection as Advection
 from .elastic import Box as Box
 from .elastic import Lattice as Lattice
 from .elastic import Operators as Operators
-from .elastic import block_mean as block_mean
 from .elastic import row_compliance as row_compliance
 from .elastic import transform_quadrant as transform_quadrant
 from .heat import STEPS_FROM as STEPS_FROM

@@ -26,7 +26,15 @@ from typing import Literal
 
 import numpy as np
 
-from tractive_sam.compute import Convolution, fast_length, padded_length
+from tractive_sam.compute import (
+    Array,
+    Convolution,
+    Mirror,
+    MirroredConvolution,
+    backend_of,
+    fast_length,
+    padded_length,
+)
 from tractive_sam.kernels.spectral import row_products
 from tractive_sam.mechanics import Elasticity, Frame
 
@@ -38,7 +46,7 @@ _PARITY = {"xx": (1, 1), "xy": (-1, -1), "yy": (1, 1), "zz": (1, 1), "xz": (-1, 
 
 @dataclass(frozen=True)
 class Lattice:
-    """Shape (n_x, n_y) and side lengths of elements; the mesh data that a convolution needs.
+    """Shape (n_x, n_y) and side lengths of elements; the mesh data that operators need.
 
     Attributes
     ----------
@@ -49,12 +57,15 @@ class Lattice:
     reach : float
         Part of the mesh up to which convolutions are linear; elements at larger distances also act
         on their periodic images.
+    mirror : Mirror, optional
+        Symmetry of all fields; the lattice then has their upper half.
     """
 
     shape: tuple[int, int]
     dx: float
     dy: float
     reach: float = 1.0
+    mirror: Mirror | None = None
 
     def with_shape(self, shape: tuple[int, int]) -> "Lattice":
         """Return a lattice with these element sizes and another number of elements."""
@@ -63,7 +74,7 @@ class Lattice:
     @property
     def padded(self) -> tuple[int, int]:
         """Periods (p_x, p_y) of the operators' tables, for linear convolutions."""
-        nx, ny = self.shape
+        nx, ny = self.whole
         return padded_length(nx, self.reach, columns=True), padded_length(ny, self.reach)
 
     @property
@@ -73,7 +84,31 @@ class Lattice:
         That loads also act across its edges costs a method none or one iteration more; without
         padding an inverse takes a third of the time.
         """
-        return fast_length(self.shape[0], columns=True), fast_length(self.shape[1])
+        nx, ny = self.whole
+        return fast_length(nx, columns=True), fast_length(ny)
+
+    @property
+    def whole(self) -> tuple[int, int]:
+        """Shape of the lattice with its lower half, if it has the upper half only."""
+        nx, ny = self.shape
+        return nx, self.mirror.whole(ny) if self.mirror else ny
+
+    @property
+    def first_share(self) -> float:
+        """Share of the first row in sums: 1/2 if the axis of symmetry halves its elements."""
+        return 0.5 if self.mirror is not None and not self.mirror.between else 1.0
+
+    def sum(self, field: Array) -> float:
+        """Return the sum of a field; elements that the axis of symmetry halves count half."""
+        total = backend_of(field).xp.sum
+        halved = total(field[..., 0]) if self.first_share < 1.0 else 0.0
+        return float(total(field) - 0.5 * halved)
+
+    def dot(self, first: Array, second: Array) -> float:
+        """Return the scalar product of two fields, in which operators are symmetric; see `sum`."""
+        dot = backend_of(first).dot
+        halved = dot(first[..., 0], second[..., 0]) if self.first_share < 1.0 else 0.0
+        return dot(first, second) - 0.5 * halved
 
     @property
     def coarsening(self) -> tuple[int, int]:
@@ -81,9 +116,35 @@ class Lattice:
         return min(2, self.shape[0]), min(2, self.shape[1])
 
     def coarsened(self) -> "Lattice":
-        """Return a lattice that covers this one with elements of twice the side (`coarsening`)."""
+        """Return a lattice that covers this one with elements of twice the side (`coarsening`).
+
+        An axis of symmetry lies between its elements.
+        """
         (nx, ny), (bx, by) = self.shape, self.coarsening
-        return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy)
+        mirror = self.mirror and replace(self.mirror, between=True)
+        return Lattice((-(-nx // bx), -(-ny // by)), bx * self.dx, by * self.dy, mirror=mirror)
+
+    def clear_axis(self, field: np.ndarray) -> np.ndarray:
+        """Set the odd component of a field (2, n_x, n_y) to zero, in place, on an axis on a row."""
+        if self.mirror is not None and not self.mirror.between:
+            field[1 - self.mirror.even, :, 0] = 0.0
+        return field
+
+    def merge(self, values: np.ndarray, mode: Literal["constant", "edge"] = "edge") -> np.ndarray:
+        """Return means over the elements of the coarsened lattice, last two axes.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., n_x or 1, n_y or 1)
+            Values of elements, or of their rows or columns.
+        mode : str
+            Values beyond the lattice: zero, or those at its end.
+        """
+        if self.first_share < 1.0 and values.shape[-1] > 1:  # elements begin at the axis
+            end = values[..., -1:] if mode == "edge" else np.zeros_like(values[..., -1:])
+            values = 0.5 * (values + np.concatenate((values[..., 1:], end), axis=-1))
+        nx, ny = values.shape[-2:]
+        return block_mean(values, (min(2, nx), min(2, ny)), mode)
 
 
 def unfold(values: np.ndarray, parity: int, period: int) -> np.ndarray:
@@ -235,11 +296,19 @@ class Operators:
         return self.on(replace(self.lattice, reach=0.4))
 
     @cached_property
-    def part(self) -> Callable[[tuple[int, int]], "Operators"]:
-        """Function that returns the operators on a lattice of another shape (n_x, n_y)."""
+    def part(self) -> Callable[..., "Operators"]:
+        """Function that returns the operators on a lattice of another shape (n_x, n_y).
+
+        With a `Mirror` as second argument they apply to the upper half of symmetric fields.
+        """
         # Without a reference to these operators: a cache of theirs would hold itself.
         lattice, bodies = self.lattice, (self.elasticity, *self._units, self.frame)
-        return lru_cache(8)(lambda shape: Operators(lattice.with_shape(shape), *bodies))
+
+        @lru_cache(8)
+        def on_part(shape: tuple[int, int], mirror: Mirror | None = lattice.mirror) -> Operators:
+            return Operators(replace(lattice, shape=shape, mirror=mirror), *bodies)
+
+        return on_part
 
     def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
         """Return the spectrum of A_nn, gap per pressure, dimensionless."""
@@ -267,13 +336,19 @@ class Operators:
 
     def _convolution(self, spectra: Sequence[np.ndarray] | np.ndarray) -> Convolution:
         """Return the zero-padded convolution on the lattice with spectra of kernels."""
-        spectra = np.ascontiguousarray(spectra)
-        return Convolution(spectra, self.lattice.shape, self.lattice.padded)
+        return self._periodic(np.ascontiguousarray(spectra), self.lattice.padded)
+
+    def _periodic(self, spectra: np.ndarray, period: tuple[int, int]) -> Convolution:
+        """Return the convolution on the lattice with spectra of a period."""
+        shape, mirror = self.lattice.shape, self.lattice.mirror
+        if mirror is None:
+            return Convolution(spectra, shape, period)
+        return MirroredConvolution(spectra, shape, period, mirror)
 
     def _inverse(self, *spectra: np.ndarray) -> Convolution:
         """Return the cyclic convolution with inverted spectra, a preconditioner."""
         period = self.lattice.cyclic
-        return Convolution(np.stack(spectra) / np.prod(period) ** 2, self.lattice.shape, period)
+        return self._periodic(np.stack(spectra) / np.prod(period) ** 2, period)
 
     def _tangential(self, xx, xy, yy):
         """Rotate and scale entries to the frame: (11, 12, 22) of F [[xx, xy], [xy, yy]] F^T."""

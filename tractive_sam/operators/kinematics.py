@@ -36,7 +36,7 @@ import numpy as np
 
 from tractive_sam.compute import Convolution
 from tractive_sam.mechanics import Linearisation
-from tractive_sam.operators.elastic import Box, Entries, Operators, block_mean
+from tractive_sam.operators.elastic import Box, Entries, Lattice, Operators
 from tractive_sam.operators.stencil import UPWIND, FrictionSlip, Stencil
 
 
@@ -102,8 +102,13 @@ class Kinematics(ABC):
         """Return the factor of slip on elements `block` times as long: 1 if not overridden."""
         return 1.0
 
-    def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the kinematics for a mesh of merged elements: itself, if not overridden."""
+    @property
+    def gaps(self) -> tuple[np.ndarray, ...]:
+        """Fields that are even in y in a symmetric problem: none, if not overridden."""
+        return ()
+
+    def coarsened(self, lattice: Lattice) -> Self:
+        """Return the kinematics for merged elements of a lattice: itself, if not overridden."""
         return self
 
     def within(self, box: Box) -> Self:
@@ -137,7 +142,8 @@ class SteadyRolling(Kinematics):
         leading = stencil.leading(pressure, gap)
         seen = stencil.staggered, pressure, gap, leading, (leading[0] + 1, leading[1])
         aspect = lattice.dx / lattice.dy
-        return FrictionSlip(*seen, aspect, operators.opening, operators.layer_slip)
+        layer, mirror = operators.layer_slip, lattice.mirror
+        return FrictionSlip(*seen, aspect, operators.opening, layer, mirror=mirror)
 
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
@@ -197,7 +203,7 @@ class RollingStep(Kinematics):
                 return last
         i, j = np.nonzero((pressure > 0.0) & (self.entering > 0.0))
         seen = back, pressure, self.entering, (i, j), (i, j), lattice.dx / lattice.dy
-        self.memory[:] = [FrictionSlip(*seen, operators.opening, gap_changes=False)]
+        self.memory[:] = [FrictionSlip(*seen, operators.opening, None, False, lattice.mirror)]
         return self.memory[0]
 
     def approximate_inverse(
@@ -227,10 +233,15 @@ class RollingStep(Kinematics):
         """
         return 1.0 / block
 
-    def coarsened(self, block: tuple[int, int]) -> Self:
-        """Return the step for a mesh of merged elements: mean gap, fewer elements rolled."""
-        entering = block_mean(self.entering, block, "edge")
-        return replace(self, entering=entering, length=self.length / block[0])
+    @property
+    def gaps(self) -> tuple[np.ndarray, ...]:
+        """The gap that particles close, even in y in a symmetric problem."""
+        return (self.entering,)
+
+    def coarsened(self, lattice: Lattice) -> Self:
+        """Return the step for merged elements of a lattice: mean gap, fewer elements rolled."""
+        entering, length = lattice.merge(self.entering), self.length / lattice.coarsening[0]
+        return replace(self, entering=entering, length=length)
 
     def within(self, box: Box) -> Self:
         """Return the step restricted to a rectangle (box) of the mesh."""

@@ -39,7 +39,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tractive_sam.compute import Places, backend_of
+from tractive_sam.compute import Mirror, Places, backend_of
 
 FARTHEST = 1e3
 """Largest ratio of `entry_beyond`: an edge so near a centre is as good as on it."""
@@ -97,7 +97,9 @@ class Stencil:
         return i, j
 
 
-def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) -> np.ndarray:
+def edge_angles(
+    bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float, mirror: Mirror | None = None
+) -> np.ndarray:
     """Return the angles from x of the outward normals at leading elements (i, j), shape (m,).
 
     The normal points down the gradient of the squared pressure, which falls linearly to a smooth
@@ -112,8 +114,10 @@ def edge_angles(bound: np.ndarray, i: np.ndarray, j: np.ndarray, aspect: float) 
         Indices of the elements.
     aspect : float
         dx/dy.
+    mirror : Mirror, optional
+        Symmetry of the pressure, if it is given on the upper half of its mesh.
     """
-    here, behind, left, right = _neighbour_values(bound, i, j) ** 2
+    here, behind, left, right = _neighbour_values(bound, i, j, mirror) ** 2
     return np.arctan2(0.5 * aspect * (left - right), np.maximum(behind - here, 0.1 * here))
 
 
@@ -153,9 +157,13 @@ def entry_change(bound: np.ndarray, change: np.ndarray, i: np.ndarray, j: np.nda
     return np.where(inside, 2.0 * ratio * (changed_behind - ratio * changed) / here, 0.0)
 
 
-def _neighbour_values(field: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+def _neighbour_values(
+    field: np.ndarray, i: np.ndarray, j: np.ndarray, mirror: Mirror | None = None
+) -> np.ndarray:
     """Return a field (4, m) at (i, j), behind, and behind to left and right; 0 off the mesh."""
     rows, columns = np.add(i, [[0], [-1], [-1], [-1]]), np.add(j, [[0], [0], [-1], [1]])
+    if mirror is not None:
+        columns = np.where(columns < 0, -mirror.between - columns, columns)
     width = field.shape[1]
     inside = (rows >= 0) & (columns >= 0) & (columns < width)
     return np.where(inside, field[rows, columns % width], 0.0)
@@ -183,6 +191,8 @@ class FrictionSlip:
         Slip of an interfacial layer over an element per unit of the traction gained there.
     gap_changes : bool
         Whether the gap changes with the tractions sought; a step uses the gap before it.
+    mirror : Mirror, optional
+        See `edge_angles`.
     """
 
     def __init__(
@@ -196,6 +206,7 @@ class FrictionSlip:
         opening: Callable[[np.ndarray], np.ndarray],
         layer: np.ndarray | None = None,
         gap_changes: bool = True,
+        mirror: Mirror | None = None,
     ):
         self._gap_changes = gap_changes
         self.staggered = staggered
@@ -204,7 +215,7 @@ class FrictionSlip:
         bound, gap = to_numpy(bound), to_numpy(gap)
         self._here, self._ahead = leading, parted
         self._aspect, self._opening_at = aspect, opening
-        self._angle = edge_angles(bound, leading[0], leading[1], aspect)
+        self._angle = edge_angles(bound, leading[0], leading[1], aspect, mirror)
         self._opening = opening(self._angle)
         # Divided by: elements below 1e-12 of the peak pressure carry no traction that matters.
         self._bound = np.maximum(bound[self._here], 1e-12 * bound.max(initial=0.0))

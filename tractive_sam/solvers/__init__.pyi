@@ -13,6 +13,7 @@ from .ladder import Ladder as Ladder
 from .ladder import Method as Method
 from .ladder import falling_method as falling_method
 from .nested import Nested as Nested
+from .nested import OnHalfMesh as OnHalfMesh
 from .nested import RoughSequential as RoughSequential
 from .nested import Sequential as Sequential
 from .newton import Iterate as Iterate

@@ -18,6 +18,7 @@ import numpy as np
 
 from tractive_sam.compute import backend_of
 from tractive_sam.kernels.krylov import extend_basis
+from tractive_sam.operators import Lattice
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.problem import NormalProblem, Note, Outcome, Start, closed, needed
 
@@ -235,7 +236,7 @@ class ConjugateGradients:
             pressure = backend_of(pressure).xp.maximum(pressure, 0.0)
         at, status = _Iteration(problem, pressure), Status.OUT_OF_ITERATIONS
         for taken in range(self.iterations + 1):
-            residual = natural_residual(at.pressure, at.gap)
+            residual = natural_residual(at.pressure, at.gap, at.lattice)
             if residual <= tolerance:
                 status = Status.CONVERGED
                 break
@@ -265,7 +266,7 @@ class _Iteration:
     def __init__(self, problem: NormalProblem, pressure: np.ndarray):
         self.problem, self.under_load = problem, problem.load is not None
         self.applications = self.preconditionings = 0
-        self.backend = backend_of(pressure)
+        self.backend, self.lattice = backend_of(pressure), problem.operators.lattice
         self._active = pressure < 0.0  # none yet
         self._response = pressure
         self._last: _Search | None = None
@@ -282,12 +283,13 @@ class _Iteration:
         gap = self.problem.gap + lift
         if self.under_load:
             # The approach is the one that the elements in contact have on average.
-            self.approach = float(self.backend.xp.mean(gap[self.pressure > 0.0]))
+            total, touching = self.lattice.sum, self.pressure > 0.0
+            self.approach = total(gap * touching) / total(touching)
         self.gap = gap - self.approach
 
     def advance(self) -> bool:
         """Minimise the energy along a new direction; return False if that has no minimum."""
-        xp, dot = self.backend.xp, self.backend.dot
+        xp, dot = self.backend.xp, self.lattice.dot
         active = (self.pressure > 0.0) | (self.gap < 0.0)
         unchanged = bool(xp.all(active == self._active))
         self._active = active
@@ -310,7 +312,7 @@ class _Iteration:
 
     def _minimise_along(self, direction: np.ndarray) -> bool:
         """Minimise along a direction, without tension; return False if that has no curvature."""
-        xp, dot, change = self.backend.xp, self.backend.dot, self._apply(direction)
+        xp, dot, change = self.backend.xp, self.lattice.dot, self._apply(direction)
         # Positive for any direction, but for gaps so wide that rounding leaves nothing of it.
         if not (curvature := dot(direction, change)) > 0.0:
             return False
@@ -337,7 +339,7 @@ class _Iteration:
 
     def _without_load(self, step: np.ndarray) -> np.ndarray:
         """Return a step of the pressure without the part that changes the load."""
-        total = self.backend.xp.sum
+        total = self.lattice.sum
         return step - self._response * (total(step) / total(self._response))
 
 
@@ -349,11 +351,10 @@ class _Search(NamedTuple):
     product: float
 
 
-def natural_residual(pressure: np.ndarray, gap: np.ndarray) -> float:
+def natural_residual(pressure: np.ndarray, gap: np.ndarray, lattice: Lattice) -> float:
     """Return |p - max(0, p - gap)| / |p|, zero exactly if Signorini's conditions hold."""
-    backend = backend_of(pressure)
-    missed = backend.xp.minimum(pressure, gap)
-    size, distance = sqrt(backend.dot(pressure, pressure)), sqrt(backend.dot(missed, missed))
+    missed = backend_of(pressure).xp.minimum(pressure, gap)
+    size, distance = sqrt(lattice.dot(pressure, pressure)), sqrt(lattice.dot(missed, missed))
     return distance / size if size > 0.0 else float(distance > 0.0)
 
 
@@ -364,7 +365,7 @@ def _scale_to_load(problem: NormalProblem, pressure: np.ndarray) -> np.ndarray:
     xp, gap = backend_of(pressure).xp, problem.gap
     if not xp.any(pressure > 0.0):  # so small a contact that interpolation or a step has lost it
         pressure = xp.where(gap == xp.min(gap), xp.ones_like(gap), 0.0)
-    return pressure * (problem.load / xp.sum(pressure))
+    return pressure * (problem.load / problem.operators.lattice.sum(pressure))
 
 
 def _first_guess(problem: NormalProblem) -> np.ndarray:

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from tractive_sam.operators import Box
+from tractive_sam.operators import Box, Lattice
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.krylov import natural_residual
 from tractive_sam.solvers.problem import (
@@ -28,16 +28,19 @@ from tractive_sam.solvers.problem import (
 AnyProblem = TypeVar("AnyProblem", NormalProblem, Problem)
 
 
-def refine(values: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
-    """Interpolate the last two axes bilinearly to elements of half the size, cut to `shape`."""
-    for axis in (-2, -1):
+def refine(values: np.ndarray, lattice: Lattice) -> np.ndarray:
+    """Interpolate the last two axes bilinearly to the lattice of elements of half the size."""
+    # Where an axis of symmetry halves the first row, every other row lies on a coarse one.
+    across = (0.75, 0.75) if lattice.first_share == 1.0 else (0.5, 1.0)
+    for axis, shares in ((-2, (0.75, 0.75)), (-1, across)):
         v = np.moveaxis(values, axis, 0)
         before, after = np.concatenate((v[:1], v[:-1])), np.concatenate((v[1:], v[-1:]))
         fine = np.empty((2 * len(v), *v.shape[1:]))
-        fine[::2] = 0.75 * v + 0.25 * before
-        fine[1::2] = 0.75 * v + 0.25 * after
+        fine[::2] = shares[0] * v + (1.0 - shares[0]) * before
+        fine[1::2] = shares[1] * v + (1.0 - shares[1]) * after
         values = np.moveaxis(fine, 0, axis)
-    return values[..., : shape[0], : shape[1]]
+    nx, ny = lattice.shape
+    return values[..., :nx, :ny]
 
 
 def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
@@ -52,7 +55,7 @@ def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
     return share
 
 
-def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
+def refine_pressure(pressure: np.ndarray, gap: np.ndarray, lattice: Lattice) -> np.ndarray:
     """Interpolate pressure to a finer mesh by its square, which the gap continues outside.
 
     At a distance d from the edge the pressure inside rises like d^1/2 and the gap outside like
@@ -61,10 +64,10 @@ def refine_pressure(pressure: np.ndarray, gap: np.ndarray, shape: tuple[int, int
     """
     peak = pressure.max()
     if peak == 0.0:
-        return np.zeros(shape)
+        return np.zeros(lattice.shape)
     outside = np.cbrt(np.maximum(1.5 * gap / peak, 0.0)) ** 2
     squares = np.where(pressure > 0.0, (pressure / peak) ** 2, -outside)
-    return peak * np.sqrt(np.maximum(refine(squares, shape), 0.0))
+    return peak * np.sqrt(np.maximum(refine(squares, lattice), 0.0))
 
 
 @dataclass(frozen=True)
@@ -141,20 +144,21 @@ def refined(
         pressure = _refined_pressure(coarse, problem.free_pressure)
     bound, fine_bound = coarse_problem.bound(coarse_pressure), problem.bound(pressure)
     coarse_traction = needed(coarse.traction, "outcome.traction")
-    share = refine(shares(coarse_traction, bound.radius), fine_bound.radius.shape)
+    lattice = problem.operators.lattice
+    share = lattice.clear_axis(refine(shares(coarse_traction, bound.radius), lattice))
     return replace(coarse, pressure=pressure, traction=share * fine_bound.radius)
 
 
 def _refined_pressure(coarse: Outcome, problem: NormalProblem) -> np.ndarray:
     """Return the pressure on a coarser mesh interpolated to the mesh of a problem."""
     pressure, gap = needed(coarse.pressure, "outcome.pressure"), needed(coarse.gap, "outcome.gap")
-    return refine_pressure(pressure, gap, problem.gap.shape)
+    return refine_pressure(pressure, gap, problem.operators.lattice)
 
 
 def _shorter_side(problem: NormalProblem | Problem) -> int:
     """Return the least number of elements along the axes that coarser meshes coarsen."""
     lattice = problem.operators.lattice
-    return min(n for n, block in zip(lattice.shape, lattice.coarsening, strict=True) if block > 1)
+    return min(n for n, block in zip(lattice.whole, lattice.coarsening, strict=True) if block > 1)
 
 
 @dataclass(frozen=True)
@@ -188,30 +192,34 @@ class AroundContact:
         nearby = None if start is None or problem.gap.size < self.least_size else start.pressure
         if nearby is None or not nearby.any():
             return self.solver.solve(problem, tolerance, start)
-        box = rectangle(nearby > 0.0, self.around)
+        box = rectangle(nearby > 0.0, problem.operators.lattice, self.around)
         if box == tuple(slice(0, n) for n in shape):
             return self.solver.solve(problem, tolerance, start)
         near = self.solver.solve(problem.within(box), tolerance, Start(nearby[box]))
         pressure = embed(needed(near.pressure, "outcome.pressure"), box, shape)
         gap = problem.gap + problem.operators.normal(pressure[None])[0] - near.approach
-        residual, cost = natural_residual(pressure, gap), near.cost + Cost(1.0)
+        residual, cost = (
+            natural_residual(pressure, gap, problem.operators.lattice),
+            near.cost + Cost(1.0),
+        )
         near = replace(near, pressure=pressure, gap=gap, residual=residual, cost=cost)
         if near.converged and residual <= tolerance:
             return near
         return self.solver.solve(problem, tolerance, near).costing(near)
 
 
-def rectangle(contact: np.ndarray, around: int = 0) -> Box:
+def rectangle(contact: np.ndarray, lattice: Lattice, around: int = 0) -> Box:
     """Return the box around a contact: a further row on both sides in x, and `around` elements.
 
     The slip at the centre of an element depends on the slip of the row behind it, the slip of a
-    leading element on the gap ahead.
+    leading element on the gap ahead. On the half of a symmetric mesh it begins at the axis.
     """
     i = np.flatnonzero(contact.any(axis=1))
     j = np.flatnonzero(contact.any(axis=0))
     nx, ny = contact.shape
     along = _round_up(i[0] - 1 - around, i[-1] + 2 + around, nx)
-    return along, _round_up(j[0] - around, j[-1] + 1 + around, ny)
+    first = 0 if lattice.mirror else j[0] - around
+    return along, _round_up(first, j[-1] + 1 + around, ny)
 
 
 def _round_up(first: int, end: int, size: int) -> slice:
@@ -225,6 +233,53 @@ def _round_up(first: int, end: int, size: int) -> slice:
     length = min(-(-(end - first) // step) * step, size)
     first = min(first, size - length)
     return slice(first, first + length)
+
+
+@dataclass(frozen=True)
+class OnHalfMesh:
+    """Solver of problems that are symmetric in y, on half of their mesh; of others, on all of it.
+
+    Attributes
+    ----------
+    solver : ProblemSolver
+        Method on either mesh.
+    """
+
+    solver: ProblemSolver
+
+    def solve(
+        self, problem: Problem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve a problem, on half of its mesh if it has a `Problem.mirror`."""
+        mirror = problem.mirror
+        if mirror is None:
+            return self.solver.solve(problem, tolerance, start)
+        ny = problem.rigid.shape[-1]
+
+        def cut(field: np.ndarray | None) -> np.ndarray | None:
+            return None if field is None else field[..., ny // 2 :].copy()
+
+        def unfold(field: np.ndarray | None) -> np.ndarray | None:
+            if field is None:
+                return None
+            below = field[..., ::-1][..., : ny // 2]
+            if field.ndim == 3:
+                below = np.where(np.arange(2)[:, None, None] == mirror.even, below, -below)
+            return np.concatenate((below, field), axis=-1)
+
+        if start is not None:
+            approach, gap = start.approach or 0.0, cut(start.gap)
+            start = Start(cut(start.pressure), cut(start.traction), approach, gap=gap)
+        half = self.solver.solve(problem.upper_half(mirror), tolerance, start)
+        return replace(
+            half,
+            pressure=unfold(half.pressure),
+            gap=unfold(half.gap),
+            traction=unfold(half.traction),
+            slip=unfold(half.slip),
+            sliding=unfold(half.sliding),
+            radius=unfold(half.radius),
+        )
 
 
 def embed(field: np.ndarray, box: Box, shape: tuple[int, int]) -> np.ndarray:
@@ -282,7 +337,7 @@ class Sequential:
             share = problem.forces.minimum / problem.bound(pressure).radius.sum()
             if share > 1.0:
                 return _refuse_forces(problem, share)
-        box = rectangle(pressure > 0.0)
+        box = rectangle(pressure > 0.0, problem.operators.lattice)
         if start is not None:
             start = _start_on_rectangle(problem, start, box)
         inner, shape = problem.within(box), pressure.shape

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol, Self, TypeVar
 
 import numpy as np
 
-from tractive_sam.compute import backend_of
+from tractive_sam.compute import Mirror, backend_of
 from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.mechanics import Bound, FrictionOnMesh, Linearisation
 from tractive_sam.operators import (
@@ -24,7 +24,6 @@ from tractive_sam.operators import (
     Kinematics,
     Operators,
     SteadyRolling,
-    block_mean,
 )
 from tractive_sam.results import Cost, Status
 
@@ -65,12 +64,12 @@ class NormalProblem:
 
     def coarsened(self) -> "NormalProblem":
         """Return the problem on a mesh of elements of twice the size."""
-        block = self.operators.lattice.coarsening
+        lattice = self.operators.lattice
         return replace(
             self,
             operators=self.operators.coarsened,
-            gap=block_mean(self.gap, block, "edge"),
-            load=None if self.load is None else self.load / math.prod(block),
+            gap=lattice.merge(self.gap),
+            load=None if self.load is None else self.load / math.prod(lattice.coarsening),
         )
 
 
@@ -156,12 +155,9 @@ class FixedPressure:
 
     def coarsened(self) -> "FixedPressure":
         """Return pressure and gap on a mesh of elements of twice the size."""
-        block = self.operators.lattice.coarsening
-        return FixedPressure(
-            self.operators.coarsened,
-            block_mean(self.pressure, block, "constant"),
-            block_mean(self.gap, block, "edge"),
-        )
+        merge = self.operators.lattice.merge
+        pressure, gap = merge(self.pressure, "constant"), merge(self.gap)
+        return FixedPressure(self.operators.coarsened, pressure, gap)
 
 
 @renamed_attributes(held="is_pressure_fixed", holding="with_pressure", eased="at_speed_ratio")
@@ -260,37 +256,87 @@ class Problem:
 
     def within(self, box: Box) -> Self:
         """Return the problem (its pressure must be fixed) on a rectangle (box) of elements."""
-        friction, normal = self.friction, self.fixed_pressure
+        normal = self.fixed_pressure
         # Contiguous, for the vector instructions of the kernels.
         pressure, gap = (
             np.ascontiguousarray(field[box]) for field in (normal.pressure, normal.gap)
         )
-        fixed = FixedPressure(self.operators.part(pressure.shape), pressure, gap)
+        return self._on(box, FixedPressure(self.operators.part(pressure.shape), pressure, gap))
+
+    def _on(self, box: Box, normal: NormalProblem | FixedPressure) -> Self:
+        """Return the problem on a box of elements, with the normal block there."""
+        friction = self.friction
         x = friction.x[box[0]] if len(friction.x) > 1 else friction.x
         y = friction.y[:, box[1]] if friction.y.shape[1] > 1 else friction.y
         return replace(
             self,
-            normal=fixed,
+            normal=normal,
             rigid=np.ascontiguousarray(self.rigid[:, *box]),
             friction=friction.on_elements(x, y),
             kinematics=self.kinematics.within(box),
         )
 
+    @property
+    def mirror(self) -> Mirror | None:
+        """Symmetry about the middle of the mesh along y, of gap, friction and slip, or None.
+
+        Prescribed forces, friction that falls with the slip, wear within a pass and bodies of
+        different material are not considered. Rounding of what is prescribed is ignored.
+        """
+        normal, law, ((_, first), (second, _)) = (
+            self.normal,
+            self.friction.law,
+            self.operators.frame.matrix,
+        )
+        if first or second or self.coupled or len(self.forces) or law.falls or self.wear:
+            return None
+        if not (isinstance(normal, NormalProblem) and isinstance(normal.gap, np.ndarray)):
+            return None
+
+        def is_symmetric(field: np.ndarray, sign: float, size: float) -> bool:
+            # Displacements before a step are rounded as transforms are.
+            return bool(np.abs(field - sign * field[..., ::-1]).max() <= 1e-11 * size)
+
+        pressed = self.friction.bound(normal.gap.max() - normal.gap).radius
+        for even in (normal.gap, pressed, *self.kinematics.gaps):
+            if not is_symmetric(even, 1.0, np.abs(even).max()):
+                return None
+        (first, second), size = self.rigid, np.abs(self.rigid).max()
+        between = normal.gap.shape[1] % 2 == 0
+        if is_symmetric(first, 1.0, size) and is_symmetric(second, -1.0, size):
+            return Mirror(0, between)
+        if is_symmetric(second, 1.0, size) and is_symmetric(first, -1.0, size):
+            return Mirror(1, between)
+        return None
+
+    def upper_half(self, mirror: Mirror) -> Self:
+        """Return the problem (its pressure must be free) on the upper half of a symmetric mesh."""
+        normal = self.free_pressure
+        nx, ny = normal.gap.shape
+        box = slice(None), slice(ny // 2, None)
+        half = replace(
+            normal,
+            operators=self.operators.part((nx, ny - ny // 2), mirror),
+            gap=np.ascontiguousarray(normal.gap[box]),
+            load=None if normal.load is None else 0.5 * normal.load,
+        )
+        problem = self._on(box, half)
+        half.operators.lattice.clear_axis(problem.rigid)
+        return problem
+
     def coarsened(self) -> Self:
         """Return the problem on a mesh of elements of twice the size."""
-        block = self.operators.lattice.coarsening
+        lattice = self.operators.lattice
+        block, merge = lattice.coarsening, lattice.merge
         friction, scale = self.friction, self.kinematics.slip_scale(block[0])
-        friction = friction.on_elements(
-            block_mean(friction.x, (block[0], 1), "edge"),
-            block_mean(friction.y, (1, block[1]), "edge"),
-        )
+        friction = friction.on_elements(merge(friction.x), merge(friction.y))
         return replace(
             self,
             normal=self.normal.coarsened(),
-            rigid=scale * block_mean(self.rigid, block, "edge"),
+            rigid=scale * merge(self.rigid),
             friction=replace(friction, slip=friction.slip / scale),
             forces=self.forces.coarsened(block),
-            kinematics=self.kinematics.coarsened(block),
+            kinematics=self.kinematics.coarsened(lattice),
         )
 
     def response(self, fields: np.ndarray) -> np.ndarray:
@@ -376,7 +422,8 @@ class Problem:
         else:
             weight = self.kinematics.slip_weight(self.operators, bound.radius)
         return self.friction.law.linearise(
-            traction, sticking, bound, seen.bound, seen.staggered, active, weight
+            *(traction, sticking, bound, seen.bound, seen.staggered, active, weight),
+            self.operators.lattice.first_share,
         )
 
     def sliding(

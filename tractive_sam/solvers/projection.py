@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from tractive_sam.compute import backend_of
-from tractive_sam.operators import Operators
+from tractive_sam.operators import Lattice, Operators
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.krylov import ConjugateGradients
 from tractive_sam.solvers.nested import Nested
@@ -133,10 +133,11 @@ class ProjectedMap:
         bound = problem.bound(pressure)
         radius = problem.bound_sliding(bound, pressure, traction, slip, seen).radius
         target = problem.project(traction - opposed, radius, physical=False)
-        residual, misses = missed(target, traction), opposed
+        lattice = problem.operators.lattice
+        residual, misses = missed(target, traction, lattice), opposed
         if not problem.is_pressure_fixed:
             pressed = backend.xp.maximum(pressure - gap, 0.0)
-            residual = max(missed(pressed, pressure), residual)
+            residual = max(missed(pressed, pressure, lattice), residual)
             misses = backend.concat((gap[None, ...], opposed))
         return Evaluation(self.admissible(state - self.steps * misses), residual, gap, slip)
 
@@ -151,11 +152,11 @@ class ProjectedMap:
         return state, self(state)
 
 
-def missed(target: Array, state: Array) -> float:
+def missed(target: Array, state: Array, lattice: Lattice) -> float:
     """Return the distance of a state from its projection `target`, over the size of `target`."""
     short = target - state
-    dot = backend_of(short).dot
-    return relative(sqrt(dot(short, short)), sqrt(dot(target, target)))
+    size, distance = sqrt(lattice.dot(target, target)), sqrt(lattice.dot(short, short))
+    return relative(distance, size)
 
 
 States = Generator[tuple[ProjectedMap, Array], Evaluation, None]
@@ -277,7 +278,7 @@ class Projection(ABC):
             fields = iterated.fields
             backend = backend_of(fields.pressure)
             state = backend.concat((fields.pressure[None, ...], fields.traction))
-            error = float(backend.xp.sum(fields.pressure)) / load - 1.0
+            error = problem.operators.lattice.sum(fields.pressure) / load - 1.0
             if abs(error) <= tolerance and iterated.residual <= tolerance:
                 return outcome
             # Secants, within reason of Hertz's load ~ approach^3/2: a load from a contact that is
