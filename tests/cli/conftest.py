@@ -11,6 +11,7 @@ from tractive_sam.cli import app
 from tractive_sam.results.column_table import FIELDS, columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.record import Record
+from tractive_sam.results.table import fields_table
 from tractive_sam.scene import Scene
 from tractive_sam.store import HistoryWriter, open_history
 
@@ -47,7 +48,8 @@ def make_record(number, scene=SCENE):
     fields = dict.fromkeys(FIELDS, np.zeros_like(pressure))
     fields |= {"pressure": pressure, "traction_x": 0.3 * pressure, "slip_x": -1e-3 * pressure}
     names = {name: one for name, one in columns(scene).items() if one.dims[:1] != ("body",)}
-    return Record(make_values(number + 0.5, number, names, len(GRID.y)), names, fields)
+    values = make_values(number + 0.5, number, names, len(GRID.y))
+    return Record(values, names, {"fields": fields_table(fields, FIELDS, GRID)})
 
 
 @pytest.fixture(scope="session")
@@ -57,7 +59,7 @@ def thirty_records(tmp_path_factory):
     with HistoryWriter(path, SCENE, GRID) as writer:
         for number in range(30):
             record = make_record(number)
-            writer.append(record if number in (0, 29) else replace(record, fields={}))
+            writer.append(record if number in (0, 29) else replace(record, tables={}))
         writer.finish("done", "as asked")
     return path
 

@@ -6,11 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 
 from tractive_sam.mechanics.hertz_contact import HertzContact
-from tractive_sam.results.column_table import columns
+from tractive_sam.results.column_table import PACKAGE_FIELDS, columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history import History
 from tractive_sam.results.record import Record, restart_fields
 from tractive_sam.results.state import Cost, State, Status
+from tractive_sam.results.table import fields_table
 from tractive_sam.scene import Friction, Scene
 
 HERTZ = HertzContact(a=0.5, b=0.8, p0=900.0, approach=0.01, load=754.0)
@@ -115,5 +116,6 @@ def history(stored=(0, 10, 100), requested=None):
             "wear_max": profile.max(),
             "converged": 1.0,
         }
-        records.append(Record(values, names, kept if revolution in stored else {}))
+        tables = {"fields": fields_table(kept, PACKAGE_FIELDS)}
+        records.append(Record(values, names, tables if revolution in stored else {}))
     return History.of_records(records, requested, GRID)

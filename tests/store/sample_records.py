@@ -8,6 +8,7 @@ from tractive_sam.results.column_table import FIELDS, columns
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.record import Record
 from tractive_sam.results.stress import PlaneStress
+from tractive_sam.results.table import fields_table
 from tractive_sam.scene import Plane, Scene
 
 STRESSED = Scene.builtin("twin-discs")
@@ -48,8 +49,9 @@ def with_stress(record, grid=None):
                 body: number + k if one.dims == ("body",) else (number, k, 0.1)
                 for k, body in enumerate("AB")
             }
-    stress = make_stress(number, grid or mesh()) if record.fields else ()
-    return replace(record, values=record.values | added, columns=columns(STRESSED), stress=stress)
+    stress = make_stress(number, grid or mesh()) if record.tables else ()
+    tables = {**record.tables, **{plane.path: plane.table for plane in stress}}
+    return replace(record, values=record.values | added, columns=columns(STRESSED), tables=tables)
 
 
 def make_values(number, revolution, names, n_y):
@@ -68,7 +70,8 @@ def make_record(number, with_fields=False, grid=None):
     grid, names = grid or mesh(), columns(SCENE)
     values = make_values(number, 10 * number, names, len(grid.y))
     fields = {name: np.full(grid.elements, number + 0.1 * k) for k, name in enumerate(FIELDS)}
-    return Record(values, names, fields if with_fields else {})
+    tables = {"fields": fields_table(fields, FIELDS, grid)}
+    return Record(values, names, tables if with_fields else {})
 
 
 def records(count, every=3):

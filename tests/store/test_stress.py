@@ -15,8 +15,8 @@ from tests.store.sample_records import (
     records,
     with_stress,
 )
-from tractive_sam.results.column_table import STRESS
 from tractive_sam.results.history import History
+from tractive_sam.results.stress import STRESS
 from tractive_sam.store import HistoryWriter, open_history
 
 

@@ -49,7 +49,13 @@ FIELDS = index_by_name(
         *vectors("traction", "MPa", "traction on body A"),
         *vectors("slip", "1", "slip of A relative to B, divided by the rolling speed"),
         Quantity("wear", "mm", "wear depth, both bodies together", attrgetter("wear")),
-        Quantity("gap", "mm", "separation of the deformed surfaces", attrgetter("gap")),
+        Quantity(
+            "gap",
+            "mm",
+            "separation of the deformed surfaces",
+            attrgetter("gap"),
+            outside=math.inf,
+        ),
         Quantity(
             "sliding",
             "1",
@@ -77,17 +83,23 @@ BEFORE = index_by_name(
 )
 """Fields that resuming a transient needs in addition: stored for the last contact only."""
 
+_warm = partial(Quantity, needs=("heat",), outside=math.nan)
+
 HEAT_FIELDS = index_by_name(
     (
-        Quantity("temperature_A", "degC", "temperature of the surface of body A",
-                 partial(read_heat, "temperature_A"), needs=("heat",)),
-        Quantity("temperature_B", "degC", "temperature of the surface of body B",
-                 partial(read_heat, "temperature_B"), needs=("heat",)),
-        Quantity("heat_into_A", "mW/mm2", "heat flux into body A",
-                 partial(read_heat, "into_A"), needs=("heat",)),
+        _warm("temperature_A", "degC", "temperature of the surface of body A",
+              partial(read_heat, "temperature_A")),
+        _warm("temperature_B", "degC", "temperature of the surface of body B",
+              partial(read_heat, "temperature_B")),
+        _warm("heat_into_A", "mW/mm2", "heat flux into body A", partial(read_heat, "into_A")),
     )
 )  # fmt: skip
-"""Fields stored for scenes with [heat]; resuming does not need them."""
+"""Fields stored for scenes with [heat]; resuming does not need them. They are not computed outside
+the mesh."""
+
+
+PACKAGE_FIELDS = {**FIELDS, **HEAT_FIELDS, BOUND.name: BOUND}
+"""All fields that the package defines; other fields are user-defined."""
 
 
 def storable_fields(scene: Scene) -> dict[str, Quantity]:
@@ -101,41 +113,6 @@ def storable_fields(scene: Scene) -> dict[str, Quantity]:
         shifted = vectors("slip", "1", mixed)
     warm = {name: quantity for name, quantity in HEAT_FIELDS.items() if quantity.applies(scene)}
     return FIELDS | index_by_name(shifted) | warm | {BOUND.name: BOUND}
-
-
-OUTSIDE = {"gap": math.inf} | dict.fromkeys(HEAT_FIELDS, math.nan)
-"""Value of a field outside the mesh, if it is not zero: there is no contact, and gap and
-temperature are not computed."""
-
-STRESS = index_by_name(
-    (
-        Quantity(VON_MISES.name, VON_MISES.unit, VON_MISES.long_name),
-        Quantity("xx", "MPa", "normal stress in x"),
-        Quantity("yy", "MPa", "normal stress in y"),
-        Quantity("zz", "MPa", "normal stress in z"),
-        Quantity("xy", "MPa", "shear stress xy"),
-        Quantity("xz", "MPa", "shear stress xz"),
-        Quantity("yz", "MPa", "shear stress yz"),
-    )
-)
-"""Functions on a plane below the surface, stored with the fields."""
-
-
-FATIGUE_FIELDS = index_by_name(
-    (
-        Quantity("utilisation", "1", "ratio of the equivalent stress of the cycle to its limit",
-                 dims=("y", "depth")),
-        Quantity("residual_shear", "MPa",
-                 "sqrt(J2) of the cycle with the residual stress due to rolling that minimises it",
-                 dims=("y", "depth")),
-        Quantity("path_radius", "MPa",
-                 "sqrt(J2) of the cycle minus the constant deviator that minimises it",
-                 dims=("y", "depth")),
-        Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
-        Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
-    )
-)  # fmt: skip
-"""Functions over the section of a body, from fatigue, stored with the fields."""
 
 
 def _bars_of_damage(contact: State) -> Any:

@@ -18,7 +18,7 @@ from tractive_sam.extras import check_extra
 from tractive_sam.optional import pandas, xarray
 from tractive_sam.output_file import make_folder, write_table
 from tractive_sam.rail import Profile, write_profile
-from tractive_sam.results.column_table import STRESSES, storable_fields
+from tractive_sam.results.column_table import STRESSES
 from tractive_sam.results.describe import balance_of, summarize_history
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.history_data import HistoryData, LawRecord, contact_of
@@ -53,31 +53,25 @@ class History(HistoryData):
         Descriptions of the columns; `history[name]` has the numbers.
     values : mapping of str to ndarray
         One row a record, in the shape of the column's dimensions; nan if there is no value.
-    fields : mapping of str to Rows, length m <= n
-        A function of x and y for each record with stored fields; see `field` and `state`.
+    tables : mapping of str to sequence of Table, length m <= n
+        Fields, stress and fatigue of the records with stored fields, by paths as "fields",
+        "stress/A/y=0" and "fatigue/A", each with `to_xarray`; see also `field`, `stress`,
+        `fatigue` and `state`.
     saved : ndarray, shape (m,)
         Values of the coordinate of these records, for example their revolutions.
-    stresses : mapping of (body, plane) to Rows, length m
-        Stress on planes for each record with stored fields; see `stress`. For a duty cycle see
-        `stresses_of_blocks`.
     provenance : tuple of (int, mapping of str to str)
         Rows, and the programs that computed the records from each of these rows on.
     law_records : mapping of str to LawRecord
         Laws that replaced laws of the scene, by "friction", "wear" and so on.
     started : str
         Source of the worn bodies with which the history began; empty for new bodies.
-    cycles : mapping of str to Rows, length m
-        Fatigue of each body that [fatigue] names, for each record with stored fields; see
-        `fatigue`.
-    stresses_of_blocks : tuple of mapping
-        For a duty cycle: the `stresses` of each block.
     measured : str
         Hash of the numbers of the measured gap and profiles; empty without them.
     datum : str
         Origin of the approach: "vertex", the first touch of the unworn bodies, or "node", the
         nearest element, in results files of earlier versions.
-    user_fields : mapping of str to Quantity
-        Descriptions of user-defined fields.
+    block_index : int or None
+        Block of a duty cycle whose records these are.
 
     Examples
     --------
@@ -401,29 +395,25 @@ class History(HistoryData):
         """
         check_extra("xarray", "history.to_xarray")
 
-        def about(quantity: Quantity) -> dict[str, str]:
-            return {"units": quantity.unit, "long_name": quantity.long_name}
-
         along = self.coordinate
         data = {
-            name: ((along.name, *column.dims), self[name], about(column))
+            name: ((along.name, *column.dims), self[name], column.attributes)
             for name, column in self.columns.items()
             if column is not along
         }
-        quantities = {**storable_fields(self.scene), **self.user_fields}
-        for name, rows in self.fields.items():
-            blocks = () if not self.block_names else (len(self.block_names),)
-            values = np.empty((len(rows), *blocks, *self.grid.elements))
-            for row in range(len(rows)):
-                values[row] = rows[row]
-            dims = ("saved", *("block" for _ in blocks), "x", "y")
-            data[name] = (dims, values, about(quantities[name]))
+        for name, quantity in self.tables["fields"].quantities.items():
+            fields = self.fields[name]
+            rows = [fields[row] for row in range(len(fields))]
+            blocks = ("block",) if self.block_names else ()
+            shape = (len(rows), *(len(self.block_names) for _ in blocks), *self.grid.elements)
+            dims = ("saved", *blocks, "x", "y")
+            data[name] = (dims, np.reshape(rows, shape), quantity.attributes)
         labels = {name: list(values) for name, values in LABELS.items()}
         if self.block_names:
             labels["block"] = list(self.block_names)
         coordinates = labels | {
-            along.name: (along.name, self[along.name], about(along)),
-            "saved": ("saved", self.saved, about(along)),
+            along.name: (along.name, self[along.name], along.attributes),
+            "saved": ("saved", self.saved, along.attributes),
             "x": ("x", self.grid.x, {"units": "mm"}),
             "y": ("y", self.grid.y, {"units": "mm"}),
         }

@@ -4,16 +4,18 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol, Self, TypeVar
+from functools import cached_property, partial
+from typing import Self
 
 import numpy as np
 
 from tractive_sam.mechanics import Frame
-from tractive_sam.results.column_table import BOUND, HEAT_FIELDS
+from tractive_sam.results.column_table import BOUND, HEAT_FIELDS, PACKAGE_FIELDS
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.quantity import BODIES, COORDINATE, PREFIX, Quantity, find_by_role
 from tractive_sam.results.state import Cost, FlashTemperature, State, Status
 from tractive_sam.results.stress import BodyFatigue, PlaneStress
+from tractive_sam.results.table import Rows, TableRows, View
 from tractive_sam.scene import Scene, block_label
 from tractive_sam.schema import required
 
@@ -91,18 +93,6 @@ def _frame(numbers: list[float] | None) -> Frame | None:
 RENAMED_COLUMNS = {"wear_rate": "worn_area"}
 """Current names of renamed columns."""
 
-T_co = TypeVar("T_co", covariant=True)
-
-
-class Rows(Protocol[T_co]):
-    """Sequence of fields, one a stored record, read from memory or from a file when accessed."""
-
-    def __len__(self) -> int:
-        """Number of records with fields."""
-
-    def __getitem__(self, row: int) -> T_co:
-        """Return the field of one record."""
-
 
 @dataclass(frozen=True, eq=False)
 class HistoryData:
@@ -114,17 +104,14 @@ class HistoryData:
     grid: Grid
     columns: Mapping[str, Quantity]
     values: Mapping[str, np.ndarray]
-    fields: Mapping[str, Rows[np.ndarray]]
+    tables: Mapping[str, TableRows]
     saved: np.ndarray
-    stresses: Mapping[tuple[str, str], Rows[PlaneStress]]
     provenance: tuple[tuple[int, Mapping[str, str]], ...] = ()
     law_records: Mapping[str, LawRecord] = field(default_factory=dict)
     started: str = ""
-    cycles: Mapping[str, Rows[BodyFatigue]] = field(default_factory=dict)
-    stresses_of_blocks: tuple[Mapping[tuple[str, str], Rows[PlaneStress]], ...] = ()
     measured: str = ""
     datum: str = "vertex"
-    user_fields: Mapping[str, Quantity] = field(default_factory=dict)
+    block_index: int | None = None
 
     def __len__(self) -> int:
         return len(self.values[self.coordinate.name])
@@ -144,6 +131,67 @@ class HistoryData:
         if name in self.fields:
             cure = f"; the field is history.field({name!r})"
         raise KeyError(f"no quantity {name!r}{cure}; there are {', '.join(self.values)}")
+
+    @cached_property
+    def fields(self) -> Mapping[str, Rows[np.ndarray]]:
+        """Fields over x and y by name: a sequence with one array a stored record, read on access.
+
+        Of a duty cycle over (block, x, y).
+        """
+        table = self.tables["fields"]
+        return {
+            name: View(len(table), partial(self._read_field, name)) for name in table.quantities
+        }
+
+    def _read_field(self, name: str, row: int) -> np.ndarray:
+        """Return a field of a stored record, of one block if this is the history of a block."""
+        values = self.tables["fields"].read(name, row)
+        return values if self.block_index is None else values[self.block_index]
+
+    @cached_property
+    def user_fields(self) -> dict[str, Quantity]:
+        """Descriptions of user-defined fields."""
+        stored = self.tables["fields"].quantities
+        return {name: stored[name] for name in stored if name not in PACKAGE_FIELDS}
+
+    @cached_property
+    def stresses(self) -> dict[tuple[str, str], Rows[PlaneStress]]:
+        """Stress by body and plane: a sequence with one `PlaneStress` a stored record.
+
+        A duty cycle has them in `stresses_of_blocks`.
+        """
+        return self._stresses_of(self.block_index)
+
+    @cached_property
+    def stresses_of_blocks(self) -> tuple[dict[tuple[str, str], Rows[PlaneStress]], ...]:
+        """For a duty cycle: the `stresses` of each block."""
+        return tuple(self._stresses_of(k) for k in range(len(self.block_names)))
+
+    def _stresses_of(self, block: int | None) -> dict[tuple[str, str], Rows[PlaneStress]]:
+        """Return the stress by body and plane, of one block of a duty cycle."""
+        start = "stress/" if block is None else f"stress/block-{block}/"
+        stresses: dict[tuple[str, str], Rows[PlaneStress]] = {}
+        for path, rows in self.tables.items():
+            body, _, plane = path.removeprefix(start).partition("/")
+            if path.startswith(start) and body in BODIES:
+                stresses[body, plane] = View(
+                    len(rows), partial(_read_stress, rows, body, plane, block)
+                )
+        return stresses
+
+    @cached_property
+    def cycles(self) -> dict[str, Rows[BodyFatigue]]:
+        """Fatigue of each body: a sequence with one `BodyFatigue` a stored record."""
+        table, start = self.scene.fatigue, "fatigue/"
+        k = None if table is None else table.shear_yield_stress
+        shear_yield = math.nan if k is None else k
+        return {
+            path.removeprefix(start): View(
+                len(rows), partial(_read_fatigue, rows, path.removeprefix(start), shear_yield)
+            )
+            for path, rows in self.tables.items()
+            if path.startswith(start)
+        }
 
     def of_dims(self, *dims: str) -> dict[str, Quantity]:
         """Return the columns with just these dimensions, as "body"; without any, scalars."""
@@ -249,9 +297,7 @@ class HistoryData:
             grid=self.grid.shifted(self.scene.duty[k].shift_y),
             columns=columns,
             values=values,
-            fields={name: _BlockRows(rows, k) for name, rows in self.fields.items()},
-            stresses=self.stresses_of_blocks[k] if self.stresses_of_blocks else {},
-            stresses_of_blocks=(),
+            block_index=k,
             law_records=self._law_records_of(self.scene.blocks[k]),
         )
 
@@ -290,18 +336,16 @@ class HistoryData:
         return k
 
 
-@dataclass(frozen=True, eq=False)
-class _BlockRows:
-    """Sequence of the fields of one block, a view of the fields of all blocks."""
+def _read_stress(
+    rows: TableRows, body: str, plane: str, block: int | None, row: int
+) -> PlaneStress:
+    """Return the stress on a plane in a stored record."""
+    return PlaneStress.from_table(rows[row], body, plane, block)
 
-    rows: Rows[np.ndarray]
-    block: int
 
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def __getitem__(self, row: int) -> np.ndarray:
-        return self.rows[row][self.block]
+def _read_fatigue(rows: TableRows, body: str, shear_yield: float, row: int) -> BodyFatigue:
+    """Return the fatigue of a body in a stored record."""
+    return BodyFatigue.from_table(rows[row], body, shear_yield)
 
 
 def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray]) -> State:

@@ -71,6 +71,8 @@ class Quantity:
         weighted with their revolutions.
     place_of, error_of : str
         Name of the column to which this position or error bar belongs.
+    outside : float
+        For a function of x and y: its value outside a mesh that has grown.
 
     Examples
     --------
@@ -99,6 +101,7 @@ class Quantity:
     over_blocks: str = "mean"
     place_of: str = ""
     error_of: str = ""
+    outside: float = field(default=0.0, compare=False)
 
     def __post_init__(self) -> None:
         """Raise an error for text or formats that would break the lines of an output.
@@ -120,6 +123,11 @@ class Quantity:
                 f"over_blocks of the column {self.name} is {self.over_blocks!r}; allowed: "
                 f"{', '.join(self.joined)}"
             )
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """Unit and description, as attributes of a dataset."""
+        return {"units": self.unit, "long_name": self.long_name}
 
     @property
     def is_profile(self) -> bool:

@@ -11,7 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.results.column_table import BOUND, FIELDS, HEAT_FIELDS, OUTSIDE, columns
+from tractive_sam.results.column_table import (
+    BOUND,
+    FIELDS,
+    HEAT_FIELDS,
+    PACKAGE_FIELDS,
+    columns,
+    storable_fields,
+)
 from tractive_sam.results.column_table import columns as columns_of
 from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.results.quantity import (
@@ -24,7 +31,8 @@ from tractive_sam.results.quantity import (
     find_by_role,
 )
 from tractive_sam.results.state import State
-from tractive_sam.results.stress import BodyFatigue, PlaneStress
+from tractive_sam.results.stress import FATIGUE_FIELDS, STRESS, BodyFatigue, PlaneStress
+from tractive_sam.results.table import CollectedTables, Table, Variable, fields_table
 from tractive_sam.scene import Scene
 
 
@@ -38,22 +46,14 @@ class Record:
         Values of all columns: a number, an array, or for bodies a mapping from "A" and "B".
     columns : mapping of str to Quantity
         Descriptions of the columns.
-    fields : mapping of str to ndarray, shape (n_x, n_y)
-        Fields by the names of `FIELDS`; empty if they are not stored.
-    stress : tuple of PlaneStress
-        Stress on the planes of the scene, stored with the fields; for a duty cycle of all blocks.
-    cycles : tuple of BodyFatigue
-        Fatigue of each body that [fatigue] names, stored with the fields.
-    user_fields : mapping of str to Quantity
-        Descriptions of user-defined fields.
+    tables : mapping of str to Table
+        Fields, stress and fatigue by path, as "fields" and "stress/A/y=0"; empty if none are
+        stored.
     """
 
     values: Mapping[str, Any]
     columns: Mapping[str, Quantity]
-    fields: Mapping[str, np.ndarray] = field(default_factory=dict)
-    stress: tuple[PlaneStress, ...] = ()
-    cycles: tuple[BodyFatigue, ...] = ()
-    user_fields: Mapping[str, Quantity] = field(default_factory=dict)
+    tables: Mapping[str, Table] = field(default_factory=dict)
 
     @classmethod
     def from_contact(
@@ -94,13 +94,28 @@ class Record:
         }
         if not with_fields:
             return cls(values, names)
-        warm = {}
+        fields, quantities = restart_fields(contact), storable_fields(contact.scene)
         if contact.heat is not None:
-            warm = {name: quantity.read(contact) for name, quantity in HEAT_FIELDS.items()}
-        user_fields = user_fields or {}
-        fields = restart_fields(contact) | warm | {k.name: v for k, v in user_fields.items()}
-        quantities = {k.name: k.with_units_of(contact.scene) for k in user_fields}
-        return cls(values, names, fields, tuple(stress), user_fields=quantities)
+            fields |= {name: quantity.read(contact) for name, quantity in HEAT_FIELDS.items()}
+        for quantity, array in (user_fields or {}).items():
+            fields[quantity.name] = array
+            quantities[quantity.name] = quantity.with_units_of(contact.scene)
+        tables = {plane.path: plane.table for plane in stress}
+        tables["fields"] = fields_table(fields, quantities, contact.grid)
+        return cls(values, names, tables)
+
+    @property
+    def fields(self) -> dict[str, np.ndarray]:
+        """Fields by name, shape (n_x, n_y); empty if they are not stored."""
+        table = self.tables.get("fields")
+        return {} if table is None else {name: v.data for name, v in table.variables.items()}
+
+    def with_fatigue(self, cycles: Iterable[BodyFatigue]) -> "Record":
+        """Return the record with the fatigue of bodies, which is stored with the fields."""
+        if not self.tables:
+            return self
+        fatigue = {f"fatigue/{cycle.body}": cycle.table for cycle in cycles}
+        return replace(self, tables={**self.tables, **fatigue})
 
     @property
     def coordinate(self) -> Quantity:
@@ -108,14 +123,9 @@ class Record:
         return find_by_role(self.columns.values(), COORDINATE)
 
     @property
-    def lengths(self) -> dict[str, int]:
-        """Lengths, by name, of the dimensions ("block", profiles) that differ between histories."""
-        return {
-            dim: np.shape(self.values[name])[column.dims.index(dim)]
-            for name, column in self.columns.items()
-            for dim in column.dims
-            if dim in ("block", *PROFILES)
-        }
+    def axes(self) -> dict[str, Variable]:
+        """Labels and nodes along the dimensions of the columns, except dimensions of the mesh."""
+        return column_axes(self.columns, self.values)
 
     @property
     def at(self) -> float:
@@ -126,6 +136,36 @@ class Record:
     def revolution(self) -> int:
         """Number of revolutions rolled, including this one."""
         return int(self.values["revolution"])
+
+
+TABLE_QUANTITIES = {"fields": PACKAGE_FIELDS, "stress": STRESS, "fatigue": FATIGUE_FIELDS}
+"""Variables of the package in tables, by the first part of their paths."""
+
+
+def column_axes(columns: Mapping[str, Quantity], values: Mapping[str, Any]) -> dict[str, Variable]:
+    """Return labels or nodes along each dimension of columns, except dimensions of the mesh.
+
+    Parameters
+    ----------
+    columns : mapping of str to Quantity
+        The columns.
+    values : mapping of str to object
+        Their values; needed for columns along blocks and profiles, whose lengths differ.
+    """
+    axes: dict[str, Variable] = {}
+    for name, column in columns.items():
+        for k, dim in enumerate(column.dims):
+            if dim in (*axes, "y"):
+                continue
+            data: Any = LABELS.get(dim)
+            about = "component" if dim in ("axis", "position") else dim
+            if dim in PROFILES:
+                data = np.arange(np.shape(values[name])[k])
+                about = f"nodes of the profile of the {dim}"
+            elif data is None:
+                data = [str(place + 1) for place in range(np.shape(values[name])[k])]
+            axes[dim] = Variable(Quantity(dim, "1", about), (dim,), data)
+    return axes
 
 
 def _read(column: Quantity, contact: State) -> Any:
@@ -187,14 +227,20 @@ def cycle_record(
         values[PREFIX + name] = _stack_blocks(quantity, records)
     for name, quantity in _block_quantities(names, process_values):
         names[PREFIX + name] = block_quantity(quantity)
-    fields = {
-        name: np.stack([record.fields[name] for record in records])
-        for name in (records[0].fields if all(record.fields for record in records) else ())
-    }
-    stress = [
-        replace(plane, block=k) for k, record in enumerate(records) for plane in record.stress
-    ]
-    return Record(values, names, fields, tuple(stress), user_fields=records[0].user_fields)
+    tables: dict[str, Table] = {}
+    if all(record.tables for record in records):
+        first = records[0].tables["fields"]
+        tables["fields"] = fields_table(
+            {name: np.stack([r.fields[name] for r in records]) for name in first.variables},
+            {name: variable.quantity for name, variable in first.variables.items()},
+        )
+        tables |= {
+            path.replace("/", f"/block-{k}/", 1): table
+            for k, record in enumerate(records)
+            for path, table in record.tables.items()
+            if path.startswith("stress/")
+        }
+    return Record(values, names, tables)
 
 
 def block_quantity(quantity: Quantity) -> Quantity:
@@ -283,32 +329,33 @@ def _stack_blocks(quantity: Quantity, records: Sequence[Record]) -> np.ndarray:
 
 def collect(records: Sequence[Record], scene: Scene, grid: Grid) -> dict[str, Any]:
     """Stack records to arrays: return the arguments of `History` (columns, values, fields, ...)."""
-    with_fields = [record for record in records if record.fields]
+    with_fields = [record for record in records if record.tables]
     names = records[0].columns if records else columns(scene)
     coordinate = find_by_role(names.values(), COORDINATE)
-    fields = dict.fromkeys(name for record in with_fields for name in record.fields) or FIELDS
+    parts: dict[str, list[Table]] = {"fields": []}
+    for record in with_fields:
+        for values in record.fields.values():
+            widen_field(values, grid.elements)  # raises an error now, not when a field is read
+        for path, table in record.tables.items():
+            parts.setdefault(path, []).append(table)
     return {
         "columns": names,
         "values": {
             name: stack_values(column, [record.values[name] for record in records], grid)
             for name, column in names.items()
         },
-        "fields": {name: [_widen(record, name, grid) for record in with_fields] for name in fields},
+        "tables": {
+            path: CollectedTables(parts[path], _quantities_of(parts[path]) or FIELDS, grid)
+            for path in sorted(parts)  # as in a file
+        },
         "saved": np.array([r.at for r in with_fields], int if coordinate.whole else float),
-        "stresses": _stresses_by_plane(with_fields),
-        "cycles": _cycles_by_body(with_fields),
-        "stresses_of_blocks": tuple(
-            _stresses_by_plane(with_fields, k) for k, _ in enumerate(scene.duty)
-        ),
-        "user_fields": {k: v for record in with_fields for k, v in record.user_fields.items()},
     }
 
 
-def _widen(record: Record, name: str, grid: Grid) -> np.ndarray:
-    """Return a field on a mesh that may be wider: 0, inf or nan outside, all nan if missing."""
-    if name not in record.fields:
-        return np.full_like(record.fields["pressure"], np.nan)
-    return widen_field(record.fields[name], grid.elements, OUTSIDE.get(name, 0.0))
+def _quantities_of(tables: Iterable[Table]) -> dict[str, Quantity]:
+    """Return the quantities of all variables of tables, by name."""
+    variables = (item for table in tables for item in table.variables.items())
+    return {name: variable.quantity for name, variable in variables}
 
 
 def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.ndarray:
@@ -329,22 +376,3 @@ def stack_values(quantity: Quantity, values: Sequence[Any], grid: Grid) -> np.nd
     if not shape:
         rows[:] = values
     return rows
-
-
-def _stresses_by_plane(
-    records: Sequence[Record], block: int | None = None
-) -> dict[tuple[str, str], list[PlaneStress]]:
-    """Return the stored stresses of all records by (body, plane), of one block or of no block."""
-    first = records[0].stress if records else ()
-    rows = {
-        (stress.body, str(stress.plane)): [record.stress[k] for record in records]
-        for k, stress in enumerate(first)
-        if stress.block == block
-    }
-    return dict(sorted(rows.items()))  # as a file has them
-
-
-def _cycles_by_body(records: Sequence[Record]) -> dict[str, list[BodyFatigue]]:
-    """Return the stored `BodyFatigue` of all records, one list for each body."""
-    bodies = (cycle.body for cycle in records[0].cycles) if records else ()
-    return {body: [record.cycles[k] for record in records] for k, body in enumerate(bodies)}

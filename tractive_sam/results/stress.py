@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Self
 
 import numpy as np
 
 from tractive_sam.description import ShortArrays
 from tractive_sam.mechanics import (
+    VON_MISES,
     Criterion,
     CycleCriterion,
     StressCriterion,
@@ -16,10 +17,39 @@ from tractive_sam.mechanics import (
     principal_stresses,
     von_mises,
 )
+from tractive_sam.results.quantity import Quantity, index_by_name
+from tractive_sam.results.table import MESH_AXES, Table, Variable
 from tractive_sam.scene import Plane
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
 """Components of a stress, in the order of all arrays of stress."""
+
+_stress = partial(Quantity, unit="MPa", outside=math.nan)  # it is not zero outside the mesh
+
+STRESS = index_by_name(
+    (
+        _stress(VON_MISES.name, long_name=VON_MISES.long_name),
+        *(_stress(2 * axis, long_name=f"normal stress in {axis}") for axis in "xyz"),
+        *(_stress(axes, long_name=f"shear stress {axes}") for axes in ("xy", "xz", "yz")),
+    )
+)
+"""Functions on a plane below the surface, stored with the fields."""
+
+FATIGUE_FIELDS = index_by_name(
+    (
+        Quantity("utilisation", "1", "ratio of the equivalent stress of the cycle to its limit",
+                 dims=("y", "depth")),
+        Quantity("residual_shear", "MPa",
+                 "sqrt(J2) of the cycle with the residual stress due to rolling that minimises it",
+                 dims=("y", "depth")),
+        Quantity("path_radius", "MPa",
+                 "sqrt(J2) of the cycle minus the constant deviator that minimises it",
+                 dims=("y", "depth")),
+        Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
+        Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
+    )
+)  # fmt: skip
+"""Functions over the section of a body, from fatigue, stored with the fields."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,6 +87,34 @@ class PlaneStress(ShortArrays):
     axes: dict[str, np.ndarray]
     components: dict[str, np.ndarray]
     block: int | None = None
+
+    @property
+    def path(self) -> str:
+        """Path of its table: "stress/[block-k/]body/plane"."""
+        block = "" if self.block is None else f"block-{self.block}/"
+        return f"stress/{block}{self.body}/{self.plane}"
+
+    @property
+    def table(self) -> Table:
+        """The stress as a table, with the equivalent stress of von Mises."""
+        depth = Quantity("depth", "mm", "depth below the surface of the body")
+        axes = {
+            name: Variable(MESH_AXES.get(name, depth), (name,), values)
+            for name, values in self.axes.items()
+        }
+        values = self.components | {VON_MISES.name: self.by(VON_MISES)}
+        variables = {name: Variable(STRESS[name], tuple(axes), values[name]) for name in STRESS}
+        return Table(variables, axes, {"position": self.position})
+
+    @classmethod
+    def from_table(
+        cls, table: Table, body: str, plane: str, block: int | None = None
+    ) -> "PlaneStress":
+        """Return the stress in a table."""
+        axes = {name: axis.data for name, axis in table.axes.items()}
+        components = {name: table[name] for name in COMPONENTS}
+        position = table.attributes["position"]
+        return cls(body, Plane.parse(plane), position, axes, components, block)
 
     @property
     def along(self) -> tuple[str, np.ndarray]:
@@ -188,6 +246,35 @@ class BodyFatigue(ShortArrays):
     zeta: np.ndarray = field(default_factory=_empty)
     damage: np.ndarray = field(default_factory=_empty)
     worn: np.ndarray = field(default_factory=_empty)
+
+    @property
+    def table(self) -> Table:
+        """The fatigue as a table; it lacks damage and wear without a limit."""
+        axes = {
+            "y": Variable(MESH_AXES["y"], ("y",), self.y),
+            "depth": Variable(
+                Quantity("depth", "mm", "depth below the present surface"), ("depth",), self.depth
+            ),
+            "zeta": Variable(
+                Quantity("zeta", "mm", "depth below the unworn surface"), ("zeta",), self.zeta
+            ),
+        }
+        values = {name: getattr(self, name) for name in FATIGUE_FIELDS}
+        variables = {
+            name: Variable(quantity, quantity.dims, values[name])
+            for name, quantity in FATIGUE_FIELDS.items()
+            if values[name].size
+        }
+        used = {name: axis for name, axis in axes.items() if axis.data.size}
+        return Table(variables, used, {"criterion": self.criterion})
+
+    @classmethod
+    def from_table(cls, table: Table, body: str, shear_yield: float) -> Self:
+        """Return the fatigue in a table; a table of a file has no criterion."""
+        names = ("y", "depth", "zeta", *FATIGUE_FIELDS)
+        arrays = {name: table[name] if name in table else _empty() for name in names}
+        criterion = table.attributes.get("criterion")
+        return cls(body, **arrays, criterion=criterion, shear_yield=shear_yield)
 
     def with_damage(self, zeta: np.ndarray, damage: np.ndarray, worn: np.ndarray) -> Self:
         """Return a copy with damage at depths zeta below the new surface, and the wear depth."""

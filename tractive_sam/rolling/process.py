@@ -639,8 +639,8 @@ class Process(ABC, Generic[AnyStep]):
         for observer in self._observers_of(step):
             values = observer.record(self.model, record.values)
             observed |= {name: values[name] for name in values if name in record.columns}
-        stored = self._cycles(step) if record.fields else ()
-        return replace(record, values={**record.values, **observed}, cycles=stored)
+        recorded = replace(record, values={**record.values, **observed})
+        return recorded.with_fatigue(self._cycles(step))
 
     @staticmethod
     def _observers_of(step: AnyStep) -> list[Observer]:

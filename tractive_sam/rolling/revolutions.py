@@ -149,7 +149,7 @@ class DutyCycle(Revolutions):
         of_observers = [column for seen in self._observers_of(step) for column in seen.columns]
         user_columns = (*recorder.columns, *self.columns, *of_observers, PARTS, ROLLED, SHARE)
         record = cycle_record(each, spectrum.each, values, self.model.scene, user_columns)
-        return replace(record, cycles=self._cycles(step) if record.fields else ())
+        return record.with_fatigue(self._cycles(step))
 
     @classmethod
     def _restore_contacts(cls, scene: Scene, stored: StoredStep) -> tuple[State, ...]:

@@ -123,7 +123,7 @@ class Recording:
                     # The contact is kept without what observers add, and computed again by resume.
                     kept = process.record(replace(step, observed={}), recorder)
                     if step is not start:  # stress belongs to all fields in the file
-                        kept = replace(kept, fields={})
+                        kept = replace(kept, tables={})
                     sink.append(kept, step.grid, None)
                     raise
                 seconds = perf_counter() - began

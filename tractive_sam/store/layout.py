@@ -44,7 +44,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any
 
 import h5py
@@ -55,25 +54,24 @@ from tractive_sam.results import (
     BOUND,
     COLUMNS,
     COORDINATE,
-    FATIGUE_FIELDS,
     FIELDS,
-    LABELS,
-    PROFILES,
+    MESH_AXES,
+    PACKAGE_FIELDS,
     REVOLUTION,
-    STRESS,
-    BodyFatigue,
     Grid,
     LawRecord,
-    PlaneStress,
     Quantity,
     Record,
+    Table,
+    Variable,
+    column_axes,
     describe_laws,
     dump_laws,
     find_by_role,
     storable_fields,
 )
 from tractive_sam.results import columns as columns_of
-from tractive_sam.scene import FileContent, Plane, Scene, block_label
+from tractive_sam.scene import FileContent, Scene, block_label
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.opening import (
     FORMAT,
@@ -185,11 +183,6 @@ def describe_dataset(dataset: h5py.Dataset, quantity: Quantity, along: str = "")
         attribute = h5py.h5a.create(dataset.id, name.encode(), kind, scalar)
         attribute.write(np.array(text, h5py.string_dtype()))
     return dataset
-
-
-def plane_path(body: str, plane: Plane | str, block: int | None = None) -> str:
-    """Return the path "[block-k/]body/plane", within /stress, of a plane's group."""
-    return f"{'' if block is None else f'block-{block}/'}{body}/{plane}"
 
 
 def add_state(state: h5py.Group, name: str, values: np.ndarray) -> None:
@@ -346,25 +339,32 @@ def create_layout(
     grid = file.create_group("grid")
     grid.attrs["half_length"] = mesh.half_length
     grid.attrs["centre"] = mesh.centre
-    for name, centres, along in (("x", mesh.x, "rolling"), ("y", mesh.y, "lateral")):
-        about = Quantity(name, "mm", f"centres of the elements in the {along} direction")
-        create_scale(grid, name, centres, about)
+    for name, centres in (("x", mesh.x), ("y", mesh.y)):
+        create_scale(grid, name, centres, MESH_AXES[name])
     # A record may replace columns that have a role by other columns.
     fixed_columns = {
         name: quantity
         for name, quantity in columns_of(scene, (coordinate,)).items()
         if quantity.role in ("", COORDINATE)
     }
-    history = file.create_group("history")
-    _create_history(history, grid, fixed_columns)
+    create_table(file, "history", coordinate)
+    _require_axis(file, file["history"], "y")
+    _add_columns(file, fixed_columns, column_axes(fixed_columns, {}))
     if names := [block_label(scene, k) for k in range(len(scene.duty))]:
-        create_labels(history, "block", names, "block of the duty cycle")
-    stored_fields = {
-        name: quantity for name, quantity in storable_fields(scene).items() if quantity is not BOUND
+        create_labels(file["history"], "block", names, "block of the duty cycle")
+    dims = ("block", "x", "y") if names else ("x", "y")
+    fields = {
+        name: Variable(quantity, dims, None)
+        for name, quantity in storable_fields(scene).items()
+        if quantity is not BOUND
     }
-    _create_fields(file.create_group("fields"), grid, history, coordinate, stored_fields)
+    create_table(file, "fields", coordinate, Table(fields))
     file.create_group("stress")
-    _create_state(file.create_group("state"), grid, history)
+    state = file.create_group("state")
+    state.attrs["record"] = -1  # none yet
+    scales = tuple(_require_axis(file, state, dim) for dim in dims)
+    for name, quantity in FIELDS.items():
+        create_rows(state, name, quantity, scales, rows=len(scales[0]))
 
 
 def set_status(file: h5py.File, status: str, message: str) -> None:
@@ -410,31 +410,60 @@ def set_versions(file: h5py.File, previous: Sequence[tuple[int, Mapping[str, str
     set_text(file["scene"], "versions", json.dumps(previous))
 
 
-def add_columns(file: h5py.File, records: Iterable[Record]) -> None:
+def add_tables(file: h5py.File, records: Iterable[Record]) -> None:
     """Create the datasets of columns, fields, stress and fatigue of records that a file lacks."""
     created: set[str] = set()
     for record in records:
         if not record.columns.keys() <= created:
-            _create_columns(file["history"], record.columns, record.lengths)
+            _add_columns(file, record.columns, record.axes)
             created |= record.columns.keys()
-        _create_missing_fields(file["fields"], record)
-        for plane in record.stress:
-            if (path := plane_path(plane.body, plane.plane, plane.block)) not in file["stress"]:
-                group = file["stress"].create_group(path)
-                _create_plane(group, file["grid"], plane, record.coordinate)
-        for body in record.cycles:
-            bodies = file.require_group("fatigue")
-            if body.body not in bodies:
-                _create_cycle(bodies.create_group(body.body), file, body, record.coordinate)
+        for path, table in record.tables.items():
+            missing = [name for name in table.variables if f"{path}/{name}" not in file]
+            if missing:
+                create_table(file, path, record.coordinate, table)
+            user_defined = [name for name in missing if name not in PACKAGE_FIELDS]
+            if path == "fields" and user_defined:
+                quantities = [table.variables[name].quantity for name in user_defined]
+                _add_user_defined(file[path], quantities)
 
 
-def _create_missing_fields(fields: h5py.Group, record: Record) -> None:
-    """Create the datasets of a record's fields that a file lacks."""
-    quantities = {BOUND.name: BOUND, **record.user_fields}
-    for name in (name for name in record.fields if name not in fields):
-        _create_field(fields, quantities[name], record.coordinate)
-        if name in record.user_fields:
-            _add_user_defined(fields, [quantities[name]])
+def create_table(
+    file: h5py.File, path: str, coordinate: Quantity, table: Table | None = None
+) -> None:
+    """Create the group of a table, and the datasets that it lacks, one row a record."""
+    group = file.require_group(path)
+    filters = COMPRESSED if path.partition("/")[0] in ("fields", "fatigue") else {}
+    if "record" not in group:
+        create_scale(group, "record", np.empty(0, int), ROW)
+        if path != "history":
+            create_rows(group, coordinate.name, coordinate, (group["record"],))
+    for name, value in ({} if table is None else table.attributes).items():
+        if isinstance(value, float):
+            group.attrs[name] = value
+    for name, axis in ({} if table is None else table.axes).items():
+        _require_axis(file, group, name, axis)
+    for name, variable in ({} if table is None else table.variables).items():
+        if name not in group:
+            axes = (_require_axis(file, group, dim) for dim in variable.dims)
+            scales = (group["record"], *axes)
+            along = coordinate.name
+            create_rows(group, name, variable.quantity, scales, coordinate=along, **filters)
+
+
+def _require_axis(
+    file: h5py.File, group: h5py.Group, name: str, axis: Variable | None = None
+) -> h5py.Dataset:
+    """Return the scale of a dimension, created or linked if a group lacks it."""
+    shared = {"x": "grid", "y": "grid", "block": "history"}.get(name, "")
+    if name in group:
+        return group[name]
+    if f"{shared}/{name}" in file:
+        group[name] = file[f"{shared}/{name}"]
+    elif axis is not None and isinstance(axis.data, np.ndarray):
+        create_scale(group, name, axis.data, axis.quantity)
+    elif axis is not None:
+        create_labels(group, name, axis.data, axis.quantity.long_name)
+    return group[name]
 
 
 def _add_user_defined(group: h5py.Group, quantities: Iterable[Quantity]) -> None:
@@ -454,35 +483,16 @@ def _add_user_defined(group: h5py.Group, quantities: Iterable[Quantity]) -> None
     set_text(group, USER, json.dumps(described))
 
 
-def _create_columns(
-    history: h5py.Group,
-    columns: Mapping[str, Quantity],
-    lengths: Mapping[str, int] = MappingProxyType({}),
+def _add_columns(
+    file: h5py.File, columns: Mapping[str, Quantity], axes: Mapping[str, Variable]
 ) -> None:
-    """Create the datasets of columns that a file lacks.
-
-    Parameters
-    ----------
-    history : h5py.Group
-        The group of the columns.
-    columns : mapping of str to Quantity
-        All columns.
-    lengths : mapping of str to int
-        Lengths of the dimensions that differ between histories.
-    """
-    missing = [column for dimension, column in columns.items() if dimension not in history]
-    coordinate = find_by_role(columns.values(), COORDINATE).name
-    for column in missing:
-        for dimension in (dimension for dimension in column.dims if dimension not in history):
-            if dimension in PROFILES:
-                nodes = Quantity(dimension, "1", f"nodes of the profile of the {dimension}")
-                create_scale(history, dimension, np.arange(lengths[dimension]), nodes)
-                continue
-            labels = LABELS.get(dimension) or [str(k + 1) for k in range(lengths[dimension])]
-            about = "component" if dimension in ("axis", "position") else dimension
-            create_labels(history, dimension, labels, about)
-        scales = tuple(history[dimension] for dimension in ("record", *column.dims))
-        create_rows(history, column.name, column, scales, coordinate=coordinate)
+    """Create the datasets of columns that a file lacks, with their axes."""
+    history = file["history"]
+    missing = [column for name, column in columns.items() if name not in history]
+    coordinate = find_by_role(columns.values(), COORDINATE)
+    variables = {column.name: Variable(column, column.dims, None) for column in missing}
+    used = {dim: axes[dim] for column in missing for dim in column.dims if dim in axes}
+    create_table(file, "history", coordinate, Table(variables, used))
     # A process may compute a column that the package reads from contacts of other scenes; a
     # coordinate may be a column of the package without being the coordinate of the scene.
     package = package_columns()
@@ -496,90 +506,3 @@ def _create_columns(
     user_defined = [column for column in user_defined if column != REVOLUTION]
     if user_defined:
         _add_user_defined(history, user_defined)
-
-
-def _create_plane(
-    group: h5py.Group, grid: h5py.Group, plane: "PlaneStress", coordinate: Quantity
-) -> None:
-    """Create the empty datasets for the stress on one plane, one row per record."""
-    group.attrs["position"] = plane.position
-    record = create_scale(group, "record", np.empty(0, int), ROW)
-    create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
-    axes = []
-    for name, centres in plane.axes.items():
-        if name in grid:
-            group[name] = grid[name]
-        else:
-            create_scale(
-                group, name, centres, Quantity(name, "mm", "depth below the surface of the body")
-            )
-        axes.append(group[name])
-    for name, quantity in STRESS.items():
-        create_rows(group, name, quantity, (record, *axes), coordinate=coordinate.name)
-
-
-def _create_cycle(
-    group: h5py.Group, file: h5py.File, fatigue: BodyFatigue, coordinate: Quantity
-) -> None:
-    """Create the empty datasets for the fatigue of one body, one row per record."""
-    record = create_scale(group, "record", np.empty(0, int), ROW)
-    create_rows(group, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
-    group["y"] = file["grid/y"]
-    about = Quantity("depth", "mm", "depth below the present surface")
-    create_scale(group, "depth", fatigue.depth, about)
-    if fatigue.zeta.size:
-        about = Quantity("zeta", "mm", "depth below the unworn surface")
-        create_scale(group, "zeta", fatigue.zeta, about)
-    for name, quantity in FATIGUE_FIELDS.items():
-        if all(axis in group for axis in quantity.dims):
-            scales = (record, *(group[axis] for axis in quantity.dims))
-            create_rows(group, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
-
-
-def _link_axes(
-    group: h5py.Group, grid: h5py.Group, history: h5py.Group
-) -> tuple[h5py.Dataset, ...]:
-    """Link the axes of fields into a group, and return them: (block,) x, y."""
-    group["x"], group["y"] = grid["x"], grid["y"]
-    if "block" not in history:
-        return group["x"], group["y"]
-    group["block"] = history["block"]
-    return group["block"], group["x"], group["y"]
-
-
-def _create_state(state: h5py.Group, grid: h5py.Group, history: h5py.Group) -> None:
-    """Create the datasets of the state from which a run resumes."""
-    state.attrs["record"] = -1  # none yet
-    first, *axes = _link_axes(state, grid, history)
-    for name, quantity in FIELDS.items():
-        create_rows(state, name, quantity, (first, *axes), rows=len(first))
-
-
-def _create_history(history: h5py.Group, grid: h5py.Group, columns: Mapping[str, Quantity]) -> None:
-    """Create empty datasets of history columns, one row per record, and link the axis y."""
-    create_scale(history, "record", np.empty(0, int), ROW)
-    history["y"] = grid["y"]
-    _create_columns(history, columns)
-
-
-def _create_fields(
-    fields: h5py.Group,
-    grid: h5py.Group,
-    history: h5py.Group,
-    coordinate: Quantity,
-    quantities: Mapping[str, Quantity],
-) -> None:
-    """Create empty datasets of fields, one row per record, and link their axes."""
-    record = create_scale(fields, "record", np.empty(0, int), ROW)
-    axes = _link_axes(fields, grid, history)
-    create_rows(fields, coordinate.name, coordinate, (record,), coordinate=coordinate.name)
-    scales = (record, *axes)
-    for name, quantity in quantities.items():
-        create_rows(fields, name, quantity, scales, coordinate=coordinate.name, **COMPRESSED)
-
-
-def _create_field(fields: h5py.Group, quantity: Quantity, coordinate: Quantity) -> None:
-    """Create the dataset of one further field; earlier records have nan."""
-    scales = tuple(fields[name] for name in ("record", "block", "x", "y") if name in fields)
-    rows, along = len(fields["record"]), coordinate.name
-    create_rows(fields, quantity.name, quantity, scales, rows, coordinate=along, **COMPRESSED)

@@ -7,9 +7,8 @@ rewritten when its run is resumed.
 """
 
 import json
-import math
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
 
@@ -22,20 +21,20 @@ from tractive_sam.results import (
     BOUND,
     COORDINATE,
     DIMS,
-    FATIGUE_FIELDS,
     FIELDS,
     LABELS,
-    OUTSIDE,
+    PACKAGE_FIELDS,
     PARTS,
     PROFILES,
     RENAMED_COLUMNS,
-    STRESS,
+    TABLE_QUANTITIES,
     Grid,
     History,
     LawRecord,
     Quantity,
     Record,
     columns,
+    fields_table,
     find_by_role,
     load_laws,
     restart_fields,
@@ -47,7 +46,7 @@ from tractive_sam.store import layout, tables
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.layout import read_inputs
 from tractive_sam.store.opening import ResultsFile, open_results
-from tractive_sam.store.tables import StoredCycles, StoredField, StoredStress
+from tractive_sam.store.tables import StoredTable
 
 
 def _update_scene_text(text: str) -> str:
@@ -118,7 +117,7 @@ def write_legacy_history(
     layout.create_layout(file, scene, history.grid)
     records = [_read_legacy_record(history, row) for row in range(count)]
     for record in records:
-        layout.add_columns(file, [record])
+        layout.add_tables(file, [record])
     if records:
         tables.append(file, records)
         tables.put_state(file, count - 1, state)
@@ -134,8 +133,11 @@ def _read_legacy_record(history: History, row: int) -> Record:
         values[name] = dict(zip(BODIES, value, strict=True)) if by_body else value
     if revolution not in history.field_revolutions:
         return Record(values, history.columns)
-    stress = tuple(history.stress(*plane, revolution) for plane in history.planes)
-    return Record(values, history.columns, restart_fields(history.state(revolution)), stress)
+    fields = restart_fields(history.state(revolution))
+    saved = history.row_of(revolution)
+    tables = {path: rows[saved] for path, rows in history.tables.items()}
+    tables["fields"] = fields_table(fields, storable_fields(history.scene))
+    return Record(values, history.columns, tables)
 
 
 def open_history(path: str | PathLike[str]) -> History:
@@ -200,7 +202,11 @@ def read_state(path: str | PathLike[str], row: int) -> dict[str, np.ndarray]:
                 name for name in file.names("state") if name not in (*names, "block", "x", "y")
             )
             fields |= {name: file.all_numbers(f"state/{name}") for name in arrays}
-    lost = [name for name in fields if name not in OUTSIDE and not np.isfinite(fields[name]).all()]
+    lost = [
+        name
+        for name in fields
+        if not PACKAGE_FIELDS.get(name, BOUND).outside and not np.isfinite(fields[name]).all()
+    ]
     if lost:
         fault = f"{', '.join(lost)} of record {row} are not finite"
         raise ResultsError(f"{path} is damaged (state: {fault}); run its scene again")
@@ -230,9 +236,6 @@ def _read_history(file: ResultsFile) -> History:
         coordinate = find_by_role(quantities.values(), COORDINATE).name
     except LookupError as error:  # the scene names a process that has not written the file
         raise file.damage_error(f"history: {error}") from None
-    stored_fields = _stored_names("fields", (*storable_fields(scene), *user_fields), file)
-    for name in stored_fields:
-        file.check(f"fields/{name}", (m, *_shape_of_fields(file)))
     return History(
         scene,
         file.text("scene", "status"),
@@ -240,20 +243,13 @@ def _read_history(file: ResultsFile) -> History:
         Grid((half_x, half_y), mesh, centre=(centre_x, centre_y)),
         quantities,
         {name: _read_column(file, quantity, n, mesh) for name, quantity in quantities.items()},
-        {name: StoredField(file.path, name, m) for name in stored_fields},
+        _read_tables(file, scene, {**storable_fields(scene), **user_fields}, coordinate),
         file.numbers(f"fields/{coordinate}", (m,)),
-        _read_stresses(file, m, coordinate),
         _read_versions(file),
         _read_laws(file),
         file.text("scene", "started", ""),
-        _read_cycles(file, scene, m),
-        tuple(
-            _read_stresses(file, m, coordinate, k, block.shift_y)
-            for k, block in enumerate(scene.duty)
-        ),
         file.text("scene", "measured", ""),
         file.text("scene", "datum", "node"),
-        user_fields,
     )
 
 
@@ -265,23 +261,29 @@ def _read_laws(file: ResultsFile) -> dict[str, LawRecord]:
         raise file.damage_error(f"scene {error}") from None
 
 
-def _read_cycles(file: ResultsFile, scene: Scene, length: int) -> dict[str, StoredCycles]:
-    """Return the fatigue of each body, read when accessed."""
-    cycles: dict[str, StoredCycles] = {}
-    settings = scene.fatigue
-    if settings is None or "fatigue" not in file:
-        return cycles
-    for body in file.names("fatigue"):
-        k, group = settings.shear_yield_stress, f"fatigue/{body}"
-        rows, axes = [file.length("grid/y")], {}
-        for name in ("depth", "zeta"):
-            axes[name] = file.length(f"{group}/{name}") if f"{group}/{name}" in file else 0
-        axes["y"] = rows[0]
-        for name, quantity in FATIGUE_FIELDS.items():
-            if f"{group}/{name}" in file:
-                file.check(f"{group}/{name}", (length, *(axes[axis] for axis in quantity.dims)))
-        cycles[body] = StoredCycles(file.path, body, math.nan if k is None else k, length)
-    return cycles
+def _read_tables(
+    file: ResultsFile, scene: Scene, fields: Mapping[str, Quantity], coordinate: str
+) -> dict[str, StoredTable]:
+    """Return the fields, stress and fatigue by path, read when accessed."""
+    blocks = [f"stress/block-{k}" for k in range(len(scene.duty))]
+    shifts = {path: block.shift_y for path, block in zip(blocks, scene.duty, strict=True)}
+    paths = ["fields"]
+    for start in ("stress", *blocks):
+        for body in sorted({*BODIES}.intersection(file.names(start) if start in file else ())):
+            paths += [f"{start}/{body}/{plane}" for plane in file.names(f"{start}/{body}")]
+    if scene.fatigue is not None and "fatigue" in file:
+        paths += [f"fatigue/{body}" for body in file.names("fatigue")]
+    length, tables = file.length("fields/record"), {}
+    for path in paths:
+        kind = path.partition("/")[0]
+        quantities = {**TABLE_QUANTITIES[kind], **(fields if kind == "fields" else {})}
+        if kind != "stress":  # which has all components
+            stored = _stored_names(path, quantities, file)
+            quantities = {name: quantities[name] for name in stored}
+        file.check(f"{path}/{coordinate}", (length,))
+        shift = shifts.get("/".join(path.split("/")[:2]), 0.0)
+        tables[path] = StoredTable.check(file, path, quantities, length, shift)
+    return tables
 
 
 def _shape_of_fields(file: ResultsFile) -> tuple[int, ...]:
@@ -366,20 +368,3 @@ def _read_versions(file: ResultsFile) -> tuple[tuple[int, dict[str, str]], ...]:
         )
     except (ValueError, TypeError) as error:
         raise file.damage_error(f"scene versions: {error}") from None
-
-
-def _read_stresses(
-    file: ResultsFile, length: int, coordinate: str, block: int | None = None, shift: float = 0.0
-) -> dict[tuple[str, str], StoredStress]:
-    """Return the stress by (body, plane), read when accessed."""
-    stresses, path = {}, "stress" if block is None else f"stress/block-{block}"
-    for body in sorted({*BODIES}.intersection(file.names(path) if path in file else ())):
-        for plane in file.names(f"{path}/{body}"):
-            group = f"{path}/{body}/{plane}"
-            axes = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
-            shape = tuple(file.length(f"{group}/{name}") for name in axes)
-            file.check(f"{group}/{coordinate}", (length,))
-            for name in STRESS:
-                file.check(f"{group}/{name}", (length, *shape))
-            stresses[body, plane] = StoredStress(file.path, body, plane, length, block, shift)
-    return stresses

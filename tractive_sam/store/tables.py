@@ -1,62 +1,79 @@
-"""Adds, drops, widens and reads the rows of a results file."""
+"""Appends, widens, drops and reads the tables of a results file: groups with a row for each record.
 
+In such a group the scales of dimensions have no rows, and all other datasets have one for each
+record. Nothing here depends on what a table contains.
+"""
+
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from pathlib import Path
-from typing import Any
 
 import h5py
 import numpy as np
 
-from tractive_sam.mechanics import VON_MISES
 from tractive_sam.results import (
     BEFORE,
     BOUND,
-    COMPONENTS,
-    FATIGUE_FIELDS,
     FIELDS,
-    OUTSIDE,
-    PROFILES,
-    STRESS,
-    BodyFatigue,
+    MESH_AXES,
+    TABLE_QUANTITIES,
     Grid,
-    PlaneStress,
+    Quantity,
     Record,
+    Table,
+    Variable,
     stack_values,
     widen_field,
 )
-from tractive_sam.scene import Plane
 from tractive_sam.store import layout
-from tractive_sam.store.layout import plane_path
-from tractive_sam.store.opening import open_results
-
-SCALES = ("y", "axis", "body", "block", "position", *PROFILES)
-"""Members of /history that have no row for each record."""
+from tractive_sam.store.opening import ResultsFile, open_results
 
 DEPTHS = ("worn", "gained")
 """Members of /state of a transient with wear, (body, x, y)."""
 
-AXES = ("block", "x", "y", "depth", "zeta")
-"""Members of /fields, /stress and /fatigue that have no row for each record."""
-
 
 def append(file: h5py.File, records: Sequence[Record]) -> None:
-    """Append a history row for each record, and rows to other groups for records with fields."""
+    """Append a row for each record to the history and to the tables that the record has."""
     history, grid = file["history"], read_grid(file)
     before = len(history["record"])
-    count = before + len(records)
-    columns = records[0].columns
-    for name in (name for name in history if name not in SCALES):
-        values = np.arange(before, count) if name == "record" else None
-        if name in columns:
-            values = stack_values(columns[name], [record.values[name] for record in records], grid)
-        _extend(_open_dataset(history, name), before, count, values)
-    with_fields = [
-        (row, record) for row, record in enumerate(records, start=before) if record.fields
+    columns = {
+        name: stack_values(column, [record.values[name] for record in records], grid)
+        for name, column in records[0].columns.items()
+    }
+    _append_rows(history, {"record": np.arange(before, before + len(records)), **columns})
+    for path in dict.fromkeys(path for record in records for path in record.tables):
+        rows = [row for row, record in enumerate(records) if path in record.tables]
+        places = np.array([records[row].at for row in rows])
+        tables = [records[row].tables[path] for row in rows]
+        names = dict.fromkeys(name for table in tables for name in table.variables)
+        arrays = {name: _stack(file[path][name].shape[1:], name, tables) for name in names}
+        about = {"record": np.add(rows, before), records[0].coordinate.name: places}
+        _append_rows(file[path], about | arrays)
+
+
+def _stack(shape: tuple[int, ...], name: str, tables: Sequence[Table]) -> np.ndarray:
+    """Stack a variable of tables on a mesh that may be wider; nan in tables that lack it."""
+    arrays = [
+        widen_field(np.asarray(table[name]), shape, table.variables[name].quantity.outside)
+        if name in table
+        else np.full(shape, np.nan)
+        for table in tables
     ]
-    for _, similar in groupby(with_fields, lambda record: _field_groups(record[1])):
-        _append_fields(file, *zip(*similar, strict=True))
+    return np.stack(arrays)
+
+
+def _append_rows(group: h5py.Group, values: Mapping[str, np.ndarray]) -> None:
+    """Append rows to all datasets of a table; those without values get the fill value."""
+    before, new = len(group["record"]), len(values["record"])
+    for name in _row_names(group):
+        _extend(_open_dataset(group, name), before, before + new, values.get(name))
+
+
+def _row_names(group: h5py.Group) -> list[str]:
+    """Return the names of the datasets of a table that have a row for each record."""
+    scale = h5py.h5ds.is_scale
+    return [name for name in group if name == "record" or not scale(_open_dataset(group, name))]
 
 
 def read_grid(file: h5py.File) -> Grid:
@@ -66,51 +83,6 @@ def read_grid(file: h5py.File) -> Grid:
     centre_x, centre_y = map(float, grid.attrs.get("centre", (0.0, 0.0)))
     elements = len(grid["x"]), len(grid["y"])
     return Grid((half_x, half_y), elements, centre=(centre_x, centre_y))
-
-
-def _field_groups(record: Record) -> list[str]:
-    """Return names that identify which fields, stresses and fatigue a record has."""
-    planes = [layout.plane_path(plane.body, plane.plane, plane.block) for plane in record.stress]
-    return [*record.fields, *planes, *(plane.body for plane in record.cycles)]
-
-
-def _append_fields(file: h5py.File, rows: Sequence[int], records: Sequence[Record]) -> None:
-    """Append fields, stress and fatigue of records with equal groups."""
-    _append_group(file["fields"], rows, records, [record.fields for record in records], OUTSIDE)
-    for planes in zip(*(record.stress for record in records), strict=True):
-        group = file["stress"][layout.plane_path(planes[0].body, planes[0].plane, planes[0].block)]
-        values = [plane.components | {VON_MISES.name: plane.by(VON_MISES)} for plane in planes]
-        unknown = dict.fromkeys(values[0], np.nan)  # outside a narrower mesh
-        _append_group(group, rows, records, values, unknown)
-    for cycles in zip(*(record.cycles for record in records), strict=True):
-        group = file["fatigue"][cycles[0].body]
-        names = [name for name in FATIGUE_FIELDS if name in group]
-        values = [{name: getattr(fatigue, name) for name in names} for fatigue in cycles]
-        _append_group(group, rows, records, values, {})
-
-
-def _append_group(
-    group: h5py.Group,
-    rows: Sequence[int],
-    records: Sequence[Record],
-    values: Sequence[Mapping[str, np.ndarray]],
-    outside: Mapping[str, float],
-) -> None:
-    """Append one row for each record to every dataset of a group, the fill value where unknown."""
-    about = {"record": rows, records[0].coordinate.name: [record.at for record in records]}
-    count = len(group["record"]) + len(rows)
-    for name in (*about, *values[0]):
-        dataset = _open_dataset(group, name)
-        before, *shape = dataset.shape
-        described: Sequence[Any] = about.get(name, ())
-        columns = described or [
-            widen_field(np.asarray(fields[name]), tuple(shape), outside.get(name, 0.0))
-            for fields in values
-        ]
-        _extend(dataset, before, before + len(rows), np.stack(columns))
-    for name in group:
-        if name not in about and name not in values[0] and name not in AXES:
-            _extend(_open_dataset(group, name), 0, count, None)  # unknown in these records
 
 
 def _open_dataset(group: h5py.Group, name: str) -> h5py.h5d.DatasetID:
@@ -143,7 +115,7 @@ def put_state(file: h5py.File, row: int, state: Mapping[str, np.ndarray]) -> Non
         if name not in group:
             layout.add_state(group, name, values)
         dataset = _open_dataset(group, name)
-        padded = widen_field(values, dataset.shape, OUTSIDE.get(name, 0.0))
+        padded = widen_field(values, dataset.shape, _outside("fields", name))
         dataset.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(padded))
 
 
@@ -158,197 +130,164 @@ def drop_after_state(file: h5py.File) -> None:
     count = len(continues) - int(np.argmax(continues[::-1])) if continues.any() else 0
     if count == len(continues):
         return
-    for group in (file["fields"], *plane_groups(file), *fatigue_groups(file)):
+    for group in _table_groups(file):
         remaining = np.count_nonzero(group["record"][:] < count)
-        for name in (name for name in group if name not in AXES):
+        for name in _row_names(group):
             group[name].resize(remaining, axis=0)
-    for name in (name for name in history if name not in SCALES):
-        history[name].resize(count, axis=0)
 
 
-def widen(file: h5py.File, grid: "Grid") -> None:
-    """Widen a file's mesh around its centre; new elements hold 0 or defaults, stress nan."""
-    before = {"x": len(file["grid/x"]), "y": len(file["grid/y"])}
+def _table_groups(group: h5py.Group) -> Iterator[h5py.Group]:
+    """Yield the tables in a group of a file."""
+    for member in group.values():
+        if isinstance(member, h5py.Group):
+            if "record" in member:
+                yield member
+            else:
+                yield from _table_groups(member)
+
+
+def widen(file: h5py.File, grid: Grid) -> None:
+    """Widen a file's mesh around its centre; new elements hold `Quantity.outside`."""
     after = {"x": len(grid.x), "y": len(grid.y)}
-    if after == before:
+    if after == {"x": len(file["grid/x"]), "y": len(file["grid/y"])}:
         return
-    history, fields, state = file["history"], file["fields"], file["state"]
-    for name in (name for name in history if name not in SCALES):
-        dims = history[name].dims
-        if "y" in dims[len(dims) - 1]:
-            _widen_rows(history[name], ("y",), before, after, lead=len(dims) - 2)
-    for name in (name for name in fields if fields[name].ndim > 2):
-        lead = fields[name].ndim - 3
-        _widen_rows(fields[name], ("x", "y"), before, after, OUTSIDE.get(name, 0.0), lead)
+    for group in _table_groups(file):
+        for name in _row_names(group):
+            dims = [dim.keys()[0] for dim in [*group[name].dims][1:]]
+            if not after.keys().isdisjoint(dims):
+                _widen_rows(group[name], dims, after, _outside(group.name.strip("/"), name))
+    state = file["state"]
     for name in (name for name in (*FIELDS, BOUND.name, *BEFORE, *DEPTHS) if name in state):
         values = state[name][:]
         state[name].resize((*values.shape[:-2], after["x"], after["y"]))
-        state[name][...] = widen_field(values, state[name].shape, OUTSIDE.get(name, 0.0))
-    for group in fatigue_groups(file):
-        for name in (name for name in FATIGUE_FIELDS if name in group):
-            _widen_rows(group[name], ("y",), before, after)  # the new margin is unstressed
-    for group in plane_groups(file):
-        for name in STRESS:
-            # Unlike wear and pressure, stress is not zero outside the former mesh.
-            _widen_rows(group[name], mesh_axes(group), before, after, np.nan)
+        state[name][...] = widen_field(values, state[name].shape, _outside("fields", name))
     for name, centres in (("x", grid.x), ("y", grid.y)):
         file["grid"][name].resize(centres.shape)
         file["grid"][name][:] = centres
     file["grid"].attrs["half_length"] = grid.half_length
 
 
+def _outside(path: str, name: str) -> float:
+    """Return the value outside the mesh of a variable of a table; 0 if it is user-defined."""
+    quantity = TABLE_QUANTITIES.get(path.partition("/")[0], {}).get(name)
+    return 0.0 if quantity is None else quantity.outside
+
+
 def _widen_rows(
-    dataset: h5py.Dataset,
-    axes: tuple[str, ...],
-    before: Mapping[str, int],
-    after: Mapping[str, int],
-    outside: float = 0.0,
-    lead: int = 0,
+    dataset: h5py.Dataset, dims: Sequence[str], after: Mapping[str, int], outside: float
 ) -> None:
     """Widen every row of a dataset to a larger mesh, with `outside` around the former one."""
-    outer, inner = dataset.shape[1 : 1 + lead], dataset.shape[1 + lead + len(axes) :]
-    old = (*(slice(n) for n in outer), *(slice(before[axis]) for axis in axes))
-    shape = (*outer, *(after[axis] for axis in axes), *inner)
+    before = dataset.shape[1:]
+    shape = tuple(after.get(dim, n) for dim, n in zip(dims, before, strict=True))
     dataset.resize((len(dataset), *shape))
+    former = tuple(map(slice, before))
     for row in range(len(dataset)):
-        dataset[row] = widen_field(dataset[(row, *old)], shape, outside)
-
-
-def plane_groups(file: h5py.File) -> Iterator[h5py.Group]:
-    """Yield the HDF5 groups of stress on each plane of each body (and block)."""
-    groups = [file["stress"]]
-    while groups:
-        for group in groups.pop().values():
-            if "record" in group:
-                yield group
-            else:
-                groups.append(group)
-
-
-def fatigue_groups(file: h5py.File) -> Iterator[h5py.Group]:
-    """Yield the HDF5 groups of the fatigue of each body."""
-    if "fatigue" in file:
-        yield from file["fatigue"].values()
-
-
-def mesh_axes(group: h5py.Group) -> tuple[str, ...]:
-    """Return those axes of a plane's group that are axes of the mesh."""
-    return tuple(axis for axis in ("x", "y") if axis in group)
+        dataset[row] = widen_field(dataset[(row, *former)], shape, outside)
 
 
 @dataclass(frozen=True)
-class StoredField:
-    """Sequence of the arrays of a field, one a record, read from the file when accessed.
+class StoredTable:
+    """Tables of one path in a results file, one a record, read when accessed.
 
     Attributes
     ----------
-    path : Path
+    file : Path
         The results file.
-    name : str
-        A name of `FIELDS`.
-    length : int
-        Number of records with fields.
-    """
-
-    path: Path
-    name: str
-    length: int
-
-    def __len__(self) -> int:
-        return self.length
-
-    def __getitem__(self, row: int) -> np.ndarray:
-        """Return the field of a record, shape (n_x, n_y)."""
-        with open_results(self.path) as file:
-            return file.row(f"fields/{self.name}", range(self.length)[row])
-
-
-@dataclass(frozen=True)
-class StoredStress:
-    """Sequence of `PlaneStress` on one plane, one a record, read from the file when accessed.
-
-    Attributes
-    ----------
-    path : Path
-        The results file.
-    body, plane : str
-        "A" or "B", and the plane as the scene names it.
-    length : int
-        Number of records with stress.
-    block : int, optional
-        Number of the block of a duty cycle.
-    shift : float
-        Lateral position of the running band of the block, mm; y counts from there.
-    """
-
-    path: Path
-    body: str
-    plane: str
-    length: int
-    block: int | None = None
-    shift: float = 0.0
-
-    def __len__(self) -> int:
-        return self.length
-
-    def __getitem__(self, row: int) -> "PlaneStress":
-        """Return the stress of a record, on the mesh that it was computed on."""
-        with open_results(self.path) as file:
-            group = f"stress/{plane_path(self.body, self.plane, self.block)}"
-            names = [name for name in ("x", "y", "depth") if f"{group}/{name}" in file]
-            lengths = {name: file.length(f"{group}/{name}") for name in names}
-            axes = {name: file.numbers(f"{group}/{name}", (n,)) for name, n in lengths.items()}
-            row = range(self.length)[row]
-            components = {name: file.row(f"{group}/{name}", row) for name in COMPONENTS}
-            position = float(file.attribute(group, "position"))
-        # The mesh may have grown since; the stress outside the former mesh is nan.
-        finite = np.isfinite(components[COMPONENTS[0]])
-        inside = [np.flatnonzero(finite.any(axis=axis)) for axis in (1, 0)]
-        axes = {name: axes[name][points] for name, points in zip(axes, inside, strict=True)}
-        if "y" in axes:
-            axes["y"] = axes["y"] - self.shift
-        components = {name: values[np.ix_(*inside)] for name, values in components.items()}
-        plane = Plane.parse(self.plane)
-        return PlaneStress(self.body, plane, position, axes, components, self.block)
-
-
-@dataclass(frozen=True)
-class StoredCycles:
-    """Sequence of a body's `BodyFatigue`, one a record, read from the file when accessed.
-
-    Attributes
-    ----------
-    path : Path
-        The results file.
-    body : str
-        "A" or "B".
-    shear_yield : float
-        Shear yield stress, MPa; see `BodyFatigue`.
+    path : str
+        Path of the group.
+    variables : mapping of str to Variable
+        Its variables, without data.
     length : int
         Number of records.
+    shift : float
+        Lateral position of the running band of a block, mm; y counts from there.
     """
 
-    path: Path
-    body: str
-    shear_yield: float
+    file: Path
+    path: str
+    variables: Mapping[str, Variable]
     length: int
+    shift: float = 0.0
+
+    @classmethod
+    def check(
+        cls,
+        file: ResultsFile,
+        path: str,
+        quantities: Mapping[str, Quantity],
+        length: int,
+        shift: float = 0.0,
+    ) -> "StoredTable":
+        """Return the table of a path; raise a DamagedError for datasets of other shapes.
+
+        Parameters
+        ----------
+        file : ResultsFile
+            The open file.
+        path : str
+            Path of the group.
+        quantities : mapping of str to Quantity
+            Its variables.
+        length : int
+            Number of records.
+        shift : float
+            See `shift`.
+
+        Raises
+        ------
+        DamagedError
+            With the dataset.
+        """
+        axes = tuple(name for name in ("block", "x", "y", "depth") if f"{path}/{name}" in file)
+        shared = MESH_AXES if path == "fields" else ()  # fields have the mesh of the history
+        variables = {}
+        for name, quantity in quantities.items():
+            dims = quantity.dims or axes
+            scales = (f"{'grid' if dim in shared else path}/{dim}" for dim in dims)
+            file.check(f"{path}/{name}", (length, *map(file.length, scales)))
+            variables[name] = Variable(quantity, dims, None)
+        return cls(file.path, path, variables, length, shift)
 
     def __len__(self) -> int:
         return self.length
 
-    def __getitem__(self, row: int) -> BodyFatigue:
-        """Return the fatigue of a record, without the criterion: only the scene names it."""
-        row, empty = range(self.length)[row], np.zeros(0)
-        with open_results(self.path) as file:
-            group = f"fatigue/{self.body}"
-            values = {
-                name: file.row(f"{group}/{name}", row) if f"{group}/{name}" in file else empty
-                for name in FATIGUE_FIELDS
-            }
+    @property
+    def quantities(self) -> dict[str, Quantity]:
+        """Descriptions of the variables, by name."""
+        return {name: variable.quantity for name, variable in self.variables.items()}
+
+    def read(self, name: str, row: int) -> np.ndarray:
+        """Return one variable of a record."""
+        with open_results(self.file) as file:
+            return file.row(f"{self.path}/{name}", row)
+
+    def __getitem__(self, row: int) -> Table:
+        """Return all variables of a record, on its mesh if they are unknown outside of it."""
+        row = range(self.length)[row]
+        with open_results(self.file) as file:
+            arrays = {name: file.row(f"{self.path}/{name}", row) for name in self.variables}
             axes = {
-                name: file.all_numbers(f"{group}/{name}") if f"{group}/{name}" in file else empty
-                for name in ("y", "depth", "zeta")
+                name: file.all_numbers(f"{self.path}/{name}")
+                for name in ("x", "y", "depth", "zeta")
+                if f"{self.path}/{name}" in file
             }
-        return BodyFatigue(
-            self.body, **axes, **values, criterion=None, shear_yield=self.shear_yield
+            about = {
+                name: float(file.attribute(self.path, name))
+                for name in file.attributes(self.path)
+                if name == "position"
+            }
+        if all(math.isnan(quantity.outside) for quantity in self.quantities.values()):
+            finite = np.isfinite(next(iter(arrays.values())))
+            inside = [np.flatnonzero(finite.any(axis=axis)) for axis in (1, 0)]
+            axes = {name: axes[name][points] for name, points in zip(axes, inside, strict=True)}
+            arrays = {name: values[np.ix_(*inside)] for name, values in arrays.items()}
+        if self.shift and "y" in axes:
+            axes["y"] = axes["y"] - self.shift
+        return Table(
+            {name: v._replace(data=arrays[name]) for name, v in self.variables.items()},
+            {
+                name: Variable(Quantity(name, "mm", f"position in {name}"), (name,), places)
+                for name, places in axes.items()
+            },
+            about,
         )

@@ -259,7 +259,7 @@ class HistoryWriter:
             stored, pending = self._pending
             # Some are in the file already if an interrupt came just after the last replacement.
             pending = pending[len(file["history/record"]) - stored :]
-            layout.add_columns(file, pending)
+            layout.add_tables(file, pending)
             if pending:
                 tables.append(file, pending)
             if self._state is not None:
@@ -279,10 +279,8 @@ class HistoryWriter:
 
 def _field_bytes(record: Record) -> int:
     """Return the size of the fields and other arrays that are stored of a record, bytes."""
-    arrays = [*record.fields.values()]
-    arrays += [array for plane in record.stress for array in plane.components.values()]
-    arrays += [array for c in record.cycles for array in vars(c).values() if np.ndim(array)]
-    return sum(array.nbytes for array in arrays)
+    variables = [v for table in record.tables.values() for v in table.variables.values()]
+    return sum(variable.data.nbytes for variable in variables)
 
 
 def _check_fits(record: Record, before: tuple[int, int], mesh: tuple[int, int]) -> None:
