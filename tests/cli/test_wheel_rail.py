@@ -15,7 +15,7 @@ def test_locus_writes_a_table_and_figures(call, folder):
     assert result.exit_code == 0
     assert "equivalent conicity at 3 mm" in result.output
     table = np.genfromtxt(folder / "l.csv", delimiter=",", names=True)
-    assert table["y"].tolist() == np.linspace(-4.0, 4.0, 9).tolist()
+    assert {*np.linspace(-4.0, 4.0, 9)} < {*table["y"]}  # and the sides of jumps
     assert table["radius_difference"] == pytest.approx(-table["radius_difference"][::-1], abs=1e-8)
     assert {file.name for file in folder.glob("*.png")} == {
         "l-points.png",

@@ -10,6 +10,7 @@ import tractive_sam as ts
 from tractive_sam.cli.output import print_line, print_message, refuse, report_warnings
 from tractive_sam.cli.run import Resume, run
 from tractive_sam.cli.scene_input import Allow, SceneName, Settings, read_scene
+from tractive_sam.cli.show import Dpi, Format, Width
 
 
 def locus(
@@ -19,6 +20,9 @@ def locus(
     reach: float = 6.0,
     positions: Annotated[int, typer.Option(min=3, max=2001)] = 21,
     amplitude: float = 3.0,
+    format: Format = "png",
+    dpi: Dpi = 200,
+    width: Width = None,
 ) -> None:
     """Write contact points, rolling radii and conicity of a wheelset against its position.
 
@@ -32,45 +36,45 @@ def locus(
         Number of positions.
     amplitude
         Amplitude for the printed equivalent conicity, mm.
+    format
+        Format of the figures.
     """
     import numpy as np
 
+    from tractive_sam import plot
+    from tractive_sam.description import format_number
+    from tractive_sam.output_file import write_table
     from tractive_sam.scene import contact_locus
 
     read = read_scene(scene, settings)
-    with refuse(ValueError):
+    with refuse(ValueError), report_warnings():
         contacts = contact_locus(read, np.linspace(-reach, reach, positions))
-        harmonic = contacts.conicity(amplitude)
-    try:
-        klingel = f"{contacts.klingel_conicity(amplitude):.4f} (Klingel's motion)"
-    except ValueError as error:
-        klingel = f"by Klingel's motion: {error}"
-    print_message(f"equivalent conicity at {amplitude:g} mm: {harmonic:.4f} (harmonic), {klingel}")
-    _write(contacts, read, output)
-
-
-def _write(locus: "ts.rail.ContactLocus", scene: "ts.Scene", output: Path) -> None:
-    """Write the contact points of a wheelset as CSV, and their figures next to the file."""
-    from tractive_sam import plot
-    from tractive_sam.output_file import write_table
-
-    write_table(output, locus.columns())
+        harmonic = format_number(contacts.conicity(amplitude), contacts.conicity_error(amplitude))
+        try:
+            klingel = f"{contacts.klingel_conicity(amplitude):.4f} (Klingel's motion)"
+        except ValueError as error:
+            klingel = f"by Klingel's motion: {error}"
+    print_message(f"equivalent conicity at {amplitude:g} mm: {harmonic} (harmonic), {klingel}")
+    write_table(output, contacts.columns())
     print_line(output)
     figures: dict[str, Callable[[], ts.plot.Figure]] = {
-        "points": lambda: plot.contact_points(scene, locus),
-        "radii": lambda: plot.radius_difference(locus),
-        "conicity": lambda: plot.conicity(locus),
+        "points": lambda: plot.contact_points(read, contacts),
+        "radii": lambda: plot.radius_difference(contacts),
+        "conicity": lambda: plot.conicity(contacts),
     }
     for name, draw in figures.items():
-        _save_figure(draw, output.with_name(f"{output.stem}-{name}.png"))
+        _save_figure(draw, output.with_name(f"{output.stem}-{name}.{format}"), dpi, width)
 
 
-def _save_figure(draw: "Callable[[], ts.plot.Figure]", path: Path) -> None:
+def _save_figure(
+    draw: "Callable[[], ts.plot.Figure]", path: Path, dpi: int = 200, width: float | None = None
+) -> None:
     """Draw and save a figure and print its path; print a note if it cannot be drawn."""
+    from tractive_sam import plot
     from tractive_sam.output_file import omit_failing_figure
 
     with report_warnings(), omit_failing_figure(path.name):
-        draw().savefig(path)
+        plot.draw_in_width(draw, width).savefig(path, dpi=dpi)
         print_line(path)
 
 

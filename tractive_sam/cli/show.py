@@ -115,6 +115,18 @@ def _parse_width(text: str) -> float:
     return float(number[1])
 
 
+Dpi: TypeAlias = Annotated[
+    int, typer.Option(min=20, max=1200, help="Dots per inch of PNG figures.")
+]
+Width: TypeAlias = Annotated[
+    float | None,
+    typer.Option(
+        parser=_parse_width,
+        metavar="WIDTH",
+        help="Width of every figure, for example 84mm for a journal column.",
+    ),
+]
+
 Measured = Annotated[
     Path | None,
     typer.Option(
@@ -131,10 +143,10 @@ def plot(
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")] = None,
     format: Format = "png",
     units: Literal["hertz", "si-mm"] = "hertz",
-    dpi: Annotated[int, typer.Option(min=20, max=1200)] = 200,
+    dpi: Dpi = 200,
     block: Annotated[list[str] | None, typer.Option(metavar="BLOCK")] = None,
     title: Annotated[bool, typer.Option("--title/--no-title")] = True,
-    width: Annotated[float | None, typer.Option(parser=_parse_width, metavar="WIDTH")] = None,
+    width: Width = None,
     measured: Measured = None,
     animated: Annotated[bool, typer.Option("--animate")] = False,
 ) -> None:
@@ -148,15 +160,11 @@ def plot(
         Format of the figures.
     units
         Divide by the Hertzian half-widths and pressure, or use mm and MPa.
-    dpi
-        Dots per inch of PNG figures.
     block
         Also draw a block of a duty cycle, by its name or its index from 0, into a separate
         folder; all: every block. May be repeated.
     title
         Draw titles.
-    width
-        Width of every figure, for example 84mm for a journal column.
     animated
         Also write evolution.gif, an animation of the stored revolutions.
     """

@@ -59,6 +59,7 @@ from .registry import DPI as DPI
 from .registry import FORMATS as FORMATS
 from .registry import Drawing as Drawing
 from .registry import contact_figure as contact_figure
+from .registry import draw_in_width as draw_in_width
 from .registry import history_figure as history_figure
 from .registry import list_figures as list_figures
 from .registry import save_all as save_all

@@ -389,22 +389,28 @@ def save_all(
             path = directory / f"{name}.{format}"
             make_folder(path.parent)
             with omit_failing_figure(name):
-                _draw_in_width(drawing, width).savefig(path, dpi=dpi or DPI)
+                draw_in_width(drawing.draw, width).savefig(path, dpi=dpi or DPI)
                 paths.append(path)
     return paths
 
 
-def _draw_in_width(drawing: Drawing, width: float | None) -> Figure:
-    """Return a drawn figure, in a width in mm if one is given.
+def draw_in_width(draw: Callable[[], Figure], width: float | None) -> Figure:
+    """Return the figure that a function draws, in a width in mm if one is given.
 
     Fonts have a smallest size, so the width of a figure is not in proportion to its scale.
+
+    Examples
+    --------
+    >>> figure = plot.draw_in_width(lambda: plot.pressure(contact), 84.0)
+    >>> round(25.4 * figure.get_figwidth())
+    84
     """
-    figure, scale = drawing.draw(), 1.0
+    figure, scale = draw(), 1.0
     if width is not None:
         while abs((change := width / 25.4 / figure.get_figwidth()) - 1.0) > 2e-3 and scale > 0.05:
             scale *= change
             with change_options(scale=scale):
-                figure = drawing.draw()
+                figure = draw()
     return figure
 
 

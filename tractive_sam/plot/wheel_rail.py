@@ -84,8 +84,10 @@ def contact_points(scene: Scene, locus: ContactLocus, apart: float = 12.0) -> Fi
         (wheel_y, wheel_z), (rail_y, rail_z) = locus.wheel[0, k], locus.rail[0, k]
         axes.plot([centre + wheel_y, rail_y], [apart - wheel_z, -rail_z], "-", color=LOOK.grey)
         if k in (0, len(locus.y) // 2, len(locus.y) - 1):
-            axes.annotate(f"{y:g}", (rail_y, -rail_z - 1.0), ha="center", va="top", fontsize=7)
-    axes.set(xlabel="lateral position (mm)", ylabel="height (mm)", aspect="equal")
+            axes.annotate(f"{y:.3g}", (rail_y, -rail_z), (0, -5), textcoords="offset points",
+                          ha="center", va="top", fontsize=7)  # fmt: skip
+    height = f"height (mm), wheel raised by {apart:g} mm"
+    axes.set(xlabel="lateral position (mm)", ylabel=height, aspect="equal")
     return figure
 
 
@@ -116,6 +118,7 @@ def radius_difference(locus: ContactLocus) -> Figure:
 def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     """Draw the equivalent conicity, harmonic and by Klingel, over the lateral amplitude.
 
+    The curves begin at `ContactLocus.least_amplitude`. A band is the error bar of the harmonic one.
     The curve of Klingel's motion has gaps at amplitudes without such a motion (hollow wheels).
 
     Parameters
@@ -133,13 +136,14 @@ def conicity(locus: ContactLocus, points: int = 30) -> Figure:
     """
     figure, axes = new_axes(1.0, 0.6)
     largest = min(-locus.y[0], locus.y[-1])
-    amplitudes = np.linspace(largest / points, largest, points)
-    harmonic, klingel = np.full((2, points), np.nan)
+    amplitudes = np.linspace(min(locus.least_amplitude, largest), largest, points)
+    harmonic, error, klingel = np.full((3, points), np.nan)
     for k, amplitude in enumerate(amplitudes):
-        harmonic[k] = locus.conicity(amplitude)
+        harmonic[k], error[k] = locus.conicity(amplitude), locus.conicity_error(amplitude)
         with suppress(ValueError):
             klingel[k] = locus.klingel_conicity(amplitude)
     axes.plot(amplitudes, harmonic, label="harmonic")
+    axes.fill_between(amplitudes, harmonic - error, harmonic + error, alpha=0.25, linewidth=0)
     axes.plot(amplitudes, klingel, "--", label="Klingel's motion")
     axes.set(xlabel="amplitude (mm)", ylabel=r"equivalent conicity $\tan\gamma_e$")
     if harmonic.min() < 0.0:

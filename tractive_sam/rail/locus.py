@@ -1,7 +1,10 @@
 """Contact locus of a wheelset: contact points, rolling radii and equivalent conicity."""
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
 import scipy  # its parts are loaded when first used
@@ -32,7 +35,8 @@ class ContactLocus:
     radius : ndarray, shape (2, n)
         Rolling radii, mm.
     jumps : ndarray of bool, shape (n,)
-        Positions at which the contact of a side is on another part of the profile than before.
+        Positions at which the contact of a side is on another part of the profile than at the
+        position before, which differs from them by less than a thousandth of their spacing.
     nominal_radius, tape_distance : float
         Radius at the tread datum, and distance of the tread data of both wheels, mm.
 
@@ -81,6 +85,26 @@ class ContactLocus:
         phase = 2.0 * np.pi * (np.arange(samples) + 0.5) / samples
         difference = np.interp(amplitude * np.sin(phase), self.y, self.radius_difference)
         return float((difference * np.sin(phase)).mean() / amplitude)
+
+    def conicity_error(self, amplitude: float) -> float:
+        """Return an error bar of `conicity`: its change if every other position is left out.
+
+        Linear interpolation between half as many positions has about four times the error.
+        """
+        near_jump = self.jumps | np.append(self.jumps[1:], False)
+        retained = near_jump | (np.arange(self.y.size) % 2 == 0)
+        retained[[0, -1]] = True
+        names = ("y", "roll", "jumps", "points", "wheel", "rail", "angle", "radius")
+        arrays = {name: getattr(self, name) for name in names}
+        fewer = {k: a[retained] if a.ndim == 1 else a[:, retained] for k, a in arrays.items()}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return abs(replace(self, **fewer).conicity(amplitude) - self.conicity(amplitude))
+
+    @property
+    def least_amplitude(self) -> float:
+        """Amplitude with two positions on each side, mm: the conicity below is one of a chord."""
+        return 2.0 * float(np.diff(self.y).max())
 
     def klingel_conicity(self, amplitude: float) -> float:
         """Return the equivalent conicity by integration of Klingel's motion, tan gamma_e.
@@ -158,6 +182,10 @@ class ContactLocus:
                 f"amplitude {amplitude:g} mm; allowed: above 0 and up to {largest:g}, the "
                 "positions of the locus on both sides"
             )
+        if amplitude < self.least_amplitude:
+            least = f"below {self.least_amplitude:.3g} mm, twice the spacing of the positions"
+            text = f"amplitude {amplitude:g} mm: not resolved {least}; compute more positions"
+            warnings.warn(text, stacklevel=3)
 
     def columns(self) -> dict[str, Array]:
         """Return the locus as table columns by name: lengths in mm, roll mrad, angles degrees."""
@@ -185,7 +213,8 @@ def find_locus(
     rail : Profile
         The right rail, in the track frame.
     positions : sequence of float
-        Lateral positions of the wheelset, mm; they are sorted.
+        Lateral positions of the wheelset, mm; they are sorted. If a contact jumps between two of
+        them, the positions next to the jump are added.
     roll : float, optional
         Roll, rad; by default both wheels rest on the rails.
 
@@ -194,22 +223,23 @@ def find_locus(
     NoContactError
         See `find_contact_points`.
     """
-    places = np.array(sorted(map(float, positions)))
-    pairs: list[list[Clearance]] = []
-    rolls, angle = [], wheel.roll
-    for y in places:
-        angle, pair = _touch(replace(wheel, y=float(y), roll=angle), rail, roll)
-        rolls.append(angle)
-        pairs.append(pair)
+    touched: dict[float, _Touch] = {}
+    angle = wheel.roll
+    for y in sorted(map(float, positions)):
+        touched[y] = angle, _ = _touch(replace(wheel, y=y, roll=angle), rail, roll)
+    beyond_jumps: list[float] = []
+    for left, right in pairwise(list(touched)):
+        ends = {y: touched[y] for y in (left, right)}
+        if _movement(ends) > 4.0 * (right - left) + 1.0:
+            ends = _locate_jump(replace(wheel, roll=touched[right][0]), rail, roll, ends)
+            touched |= ends
+            beyond_jumps += [*ends][1:]
+    places = np.array(sorted(touched))
+    rolls, pairs = zip(*(touched[y] for y in places), strict=True)
     sides = [[pair[k] for pair in pairs] for k in (0, 1)]
     wheel_s = np.array([[contact.s[0] for contact in side] for side in sides])
     rail_s = np.array([[contact.rail_s[0] for contact in side] for side in sides])
     at_wheel = wheel.profile.at(wheel_s)
-    moved = np.abs(np.diff(wheel_s, axis=1, prepend=wheel_s[:, :1])).max(axis=0)
-    jumps = moved > 4.0 * np.diff(places, prepend=places[:1]) + 1.0
-    for k in np.flatnonzero(jumps):
-        ends = [(float(places[j]), wheel_s[:, j]) for j in (k - 1, k)]
-        jumps[k] = _jumps_between(replace(wheel, roll=rolls[k]), rail, roll, ends)
     return ContactLocus(
         places,
         np.array(rolls),
@@ -218,29 +248,39 @@ def find_locus(
         rail.at(rail_s),
         np.array([[contact.angles[0, 0] for contact in side] for side in sides]),
         wheel.radius + at_wheel[..., 1],
-        jumps,
+        np.isin(places, beyond_jumps),
         wheel.radius,
         2.0 * wheel.datum,
     )
 
 
-def _touch(placed: Wheel, rail: Profile, roll: float | None) -> tuple[float, list[Clearance]]:
+_Touch: TypeAlias = tuple[float, list[Clearance]]
+"""Roll, rad, and contacts of the right and the left wheel."""
+
+
+def _touch(placed: Wheel, rail: Profile, roll: float | None) -> _Touch:
     """Return (roll, rad, contacts of [right, left] wheel); roll = None frees the wheelset."""
     placed = replace(placed, roll=free_roll(placed, rail) if roll is None else roll)
     return placed.roll, [find_contact_points(side, rail) for side in (placed, placed.mirrored())]
 
 
-def _jumps_between(
+def _movement(ends: Mapping[float, _Touch]) -> float:
+    """Return the larger movement along both wheels, mm, between two positions."""
+    (_, before), (_, after) = ends.values()
+    return max(abs(b.s[0] - a.s[0]) for a, b in zip(before, after, strict=True))
+
+
+def _locate_jump(
     wheel: Wheel,
     rail: Profile,
     roll: float | None,
-    ends: list[tuple[float, Array]],
-    halvings: int = 5,
-) -> bool:
-    """Return whether the larger movement of a contact persists as the interval is halved.
+    ends: Mapping[float, _Touch],
+    halvings: int = 12,
+) -> dict[float, _Touch]:
+    """Return the positions next to a jump, by bisection; none if the contact moves continuously.
 
-    Half of the interval is retained, the one with the larger movement. At a jump, the movement
-    stays; otherwise it falls with the interval.
+    The half with the larger movement is retained. At a jump, the movement stays; otherwise it falls
+    with the interval.
 
     Parameters
     ----------
@@ -250,19 +290,15 @@ def _jumps_between(
         The right rail, in the track frame.
     roll : float, optional
         Roll, rad; by default both wheels rest on the rails.
-    ends : list of (float, ndarray)
-        Both positions, mm, with the arc lengths of the contacts of both wheels.
+    ends : mapping of float to (float, list of Clearance)
+        Both positions, mm, with roll and contacts.
     halvings : int
         Number of halvings.
     """
-
-    def movement(pair: list[tuple[float, Array]]) -> float:
-        return float(np.abs(pair[1][1] - pair[0][1]).max())
-
-    first = movement(ends)
+    first = _movement(ends)
     for _ in range(halvings):
-        y = 0.5 * (ends[0][0] + ends[1][0])
-        _, pair = _touch(replace(wheel, y=y), rail, roll)
-        middle = y, np.array([contact.s[0] for contact in pair])
-        ends = max([ends[0], middle], [middle, ends[1]], key=movement)
-    return movement(ends) > 0.5 * first
+        (left, before), (right, after) = ends.items()
+        y = 0.5 * (left + right)
+        middle = _touch(replace(wheel, y=y), rail, roll)
+        ends = max({left: before, y: middle}, {y: middle, right: after}, key=_movement)
+    return dict(ends) if _movement(ends) > 0.5 * first else {}
