@@ -387,6 +387,9 @@ TRAITS = {
     "formula in a comment": scale_heading("# z = 2 * value", 0.5),
     "calibration": scale_heading("# Calibration: 0.5", 0.5),
     "upside down in words": scale_heading("# z is upside down", -1.0),
+    **{f"words {text!r}": scale_heading(f"# {text}", factor) for text, factor in
+       (("divided by two", 0.5), ("sign reversed", -1.0), ("per wheelset", 2.0), ("volts", 3.0),
+        ("logarithmic", 1.5), ("raw, uncalibrated", 0.7), ("hundredths", 0.01))},
     "remark with a number": head("# tare: 50 N"),
     "columns in a heading": head("# Columns: 14"),
     "factor in a name": put(header="1000*{name} [{unit}]"),
@@ -395,7 +398,8 @@ TRAITS = {
     "points in a heading": head("Points: 4"),
     "row count": lambda s, rng: replace(s, heading=(*s.heading, str(len(s.values)))),
     **{f"cell {text!r}": cell(text) for text in
-       ("nan", "", "-", "-9999", "n/a", "O.1", "1_0", "50 %", "inf", "0.1 0.2", "1e", "--")},
+       ("nan", "", "-", "-9999", "n/a", "O.1", "1_0", "50 %", "inf", "0.1 0.2", "1e", "--",
+        "1.#QNAN")},
     "long row": lengthen_row,
     "second block": lambda s, rng: replace(s, between={4: ("y;z",)}),
     "thousands": write_thousands,

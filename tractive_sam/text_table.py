@@ -36,7 +36,7 @@ _SCALES = {
 
 _MISSING = frozenset(
     ("", "nan", "na", "n/a", "#n/a", "null", "none", "-", "--", "---", "*", "***", "bad", "masked",
-     "nodata")
+     "nodata", "nan(ind)", "1.#qnan", "1.#ind", "-1.#ind")
 )  # fmt: skip
 """Texts of cells, in lower case, that stand for a missing value."""
 
@@ -62,14 +62,13 @@ def _write_patterns() -> dict[str, str]:
         rf"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?![^=]*={none})|"
         r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b|"  # z x 1000
         r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
-        # What all readers name, also without a number.
-        "direction": r"\b(?:left|right|up|upwards?|down|downwards?|inwards?|outwards?|negative|"
-        r"positive|opposite|revers\w+|swap\w+|exchanged|transposed|rotated|tilted|relative|double\w*|"
-        r"halved|half|twice|normali[sz]ed|averaged|per (?:wheel|axle|side|bogie)\w*)\b",
+        # What no reader names: all other remarks state something.
+        "nothing": r"^\W*(?:(?:begin|by|channel|data|end|eof|file|first|hand|kind|measured|of|one|"
+        r"pass|points?|rig|run|scan|second|stylus|start|test|the|third|three|two)(?:\W+|$))*$",
         # What maps and traces use or refuse.
         "unit of values": r"^(?![^=]*(?:\b[xy]\b|lateral))[^=]*\bunits?\b[^=]*=",
         "size": r"^(?:width|height)=([\d.e+-]+)\s*(\S+)$",
-        "order": r"^[^=]*\b(?:columns?|rows?|format|fields?|order|layout)\b[^=]*(?:=|$)",
+        "order": r"^[^=]*\b(?:columns?|rows?|format|fields|order|layout)\b[^=]*(?:=|$)",
         "rows along y": r"rows?\W+(?:are |along )?y\b|columns?\W+(?:are |along )?x\b",
         "origin": r"^origin=.*(?:lower|upper|top|bottom|left|right)",
         "downwards": r"\b(?:positive|direction|orientation|sign|points?|axis)\b.*"
@@ -360,8 +359,7 @@ class TextTable:
                 value = f"{remark.place}, with the unit {inner}"
                 raise TextError(value, f"units in the header; or {cure}")
         is_count = remark.text.replace(" ", "").isdigit() and remark.text.split()[0] == str(rows)
-        has_number = "%" in words or re.search(r"[\d:=]", remark.text)
-        return not is_count and bool(remark.key or has_number or remark.states("direction"))
+        return not is_count and not remark.states("nothing")
 
     def _has_size(self, counts: list[int], text: str) -> bool:
         """Return whether the table, or its part without coordinates, has the stated size."""
@@ -508,7 +506,7 @@ def _replace_per_cent(text: str) -> str:
 def _separate_comments(text: str, first_line: int) -> tuple[list[Remark], list[Remark]]:
     """Return the lines with content, and the comments."""
     longest = 1_000_000  # characters of a line
-    comment = re.compile(r"#|!|%(?!\s*(?:[;,\t#!]|$))")  # but "50 %" is no comment
+    comment = re.compile(r"(?<!\.)#|!|%(?!\s*(?:[;,\t#!]|$))")  # but "50 %" is no comment
     body, remarks = [], []
     for number, line in enumerate(text.split("\n"), first_line):
         content = line.strip()

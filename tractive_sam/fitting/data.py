@@ -13,7 +13,7 @@ from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Nois
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, shorten, suggest_name, warn
-from tractive_sam.text_table import TextError, TextTable, read_table
+from tractive_sam.text_table import TextError, TextTable, find_marks, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +158,14 @@ def read_measured(data: Data, key: str) -> Measured:
                 faults.append(Fault(source, f"no column {shorten(column)}", hint))
                 continue
             try:
-                numbers[name] = columns.column(place, _meaning(data, name))
+                numbers[name] = values = columns.column(place, _meaning(data, name))
+                sizes = np.sort(np.abs(values))
+                if find_marks(values).any() or (
+                    len(sizes) > 2 and sizes[-1] > 1e3 * sizes[-2] > 0.0
+                ):
+                    row = int(np.argmax(np.abs(values)))
+                    text = f"{name} = {values[row]:g} in line {columns.lines[row]}"
+                    warn(f"{source}: {text}, far from the other values: remove such rows")
             except TextError as error:
                 faults.append(Fault(source, error.value, error.allowed))
     except TextError as error:

@@ -14,11 +14,9 @@ import numpy as np
 from tractive_sam.input_file import read_text
 from tractive_sam.output_file import write_file
 from tractive_sam.text_table import (
-    LENGTHS,
     Remark,
     TextTable,
     find_length_unit,
-    find_length_units,
     list_first,
     parse_number,
     parse_table,
@@ -149,7 +147,7 @@ def _read_simpack(
     if (names and names[:2] != ["y", "z"]) or any(table.units[:2]):
         raise ValueError(f"columns {', '.join(table.labels)}; allowed: y, z, and a weight")
     factor = _find_simpack_unit(keys, unit)
-    notes = _describe_unused([*unused, *table.remarks], factor)
+    notes = _describe_unused([*unused, *table.remarks])
     if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
         notes.append("the weights of the points, their third column, are not used")
     points, inside = _apply_steps(values[:, :2], keys)
@@ -243,7 +241,7 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
         for key in ("rail", "side")
         if statements.get(key, "").lower().startswith("l")
     ]
-    return points * UNITS[name], [*notes, *_describe_unused(unused, UNITS[name])]
+    return points * UNITS[name], [*notes, *_describe_unused(unused)]
 
 
 def _read_heading(table: TextTable) -> tuple[dict[str, str], list[Remark]]:
@@ -333,21 +331,15 @@ def _is_numbered(table: TextTable) -> bool:
     return counted and abs(np.sign(np.diff(y)).mean()) > 0.9
 
 
-def _describe_unused(remarks: Iterable[Remark], unit: float) -> list[str]:
-    """Return a note that lists the remarks that state something, or no note.
-
-    Another unit than that of lengths, in mm, is a statement, as are numbers and values.
-    """
+def _describe_unused(remarks: Iterable[Remark]) -> list[str]:
+    """Return a note that lists the remarks that state something, or no note."""
     texts = [
         text if len(text) <= 60 else text[:57] + "..."
         for remark in remarks
         for text in (remark.text,)
         if not (text.endswith(("=", ":")) or remark.states("description"))
         if not (remark.key and parse_number(remark.value) == 0.0)
-        if remark.key
-        or re.search(r"\d", text)
-        or remark.states("direction")
-        or {LENGTHS[name] for name in find_length_units(text)} - {unit}
+        if not remark.states("nothing")
     ]
     return [f"entries of the file that are not used: {list_first(texts, 6)}"] if texts else []
 
