@@ -30,9 +30,8 @@ from distributed import Client
 from timing import show, write
 
 import tractive_sam as ts
-from tractive_sam.studies import cases
+from tractive_sam.studies import cases, estimate_times
 from tractive_sam.studies.cluster import on_cluster
-from tractive_sam.studies.cost import estimates
 from tractive_sam.studies.task import Task
 
 ANGLES = [0, 15, 30, 45, 60, 75, 90]
@@ -232,7 +231,7 @@ def many(done: ts.StudyResults, scratch: Path) -> dict:
     times = [perf_counter()]
     all_cases = cases(study)
     times.append(perf_counter())
-    estimates(all_cases)
+    estimate_times(case.scene for case in all_cases)
     times.append(perf_counter())
     with (folder / "complete.jsonl").open("w") as file:
         for case in all_cases:
