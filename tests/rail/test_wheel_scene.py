@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, solve_on_fitted_mesh
+from tractive_sam.contact import Model, solve_on_fitted_mesh, solve_patches_on_fitted_mesh
 from tractive_sam.rail import Patch, Profile, Wheel
 from tractive_sam.results import caveats
 
@@ -138,6 +138,16 @@ def test_solve_returns_the_patch_with_most_load():
     one = scene(4.92, yaw=11.8)
     contact, history = ts.solve(one), ts.roll(one)
     assert pytest.approx(history["P"][-1], rel=1e-9) == contact.P
+
+
+def test_a_depth_at_which_the_contact_is_too_small_is_left():
+    """The search for the depth begins at a tenth of it, where the contact has too few elements."""
+    scene = ts.Scene.builtin("wheel-rail").replace(**{"grid.elements": [9, 9], "creepage.spin": 0})
+    model, contacts = solve_patches_on_fitted_mesh(Model(scene))
+    start = replace(contacts[0], approach=0.1 * contacts[0].approach)
+    again = solve_patches_on_fitted_mesh(model, start)[1]
+    assert again[0].converged
+    assert again[0].P == pytest.approx(contacts[0].P, rel=2e-6)  # both to 1e-6 of the load
 
 
 def test_patches_share_one_approach():

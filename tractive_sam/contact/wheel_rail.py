@@ -79,9 +79,11 @@ def share_load(
             for contact, patch in zip(contacts, patches, strict=True)
         )
         unsolved = {contact.status for contact in contacts if not contact.converged}
-        # At a smaller depth the contact may be within the mesh.
+        # At a smaller depth the contact may be within the mesh, at a larger one resolved by it.
         too_deep = unsolved == {Status.OFF_GRID} and carried > (1.0 + tolerance) * load
-        if (unsolved and not too_deep) or abs(carried - load) <= tolerance * load:
+        too_flat = unsolved == {Status.NOT_RESOLVED} and carried < (1.0 - tolerance) * load
+        settled = not (unsolved or abs(carried - load) > tolerance * load)
+        if settled or (unsolved and not (too_deep or too_flat)):
             break
         power = max(carried, 0.0) ** (2.0 / 3.0)
         slope = (power - previous[1]) / (depth - previous[0])
