@@ -141,6 +141,23 @@ def test_intervals_of_an_absolute_noise_are_symmetric_with_loss_and_prior(line, 
     assert reach == pytest.approx(Z * found.sd["friction.mu"], rel=0.05)
 
 
+@pytest.mark.parametrize("outliers", [0.0, 0.1])
+@pytest.mark.parametrize("loss", [name for name in LOSSES if name != "linear"])
+def test_intervals_of_a_robust_mean_of_ten_values_hold_in_95_per_cent(loss, outliers):
+    """The mean minimises the losses of standard normal values, some of them ten times as large."""
+    rng, repeats = np.random.default_rng(1), 2000
+    values = rng.standard_normal((repeats, 10))
+    values *= np.where(rng.random(values.shape) < outliers, 10.0, 1.0)
+    mean = np.median(values, axis=1, keepdims=True)
+    for _ in range(60):  # weighted least squares
+        weights = LOSSES[loss](np.square(values - mean))[1]
+        mean = np.average(values, axis=1, weights=weights, keepdims=True)
+    inflation = np.array([Loss(loss).inflation(row, 1) for row in values - mean])
+    inside = np.abs(mean[:, 0]) < Z * np.sqrt(inflation / weights.sum(axis=1))
+    # chance 0.5 %; the larger of two variances, by the data and of normal noise, is 1 % too safe
+    assert inside.mean() == pytest.approx(0.955, abs=0.015)
+
+
 @pytest.mark.parametrize("loss", [name for name in LOSSES if name != "linear"])
 def test_an_outlier_does_not_change_a_robust_scatter_without_limit(line, loss):
     """However far it is, it counts as one beyond its standard deviation."""

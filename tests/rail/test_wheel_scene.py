@@ -147,7 +147,7 @@ def test_a_depth_at_which_the_contact_is_too_small_is_left():
     start = replace(contacts[0], approach=0.1 * contacts[0].approach)
     again = solve_patches_on_fitted_mesh(model, start)[1]
     assert again[0].converged
-    assert again[0].P == pytest.approx(contacts[0].P, rel=2e-6)  # both to 1e-6 of the load
+    assert pytest.approx(contacts[0].P, rel=2e-6) == again[0].P  # both to 1e-6 of the load
 
 
 def test_patches_share_one_approach():

@@ -80,7 +80,7 @@ class Loss:
         with psi = w r. Weighted least squares would give 1 / E(w). The expectations are those of
         the residuals with outliers, but not below those of a normal residual, for which
         E(psi') = E(r psi) (Huber, Robust Statistics (1981), section 7.6, with the factor of few
-        points).
+        points, which belongs to the estimate from the residuals).
 
         Parameters
         ----------
@@ -99,7 +99,7 @@ class Loss:
         of_data = float(np.square(weight * residuals).mean() * weight.mean()) / bend**2
         of_data /= max(1.0 - share, share)
         few = (1.0 + share * float(bends.var()) / bend**2) ** 2
-        return few * max(of_data, squares * weights / slopes**2)
+        return max(few * of_data, squares * weights / slopes**2)
 
     @property
     def rise(self) -> float:
