@@ -36,7 +36,7 @@ from tractive_sam.compute import (
     padded_length,
 )
 from tractive_sam.kernels.spectral import row_products
-from tractive_sam.mechanics import Elasticity, Frame
+from tractive_sam.mechanics import Elasticity, Frame, HalfSpaces
 
 Box = tuple[slice, slice]
 """Rectangle of elements."""
@@ -221,13 +221,30 @@ def transform_displacement(
     Returns
     -------
     ndarray of complex, shape (p_x, p_y/2 + 1)
-        mm/MPa, divided by p_x p_y.
+        mm/MPa, divided by p_x p_y; it must not be changed.
     """
-    (px, py), sides = lattice.padded, (lattice.dx, lattice.dy)
-    table = elasticity.coefficients(component, (px // 2 + 1 + difference, py // 2 + 1), *sides)
-    period = period or (px, py)
-    scaled = table / (period[0] * period[1])
+    padded, sides = lattice.padded, (lattice.dx, lattice.dy)
+    # Many scenes have the same bodies on the same mesh. At most 64 MiB are stored.
+    store = type(elasticity) is HalfSpaces and padded[0] * padded[1] <= 2**17
+    transform = _stored_transform if store else _transform_table
+    return transform(elasticity, padded, sides, component, period or padded, difference)
+
+
+def _transform_table(
+    elasticity: Elasticity,
+    padded: tuple[int, int],
+    sides: tuple[float, float],
+    component: str,
+    period: tuple[int, int],
+    difference: bool,
+) -> np.ndarray:
+    """Return the spectrum of displacements on elements with these sides."""
+    offsets = padded[0] // 2 + 1 + difference, padded[1] // 2 + 1
+    scaled = elasticity.coefficients(component, offsets, *sides) / (period[0] * period[1])
     return transform_quadrant(scaled, _PARITY[component], period, difference)
+
+
+_stored_transform = lru_cache(64)(_transform_table)
 
 
 def block_mean(
