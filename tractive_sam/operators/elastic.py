@@ -22,6 +22,7 @@ instead of 5 on the scene `spheres` at 45 x 45.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache, partial
+from math import prod
 from typing import Literal
 
 import numpy as np
@@ -37,6 +38,7 @@ from tractive_sam.compute import (
 )
 from tractive_sam.kernels.spectral import row_products
 from tractive_sam.mechanics import Elasticity, Frame, HalfSpaces
+from tractive_sam.operators.zone_inverse import ZoneInverse
 
 Box = tuple[slice, slice]
 """Rectangle of elements."""
@@ -449,6 +451,14 @@ class Operators:
         a11, a12, a22 = self._tangential_spectra(self.lattice.cyclic)
         determinant = a11 * a22 - a12 * a12
         return self._inverse(a22 / determinant, -a12 / determinant, a11 / determinant)
+
+    @cached_property
+    def zone_inverse(self) -> ZoneInverse:
+        """Preconditioner of the friction conditions in steady rolling on a large mesh."""
+        period, (first, _, second) = self.lattice.cyclic, self.self_influence
+        spectra = prod(period) * self._tangential_spectra(period)
+        inverse, convolution = self.tangential_inverse, partial(self._periodic, period=period)
+        return ZoneInverse(spectra, first + second, inverse, convolution)
 
     @cached_property
     def coupled(self) -> Convolution:

@@ -118,7 +118,15 @@ class Kinematics(ABC):
 
 @dataclass(frozen=True, eq=False)
 class SteadyRolling(Kinematics):
-    """Steady rolling: slip is a difference of displacements along x."""
+    """Steady rolling: slip is a difference of displacements along x.
+
+    Attributes
+    ----------
+    zones_from : int
+        Elements from which on the inverse by zones takes less time than the upwind sweep.
+    """
+
+    zones_from: int = 12_000
 
     joint = False
 
@@ -148,10 +156,16 @@ class SteadyRolling(Kinematics):
     def approximate_inverse(
         self, operators: Operators, law: Linearisation, stiffness: np.ndarray
     ) -> Callable[[np.ndarray], np.ndarray]:
-        """Return a preconditioner of the linearised friction conditions: the upwind sweep.
+        """Return a preconditioner of the linearised friction conditions.
 
-        Parameters as in `Kinematics.approximate_inverse`.
+        It is the upwind sweep, or on large meshes the inverse by zones (`ZoneInverse`), for
+        isotropic friction and bodies of equal material. Parameters as in
+        `Kinematics.approximate_inverse`.
         """
+        first, second = operators.frame.mu
+        alike = first == second and not operators.elasticity.coupled
+        if alike and law.state.size >= self.zones_from:
+            return operators.zone_inverse.at(law, stiffness)
         return law.upwind_inverse(operators.self_influence, operators.tangential_inverse, stiffness)
 
 
