@@ -27,10 +27,9 @@ import tractive_sam as ts
 from tractive_sam.fitting.case import Answer, FitCase, compute
 from tractive_sam.fitting.data import read_measured
 from tractive_sam.fitting.design import Parameters
-from tractive_sam.fitting.problem import FitProblem
+from tractive_sam.fitting.estimate import Search
+from tractive_sam.fitting.problem import FitProblem, Series
 from tractive_sam.fitting.run import find_intervals, make_problem, read_design
-from tractive_sam.fitting.search import Search
-from tractive_sam.fitting.series import Series
 
 warnings.simplefilter("ignore", ts.SceneWarning)  # coarse meshes and 2 % of slip are meant
 

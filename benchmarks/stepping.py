@@ -2,9 +2,9 @@
 
 The profile E of the entering material satisfies E(n + 1) = E(n) + R(E(n)). Every scheme here is of
 second order for the sum over the revolutions. The scheme of the package uses the profile halfway
-through a revolution (`tractive_sam.rolling.adaptive`); the others use dE/dn = R - J R / 2. All use
-one step control. The scene is `twin-discs` at beta = 0 over 15,000 revolutions, on the mesh of the
-paper:
+through a revolution (`tractive_sam.rolling.revolutions`); the others use dE/dn = R - J R / 2. All
+use one step control. The scene is `twin-discs` at beta = 0 over 15,000 revolutions, on the mesh of
+the paper:
 
 - Heun: explicit, second order, error estimate by Euler;
 - RKC: Runge-Kutta-Chebyshev, stabilised explicit of second order with as many stages as the jump

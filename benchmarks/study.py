@@ -32,7 +32,7 @@ from timing import show, write
 import tractive_sam as ts
 from tractive_sam.studies import cases, estimate_times
 from tractive_sam.studies.cluster import on_cluster
-from tractive_sam.studies.task import Task
+from tractive_sam.studies.worker import Task
 
 ANGLES = [0, 15, 30, 45, 60, 75, 90]
 MAP = ts.Study(

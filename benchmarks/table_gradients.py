@@ -19,7 +19,7 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.reference import creep_coefficients
-from tractive_sam.tables.contacts import Contacts, unit_scene
+from tractive_sam.tables.design import Contacts, unit_scene
 
 NAMES = {"C11": (0, 0), "C22": (1, 1), "C23, force": (1, 2), "C23, moment": (2, 1), "C33": (2, 2)}
 KALKER = {"C11": "C11", "C22": "C22", "C23, force": "C23", "C33": "C33"}

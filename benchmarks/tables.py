@@ -29,7 +29,7 @@ import tractive_sam as ts
 from tractive_sam.lookup import c_sources
 from tractive_sam.plot import table_errors
 from tractive_sam.reference import fastsim, linear_creep_forces, vermeulen_johnson
-from tractive_sam.tables.contacts import MU, Contacts, unit_scene
+from tractive_sam.tables.design import MU, Contacts, unit_scene
 
 NU, FINE = 0.3, 47
 SPREAD = np.array([0.4, 0.4, 0.8])

@@ -21,7 +21,7 @@ from timing import show, write
 
 from tractive_sam.mechanics.invariants import von_mises
 from tractive_sam.results import State
-from tractive_sam.rolling import passage, stress
+from tractive_sam.rolling import observers, passage
 from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 from tractive_sam.store.writer import HistoryWriter
@@ -30,7 +30,7 @@ from tractive_sam.subsurface import stress_at
 ROLLS = 5
 PARTS = {
     "contacts": [(passage, "equilibrium")],
-    "largest stress of every record": [(stress, "maxima_by_body")],
+    "largest stress of every record": [(observers, "maxima_by_body")],
     "storing": [(HistoryWriter, "append"), (HistoryWriter, "finish")],
 }
 
@@ -84,13 +84,13 @@ def shares(scene: Scene) -> list[dict]:
 def errors(scene: Scene) -> list[dict]:
     """Return errors of the largest stress inside, relative to the exact stress there."""
     searched: list[tuple[State, dict]] = []
-    search = stress.maxima_by_body
+    search = observers.maxima_by_body
 
     def search_and_store(contact: State, laws):
         searched.append((contact, search(contact, laws)))
         return searched[-1][1]
 
-    with mock.patch.object(stress, "maxima_by_body", search_and_store):
+    with mock.patch.object(observers, "maxima_by_body", search_and_store):
         roll(scene)
     rows = []
     for body in scene.subsurface.bodies:

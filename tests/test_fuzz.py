@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, make_record, mesh
 from tractive_sam.cli import app
-from tractive_sam.scene.catalogue import builtin_text
+from tractive_sam.scene.scene import builtin_text
 from tractive_sam.store import HistoryWriter, open_history
 
 pytestmark = pytest.mark.slow  # many scenes

@@ -22,18 +22,18 @@ import pytest
 import tractive_sam
 
 LIMITS = {
-    "modules on the longest chain of imports": 12,
+    "modules on the longest chain of imports": 10,
     "modules that import each other, in any way": 0,
     "modules with TYPE_CHECKING": 3,
     "modules over 500 code lines": 0,
     "functions over 60 code lines": 0,
-    "import lines, per cent of code lines": 9.6,
+    "import lines, per cent of code lines": 8.8,
     "functions of at most 3 statements with one use": 312,
     "module constants": 294,  # 40 of them are published values and sources in `validation`
     "public names": 200,
 }
 
-SMALLEST = {"code lines of the median module": 106}
+SMALLEST = {"code lines of the median module": 130}
 """Numbers that only rise."""
 
 PACKAGE = Path(tractive_sam.__file__).parent

@@ -97,7 +97,7 @@ def __getattr__(name: str):
 
     lookup, _, names = attach_names(__name__, __file__)
     if name in _RENAMED:
-        from .deprecation import with_renamed  # noqa: PLC0415
+        from .lazy_names import with_renamed  # noqa: PLC0415
 
         lookup = with_renamed(__name__, lookup, _RENAMED)
     return names if name == "__all__" else lookup(name)

@@ -11,8 +11,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
-from tractive_sam.markup import Html, as_html, fill
-from tractive_sam.safe_text import printable_text
+from tractive_sam.safe_text import Html, as_html, fill, printable_text
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from tractive_sam.cli.output import report_compiling
 from tractive_sam.cli.scene_input import complete_keys, complete_scenes
 from tractive_sam.input_file import read_piped
 from tractive_sam.kernels.compiled import _Compiler
-from tractive_sam.rolling.stress import LargestStress
+from tractive_sam.rolling.observers import LargestStress
 from tractive_sam.scene import Scene
 from tractive_sam.store import open_history
 

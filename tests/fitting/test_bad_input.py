@@ -144,7 +144,7 @@ DATA = {
 
 @pytest.mark.parametrize("case", DATA)
 def test_a_fault_of_the_data_is_reported_before_anything_is_computed(case, monkeypatch):
-    monkeypatch.setattr("tractive_sam.fitting.evaluations.compute", None)
+    monkeypatch.setattr("tractive_sam.fitting.case.compute", None)
     table, key = DATA[case]
     with pytest.raises(FitError) as caught:
         make_problem(read_design(table).fit)

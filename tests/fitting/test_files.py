@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import tractive_sam as ts
 from tests.fitting.conftest import creep_data
 from tractive_sam.cli import app
-from tractive_sam.fitting import evaluations
+from tractive_sam.fitting.case import Evaluations, FitCase, InProcess, InWorkers, compute
 from tractive_sam.fitting.fit_file import read_answers, write_fit
 from tractive_sam.fitting.results import FitResult
 from tractive_sam.fitting.run import _unfinished, read_design
@@ -109,7 +109,7 @@ def test_file_is_read_again(fitted):
 
 @pytest.mark.slow
 def test_a_second_fit_computes_nothing_again(fitted, rig, monkeypatch):
-    monkeypatch.setattr(evaluations, "compute", None)
+    monkeypatch.setattr("tractive_sam.fitting.case.compute", None)
     before = ts.open_fit(fitted)
     again = ts.fit(rig / "FIT.toml", fitted, next_test=True)
     assert again.values == before.values
@@ -118,7 +118,7 @@ def test_a_second_fit_computes_nothing_again(fitted, rig, monkeypatch):
 
 @pytest.mark.slow
 def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
-    compute, done = evaluations.compute, []
+    done = []
 
     def interrupted(case, start=None):
         if len(done) == 9:
@@ -126,7 +126,7 @@ def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
         done.append(case)
         return compute(case, start)
 
-    monkeypatch.setattr(evaluations, "compute", interrupted)
+    monkeypatch.setattr("tractive_sam.fitting.case.compute", interrupted)
     with pytest.raises(KeyboardInterrupt):
         ts.fit(rig / "FIT.toml", tmp_path / "part.nc")
     part = ts.open_fit(tmp_path / "part.nc")
@@ -142,7 +142,7 @@ def test_an_interrupted_fit_resumes(rig, tmp_path, monkeypatch):
         done.append(case)
         return compute(case, start)
 
-    monkeypatch.setattr(evaluations, "compute", counted)
+    monkeypatch.setattr("tractive_sam.fitting.case.compute", counted)
     found = ts.fit(rig / "FIT.toml", tmp_path / "part.nc")
     assert found.values["friction.mu"] == pytest.approx(0.35, rel=1e-6)
     assert len({one.digest for one in done}) == len(done), "computed twice"
@@ -215,10 +215,12 @@ def test_only_long_computations_are_distributed(seconds, monkeypatch, spheres):
 
     monkeypatch.setattr("tractive_sam.studies.computed", computed)
     monkeypatch.setattr("tractive_sam.studies.local_cluster", lambda _: nullcontext(("", None)))
-    cases = [evaluations.FitCase(spheres, ("Qx",), seat=(0, k % 2)) for k in range(4)]
-    monkeypatch.setattr(evaluations, "compute", lambda case, start=None: (case.seat, None))
+    cases = [FitCase(spheres, ("Qx",), seat=(0, k % 2)) for k in range(4)]
+    monkeypatch.setattr(
+        "tractive_sam.fitting.case.compute", lambda case, start=None: (case.seat, None)
+    )
     with ExitStack() as stack:
-        workers = evaluations.InWorkers(2, stack)
+        workers = InWorkers(2, stack)
         assert dict(workers(cases)) == {k: (0, k % 2) for k in range(4)}
         assert not sent  # how long a case takes is not known yet
         workers.here.seconds[:] = [seconds]
@@ -228,7 +230,7 @@ def test_only_long_computations_are_distributed(seconds, monkeypatch, spheres):
 
 @pytest.mark.slow  # starts processes
 def test_processes_find_the_same(rig, fitted, tmp_path, monkeypatch):
-    monkeypatch.setattr(evaluations.InWorkers, "worthwhile", 0.0)
+    monkeypatch.setattr(InWorkers, "worthwhile", 0.0)
     found = ts.fit(rig / "FIT.toml", tmp_path / "two.nc", workers=2)
     expected = ts.open_fit(fitted).values["friction.mu"]
     assert found.values["friction.mu"] == pytest.approx(expected, rel=1e-6)
@@ -247,7 +249,7 @@ def test_a_fit_that_was_killed_ends_bit_by_bit_as_another(tmp_path):
     whole = ts.fit(design, path).dataset
     answers = read_answers(design, path, overwrite=False, files={})
     for kept in (1, len(answers) // 2, len(answers) - 1):
-        done = evaluations.Evaluations(evaluations.InProcess(), dict([*answers.items()][:kept]))
+        done = Evaluations(InProcess(), dict([*answers.items()][:kept]))
         write_fit(path, _unfinished(design, done))
         resumed = ts.fit(design, path).dataset
         for name in ("value", "low", "high", "sd", "predicted", "answer", "answer_numbers"):

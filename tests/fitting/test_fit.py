@@ -7,9 +7,8 @@ import tractive_sam as ts
 from tests.fitting import laws
 from tests.fitting.conftest import CREEPAGES, creep_data, starts, worn_data
 from tractive_sam.fitting import log_posterior
-from tractive_sam.fitting.estimate import LOSSES
+from tractive_sam.fitting.estimate import LOSSES, ProfileLikelihood, Search
 from tractive_sam.fitting.run import make_problem, read_design
-from tractive_sam.fitting.search import ProfileLikelihood, Search
 
 EXACT = 1e-6
 """Relative error of estimates from data without noise; the search ends at changes of 1e-7."""

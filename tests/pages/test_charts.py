@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.pages.charts import jumps
+from tractive_sam.pages.data import jumps
 
 COURSE = np.linspace(0.0, 1.0, 40)
 

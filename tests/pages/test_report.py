@@ -11,7 +11,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam import plot
 from tractive_sam.description import format_unit, html_symbol
-from tractive_sam.pages import arrays, charts, data
+from tractive_sam.pages import data
 from tractive_sam.results import Grid
 
 DISCS = ("grid.half_length=[0.35, 0.7]", "grid.elements=[21, 31]", "wear.revolutions=20")
@@ -55,22 +55,22 @@ def test_units(unit, shown):
 
 def test_arrays_come_back():
     values = np.arange(6.0).reshape(2, 3).T
-    assert (unpacked(arrays.pack_array(values)) == values).all()
+    assert (unpacked(data.pack_array(values)) == values).all()
 
 
 def test_every_column_that_changes_is_plotted_once(history):
-    lines = [line for chart in charts.charts(history) for line in chart["lines"]]
+    lines = [line for chart in data.charts(history) for line in chart["lines"]]
     figures = [unpacked(line["values"]) for line in lines]
     for name, values in history.numbers().items():
         column = history.columns[name.split()[0]]
-        hidden = column.role in charts.HIDDEN or "position" in column.dims
+        hidden = column.role in data.HIDDEN or "position" in column.dims
         known = values[np.isfinite(values)]
         if hidden or known.size < 2 or np.ptp(known) <= 1e-9 * np.abs(known).max():
             continue
         assert any(np.array_equal(values.astype("<f4"), one, equal_nan=True) for one in figures), (
             name
         )
-    titles = [chart["title"] for chart in charts.charts(history)]
+    titles = [chart["title"] for chart in data.charts(history)]
     assert len(set(titles)) == len(titles)
     # A user-defined column appears automatically, and is not markup.
     assert "Share of the &lt;load&gt;" in titles
@@ -83,9 +83,9 @@ def test_a_force_that_is_zero_is_not_plotted():
     with pytest.warns(ts.SceneWarning, match=r"grid\.elements"):
         history = ts.roll(scene.replace(**short))
     assert np.abs(history["Mz"]).max() > 0.0  # what the solver leaves
-    titles = {chart["title"]: len(chart["lines"]) for chart in charts.charts(history)}
+    titles = {chart["title"]: len(chart["lines"]) for chart in data.charts(history)}
     assert titles["Tangential forces"] == 1
-    assert charts.chart_title(history.columns["Mz"]) not in titles
+    assert data.chart_title(history.columns["Mz"]) not in titles
 
 
 def test_the_fields_are_those_of_the_records(history):
@@ -204,7 +204,7 @@ def test_without_plotly_the_extra_is_named(history, tmp_path, monkeypatch):
 def test_measured_points_are_in_their_chart(history, tmp_path):
     course, worn = history["revolution"], history["worn_mass"][:, 1]
     measured = plot.Measurements({"revolution": course, "worn_mass B": worn + 0.25})
-    found = charts.charts(history, measured)
+    found = data.charts(history, measured)
     lines = [line for chart in found for line in chart["lines"] if "measured" in line]
     assert len(lines) == 1
     assert (unpacked(lines[0]["measured"]["x"]) == course).all()

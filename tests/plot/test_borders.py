@@ -8,8 +8,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam import plot
-from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import LOOK, apply_style, set_title
+from tractive_sam.plot.figure import LOOK, Figure, apply_style, set_title
 
 ROUND = ("grid.elements=[15, 15]", "grid.half_length=[4.08, 4.08]")
 WEAR = ("wear.coefficient=1e-4", "wear.revolutions=4", "wear.save=[0, 4]")

@@ -6,7 +6,7 @@ from matplotlib.colors import to_rgb
 
 import tractive_sam as ts
 from tractive_sam import plot
-from tractive_sam.plot import style
+from tractive_sam.plot.figure import LOOK, line_colours
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None)
 DISCS = DISCS.with_set(
@@ -81,9 +81,9 @@ def test_a_block_that_is_not_there_is_reported_before_any_figure(spectrum, tmp_p
 
 
 def test_many_blocks_have_colours_of_their_own():
-    lines = list(style.LOOK.lines)
-    assert style.line_colours(6) == [to_rgb(one) for one in lines]
-    assert len(set(style.line_colours(30))) == 30
+    lines = list(LOOK.lines)
+    assert line_colours(6) == [to_rgb(one) for one in lines]
+    assert len(set(line_colours(30))) == 30
     duty = [{"revolutions": 1, "load": {"normal": 300.0 + k}} for k in range(14)]
     history = ts.roll(DISCS.with_set(["wear.revolutions=14"]).replace(duty=duty))
     figure = plot.block_shares(history)

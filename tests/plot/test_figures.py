@@ -12,8 +12,7 @@ import tractive_sam as ts
 from tests.plot import strip_theory as strips
 from tests.plot.rendering import render
 from tractive_sam import plot
-from tractive_sam.plot.options import change_options
-from tractive_sam.plot.style import LOOK, new_figure
+from tractive_sam.plot.figure import LOOK, change_options, new_figure
 
 OF_A_STATE = (
     plot.pressure,

@@ -8,7 +8,7 @@ from matplotlib.image import imread
 
 from tests.plot import strip_theory as strips
 from tractive_sam import plot
-from tractive_sam.plot.options import change_options
+from tractive_sam.plot.figure import change_options
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from tests.plot import strip_theory as strips
 from tractive_sam.plot import ContactView
-from tractive_sam.plot.contact_view import (
+from tractive_sam.plot.contact_map import (
     draw_contact_edge,
     draw_stick_edge,
     extend_outwards,

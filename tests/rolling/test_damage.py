@@ -151,7 +151,7 @@ def test_the_damage_of_a_jump_counts_with_the_length_of_the_jump_before(monkeypa
         jumps.append(arguments[6])
         return after_jump(*arguments)
 
-    monkeypatch.setattr("tractive_sam.rolling.damage.after_jump", record)
+    monkeypatch.setattr("tractive_sam.rolling.observers.after_jump", record)
     scene = discs("wear.revolutions=12", "wear.save=[0, 12]", bodies=["A"], elements=8)
     rolled = ts.roll(scene)
     lengths = [0, *np.diff(rolled["revolution"]).astype(int)]
@@ -285,7 +285,7 @@ def test_a_contact_that_leaves_the_mesh_keeps_the_damage_before(tmp_path, monkey
         far = replace(last, contacts=(contact,), revolution=last.revolution + jump, observed={})
         return far, math.inf
 
-    monkeypatch.setattr("tractive_sam.rolling.adaptive.jump_on", away)
+    monkeypatch.setattr("tractive_sam.rolling.revolutions.jump_on", away)
     monkeypatch.setattr("tractive_sam.rolling.process.GROWTHS", 0)
     scene = discs("wear.revolutions=9", "wear.save=[0, 9]").replace(grid=None)
     for path in (None, tmp_path / "a.h5"):

@@ -8,7 +8,7 @@ from tests.scenes import interrupted
 from tractive_sam.contact import Model
 from tractive_sam.results import Grid
 from tractive_sam.rolling import steps
-from tractive_sam.rolling.heat import heat_memories
+from tractive_sam.rolling.transient import heat_memories
 from tractive_sam.run import memory
 
 GLASS = {"conductivity": 1.0, "density": 2500.0, "heat_capacity": 800.0}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.scene.commented_scene import commented_scene
+from tractive_sam.scene.scene import commented_scene
 from tractive_sam.schema import Table, key_groups
 
 GROUPS = {name: group for group in key_groups(ts.Scene) for name in group.names}

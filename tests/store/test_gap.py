@@ -7,7 +7,7 @@ import pytest
 
 import tractive_sam as ts
 from tractive_sam.scene import Gap
-from tractive_sam.schema import field_types
+from tractive_sam.schema import keys
 from tractive_sam.store import GapError, gap, read_gap
 
 X, Y = np.array([-1.0, 0.0, 1.5]), np.array([-2.0, -1.0, 0.0, 2.0])
@@ -134,7 +134,7 @@ def test_fault_is_reported_with_the_file_and_the_cure(tmp_path, name):
 
 
 def test_lengths_are_bounded_as_those_of_a_scene():
-    assert gap.LARGEST == field_types.LARGEST
+    assert gap.LARGEST == keys.LARGEST
 
 
 def test_units_are_those_of_the_file(tmp_path):

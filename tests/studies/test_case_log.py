@@ -6,7 +6,7 @@ import pytest
 
 from tests.studies.conftest import small
 from tractive_sam.studies import open_study, study
-from tractive_sam.studies.case import CaseLog
+from tractive_sam.studies.design import CaseLog
 
 
 def entry(digest, value=0.25):

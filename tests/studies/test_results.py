@@ -15,7 +15,7 @@ from tractive_sam.store import ResultsError, results_writer
 from tractive_sam.studies import Study, cases, figures, open_study, save_figures, study
 from tractive_sam.studies.figures import axis_variable, distinct_texts, short_key
 from tractive_sam.studies.results import Folder
-from tractive_sam.studies.task import CaseOutcome
+from tractive_sam.studies.worker import CaseOutcome
 
 xarray = pytest.importorskip("xarray", reason="xarray is of the extra study")
 

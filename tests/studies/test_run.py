@@ -17,7 +17,6 @@ from tractive_sam.studies import (
     StudyError,
     cases,
     cluster,
-    cost,
     estimate_times,
     explain_study,
     open_study,
@@ -25,7 +24,7 @@ from tractive_sam.studies import (
     study,
     worker,
 )
-from tractive_sam.studies.case import CaseLog
+from tractive_sam.studies.design import CaseLog
 from tractive_sam.studies.results import Folder
 
 
@@ -295,9 +294,9 @@ def test_nothing_is_run_where_a_scene_is_not_valid(tmp_path):
 
 
 def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(cost, "available_memory", lambda: 700 * 2**20)  # as if; a process takes 250
+    monkeypatch.setattr(run, "available_memory", lambda: 700 * 2**20)  # as if; a process takes 250
     found = cases(small(MU, CREEPAGE))
-    cost.check_memory(found, 2)
+    run.check_memory(found, 2)
     with pytest.raises(StudyError, match=r"workers.*2"):
         study(small(MU, CREEPAGE), tmp_path, workers=4)
     assert not list(tmp_path.glob("*.h5"))
@@ -320,8 +319,8 @@ def test_estimates_follow_the_mesh():
 
 
 def test_time_of_the_whole_study_is_shared_by_the_workers(monkeypatch):
-    monkeypatch.setattr(cost.explain, "seconds_per_application", lambda model: 1e-3)
-    monkeypatch.setattr(cost, "format_duration", str)
+    monkeypatch.setattr(run.explain, "seconds_per_application", lambda model: 1e-3)
+    monkeypatch.setattr(run, "format_duration", str)
     angles = {"key": "friction.angle", "start": 0, "stop": 90, "number": 40}
     requested = Study(scene="twin-discs", axis=[angles])
 

@@ -17,15 +17,13 @@ from tractive_sam.studies import (
     Study,
     StudyError,
     cases,
-    chain,
     estimate_times,
     explain_study,
     open_study,
     run,
     study,
 )
-from tractive_sam.studies.task import Task, summary
-from tractive_sam.studies.worker import run_chain
+from tractive_sam.studies.worker import Task, make_chains, neighbour_order, run_chain, summary
 
 NUMBERS = ("P", "Qx", "Qy", "Mz", "approach", "xi_x", "p_max", "worn_area")
 
@@ -177,7 +175,7 @@ def test_failed_case_is_reported_and_stops_no_other(tmp_path):
 
 def test_neighbours_are_adjacent():
     requested = scalars()
-    order = np.argsort(chain.neighbour_order(requested.shape))
+    order = np.argsort(neighbour_order(requested.shape))
     found = cases(requested)
     for one, two in pairwise(order):
         before, after = found[one].changes, found[two].changes
@@ -186,10 +184,10 @@ def test_neighbours_are_adjacent():
 
 def test_chains_are_short_and_whole():
     tasks = [Task(case, None, 2.0 / 4.5) for case in cases(scalars())]
-    assert [len(one) for one in chain.make_chains(tasks)] == [4, 2]
+    assert [len(one) for one in make_chains(tasks)] == [4, 2]
     single = {tasks[1].case.digest}
-    assert [len(one) for one in chain.make_chains(tasks, single)] == [1, 1, 4]
-    assert [task for one in chain.make_chains(tasks, single) for task in one] == tasks
+    assert [len(one) for one in make_chains(tasks, single)] == [1, 1, 4]
+    assert [task for one in make_chains(tasks, single) for task in one] == tasks
 
 
 def test_work_is_that_of_no_files(tmp_path):

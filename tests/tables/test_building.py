@@ -8,7 +8,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.lookup import creepages_at
 from tractive_sam.tables.builder import TableBuilder
-from tractive_sam.tables.contacts import Solved
+from tractive_sam.tables.design import Solved
 from tractive_sam.tables.solving import Batch, Refinement, TableContacts
 
 REFINEMENT = Refinement()

@@ -14,7 +14,7 @@ from tractive_sam.lookup import cell_of, share_of_bar
 from tractive_sam.reference import creep_coefficients
 from tractive_sam.tables import builtin_tables, explain_table
 from tractive_sam.tables.builder import GradientBars, coefficients
-from tractive_sam.tables.contacts import Contacts, extrapolate_slopes, rest_meshes, unit_scene
+from tractive_sam.tables.design import Contacts, extrapolate_slopes, rest_meshes, unit_scene
 
 pytest.importorskip("xarray", reason="xarray is of the extra study")
 

@@ -16,7 +16,7 @@ from tractive_sam.lookup import Hermite, c_sources, columns_of
 from tractive_sam.lookup.creep_table import COLUMNS
 from tractive_sam.reference import creep_coefficients, full_slip_with_spin
 from tractive_sam.tables import builtin_tables, is_design
-from tractive_sam.tables.contacts import Contacts, unit_scene
+from tractive_sam.tables.design import Contacts, unit_scene
 
 pytest.importorskip("xarray", reason="xarray is of the extra study")
 

@@ -13,9 +13,7 @@ from typer.core import TyperGroup
 
 from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain, keys, scenes
-from tractive_sam.cli.export import export
 from tractive_sam.cli.fit import fit
-from tractive_sam.cli.locus import locus, wear
 from tractive_sam.cli.output import (
     ExitStatus,
     discard_output,
@@ -25,12 +23,9 @@ from tractive_sam.cli.output import (
     replace_missing_signs,
     running_command,
 )
-from tractive_sam.cli.reproduce import reproduce
-from tractive_sam.cli.run import run
-from tractive_sam.cli.show import plot, report, show, study_show
-from tractive_sam.cli.study import study
-from tractive_sam.cli.table import table
-from tractive_sam.cli.validate import validate
+from tractive_sam.cli.run import locus, reproduce, run, validate, wear
+from tractive_sam.cli.show import export, plot, report, show, study_show
+from tractive_sam.cli.study import study, table
 from tractive_sam.safe_text import printable_text
 
 

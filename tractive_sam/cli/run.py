@@ -1,7 +1,8 @@
-"""``tractive-sam run``: compute a scene into a results file."""
+"""Commands that compute: ``run``, ``wear``, ``locus``, ``reproduce`` and ``validate``."""
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -11,12 +12,21 @@ from tractive_sam.cli.output import (
     console,
     incomplete_exit,
     invalid_exit,
+    last_record,
+    load_table,
+    main_results,
+    print_line,
     print_message,
     print_note,
+    record_table,
+    refuse,
     report_compiling,
+    report_interrupt,
     report_warnings,
+    show_progress,
 )
 from tractive_sam.cli.scene_input import STANDARD_INPUT, Allow, SceneName, Settings, read_scene
+from tractive_sam.cli.show import Dpi, Format, Width
 
 Resume = Annotated[
     bool,
@@ -105,19 +115,18 @@ def _compute(
 
 def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> None:
     """Print the last record (or all patches), the load, and notes; `verbose` for all quantities."""
-    from tractive_sam.cli import tables
     from tractive_sam.results import caveats, describe_balances
 
     if not (history.finished or history.status == "inaccurate"):
         print_message(("not a solution: ", "bold red"), "the computation ended at the last record")
     if len(history):
         if not history.scene.schedule.in_sequence:  # all patches of a wheel
-            console().print(tables.record_table(history))
+            console().print(record_table(history))
         if verbose:
-            console().print(tables.last_record(history, solver=True))
+            console().print(last_record(history, solver=True))
         elif history.scene.schedule.in_sequence:
-            console().print(tables.main_results(history))
-        console().print(tables.load_table(history))
+            console().print(main_results(history))
+        console().print(load_table(history))
     for text in describe_balances(history, only_if_open=True).values():
         print_note(text)
     for text in (f"{name}: {text}" for name, text in caveats(history).items()):
@@ -148,3 +157,200 @@ def _describe_existing(path: Path, scene: "ts.Scene") -> str:
 def _modified_at(path: Path) -> int | None:
     """Return the modification time of a file, ns, or None if it does not exist."""
     return path.stat().st_mtime_ns if path.exists() else None
+
+
+def locus(
+    scene: SceneName,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.csv")],
+    settings: Settings = None,
+    reach: float = 6.0,
+    positions: Annotated[int, typer.Option(min=3, max=2001)] = 21,
+    amplitude: float = 3.0,
+    format: Format = "png",
+    dpi: Dpi = 200,
+    width: Width = None,
+) -> None:
+    """Write contact points, rolling radii and conicity of a wheelset against its position.
+
+    Parameters
+    ----------
+    output
+        Table to write; the figures are written to the same folder.
+    reach
+        Largest lateral position on both sides, mm.
+    positions
+        Number of positions.
+    amplitude
+        Amplitude for the printed equivalent conicity, mm.
+    format
+        Format of the figures.
+    """
+    import numpy as np
+
+    from tractive_sam import plot
+    from tractive_sam.description import format_number
+    from tractive_sam.output_file import write_table
+    from tractive_sam.scene import contact_locus
+
+    read = read_scene(scene, settings)
+    with refuse(ValueError), report_warnings():
+        contacts = contact_locus(read, np.linspace(-reach, reach, positions))
+        harmonic = format_number(contacts.conicity(amplitude), contacts.conicity_error(amplitude))
+        try:
+            klingel = f"{contacts.klingel_conicity(amplitude):.4f} (Klingel's motion)"
+        except ValueError as error:
+            klingel = f"by Klingel's motion: {error}"
+    print_message(f"equivalent conicity at {amplitude:g} mm: {harmonic} (harmonic), {klingel}")
+    write_table(output, contacts.columns())
+    print_line(output)
+    figures: dict[str, Callable[[], ts.plot.Figure]] = {
+        "points": lambda: plot.contact_points(read, contacts),
+        "radii": lambda: plot.radius_difference(contacts),
+        "conicity": lambda: plot.conicity(contacts),
+    }
+    for name, draw in figures.items():
+        _save_figure(draw, output.with_name(f"{output.stem}-{name}.{format}"), dpi, width)
+
+
+def _save_figure(
+    draw: "Callable[[], ts.plot.Figure]", path: Path, dpi: int = 200, width: float | None = None
+) -> None:
+    """Draw and save a figure and print its path; print a note if it cannot be drawn."""
+    from tractive_sam import plot
+    from tractive_sam.output_file import omit_failing_figure
+
+    with report_warnings(), omit_failing_figure(path.name):
+        plot.draw_in_width(draw, width).savefig(path, dpi=dpi)
+        print_line(path)
+
+
+def wear(
+    scene: Annotated[str, typer.Argument(metavar="SCENE")],
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FOLDER")],
+    settings: Settings = None,
+    allow: Allow = None,
+    resume: Resume = False,
+) -> None:
+    """Wear the profiles of a wheel and a rail at the positions of a duty cycle.
+
+    The results file wear.h5 and the files of the worn profiles are written to the output folder.
+
+    Parameters
+    ----------
+    scene
+        A scene (see run), or a results file (.h5).
+    output
+        Folder of the worn profiles.
+    """
+    from tractive_sam import plot
+    from tractive_sam.results import WornProfiles
+    from tractive_sam.run import require_wear
+
+    if scene.endswith(".h5"):
+        history = ts.open_history(scene)
+    else:
+        require_wear(read_scene(scene, settings))
+        output.mkdir(parents=True, exist_ok=True)
+        run(scene, settings, output / "wear.h5", None, resume, not resume, quiet=True)
+        history = ts.open_history(output / "wear.h5")
+    with refuse(ValueError):
+        worn = WornProfiles.from_history(history)
+    for path in worn.write(output):
+        print_line(path)
+    _save_figure(lambda: plot.worn_wheel_and_rail(worn), output / "profiles.png")
+    depths = f"wheel {worn.wheel_depth[-1].max():.4g} mm, rail {worn.rail_depth[-1].max():.4g} mm"
+    print_message(f"worn after {worn.revolutions[-1]:g} revolutions: {depths}")
+
+
+def reproduce(
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR")] = Path("paper"),
+    reduced: Annotated[bool, typer.Option("--reduced")] = False,
+    format: Format = "png",
+) -> None:
+    """Reproduce every figure and table of the paper, and compare its statements with results.
+
+    Parameters
+    ----------
+    output
+        Folder of the page, the figures and the results files; existing files are replaced.
+    reduced
+        Use coarse meshes and few revolutions, for a quick check; the page states this.
+    format
+        Format of the figures.
+    """
+    from tractive_sam import paper
+    from tractive_sam.results import NotConverged
+
+    size, chapters = paper.REDUCED if reduced else paper.FULL, len(paper.CHAPTERS)
+    note = "the page was not written"
+    try:
+        with report_interrupt(note), show_progress() as update, report_warnings():
+            page = paper.reproduce(
+                output,
+                size=size,
+                format=format,
+                progress=lambda done, text: update(done / chapters, text, ""),
+            )
+    except NotConverged as error:
+        raise incomplete_exit(f"not a solution: {error}") from None
+    except RuntimeError as error:
+        raise incomplete_exit(str(error)) from None
+    print_message(f"{page} needs no network and no other file: open it in any browser, or print it")
+    print_line(page)
+
+
+def validate(
+    words: Annotated[list[str] | None, typer.Argument(metavar="[WORD]...")] = None,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR")] = Path("validation"),
+    quick: Annotated[bool, typer.Option("--quick")] = False,
+) -> None:
+    """Compare computed results with published ones: closed forms, tables, programs, experiments.
+
+    The command prints a line for each published set, and writes a page. If a value differs from the
+    published one without an explanation, the exit status is 3.
+
+    Parameters
+    ----------
+    words
+        Compute only the sets whose topic, title or source contains one of these words.
+    output
+        Folder of the page and the table of all values; existing files are replaced.
+    quick
+        Compute only the sets of the quick half.
+    """
+    from tractive_sam.validation import Verdict, select_sets
+    from tractive_sam.validation import validate as validate_sets
+
+    try:
+        topics = select_sets(quick, words or ())
+    except ValueError as error:
+        raise invalid_exit(f"WORD: {error}") from None
+    if not (count := sum(len(topic.sets) for topic in topics)):
+        raise invalid_exit("WORD: no selected set is in the quick half; omit --quick")
+    done = 0
+    note = f"{output / 'index.html'} contains the sets so far"
+    with report_interrupt(note), show_progress() as update:
+
+        def report(outcome: Any) -> None:
+            nonlocal done
+            done += 1
+            agree = sum(one.agrees for one in outcome.comparisons)
+            of = len(outcome.comparisons)
+            print_line(
+                f"{outcome.worst.value:18}  {agree:2} of {of:2}  {outcome.seconds:6.2f} s  "
+                f"{outcome.of.title} ({outcome.of.source})"
+            )
+            update(done / count, outcome.of.title, "")
+
+        outcomes = validate_sets(output, topics, progress=report)
+    values = [(outcome, one) for outcome in outcomes for one in outcome.comparisons]
+    agree = sum(one.agrees for _, one in values)
+    explained = sum(outcome.verdict(one) is Verdict.EXPLAINED for outcome, one in values)
+    failed = sum(bool(outcome.failure) for outcome in outcomes)
+    print_message(
+        f"{len(outcomes)} published sets, {len(values)} values: {agree} agree, {explained} differ "
+        f"and are explained, {len(values) - agree - explained} differ; {failed} sets failed"
+    )
+    print_line(output / "index.html")
+    if agree + explained < len(values) or failed:
+        raise incomplete_exit("results differ from published ones; the page shows where")

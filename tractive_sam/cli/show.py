@@ -1,4 +1,4 @@
-"""Commands ``show``, ``plot``, ``report``, ``study-show``: a file as text, figures, a page."""
+"""Commands ``show``, ``plot``, ``report``, ``study-show`` and ``export`` of results files."""
 
 import csv
 import json
@@ -16,13 +16,20 @@ from tractive_sam.cli.explain import print_description
 from tractive_sam.cli.fit import plot_fit, show_fit, write_fit_report
 from tractive_sam.cli.output import (
     console,
+    incomplete_exit,
     invalid_exit,
+    last_record,
     print_line,
     print_message,
     print_note,
+    record_table,
     refuse,
+    report_interrupt,
     report_warnings,
+    run_table,
+    select_columns,
 )
+from tractive_sam.cli.scene_input import RESULTS, Allow, Settings, read_scene
 from tractive_sam.safe_text import csv_cell
 
 Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
@@ -78,14 +85,12 @@ def _print_csv(history: "ts.History") -> None:
 
 def _print_tables(history: "ts.History") -> None:
     """Print the tables of a history: the run, its records, and all quantities of the last one."""
-    from tractive_sam.cli import tables
-
     out = console()
-    out.print(tables.run_table(history))
+    out.print(run_table(history))
     if len(history) > 1:
-        out.print(tables.record_table(history))
+        out.print(record_table(history))
     if len(history):
-        out.print(tables.last_record(history))
+        out.print(last_record(history))
 
 
 def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
@@ -306,7 +311,6 @@ def report_versions(results: "ts.StudyResults") -> None:
 
 def _case_table(results: "ts.StudyResults") -> Table:
     """Return a terminal table of the cases of a study: changed keys, status and results."""
-    from tractive_sam.cli.tables import select_columns
     from tractive_sam.description import format_setting
     from tractive_sam.results import columns
 
@@ -332,3 +336,101 @@ def _case_table(results: "ts.StudyResults") -> Table:
         ]
         table.add_row(str(row.case.number), *changes, row.status, *numbers)
     return table
+
+
+def export(
+    source: Annotated[str, typer.Argument(metavar="FILE.h5|SCENE")],
+    settings: Settings = None,
+    allow: Allow = None,
+    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.vtkhdf")] = None,
+    revolution: Annotated[float | None, typer.Option("--revolution", "--distance")] = None,
+    body: Literal["A", "B"] = "A",
+    block: str | None = None,
+    surface: Annotated[bool, typer.Option("--surface")] = False,
+    depth: float | None = None,
+    elements: int | None = None,
+) -> None:
+    """Write the stress in a volume of one body, or the surface, for ParaView.
+
+    Parameters
+    ----------
+    source
+        A results file, or a scene; the unworn contact of a scene is solved first.
+    output
+        File to write; an existing file is replaced. By default, named after the source and the
+        body, in the working folder.
+    revolution
+        Stored revolution, or distance of a transient in mm; by default, the last.
+    body
+        Body to export.
+    block
+        Block of a duty cycle, by its name or its index from 0.
+    surface
+        Write pressure, traction, slip, wear and gap instead of stress; each stored revolution
+        is a time step.
+    depth
+        Depth in units of the semi-axis a of the unworn contact; by default, the depth in the
+        scene, or 1.5.
+    elements
+        Number of points along the depth; by default, the number in the scene, or 64.
+    """
+    from tractive_sam.run import export_surface, export_volume
+    from tractive_sam.store import check_volume
+
+    if surface and (revolution is not None or depth is not None or elements is not None):
+        cure = "omit --revolution, --depth and --elements"
+        message = f"--surface exports every stored revolution, without a depth; {cure}"
+        raise invalid_exit(message)
+    output = output or Path(f"{Path(source).stem}-{'surface' if surface else body}.vtkhdf")
+    check_volume(output, overwrite=True)
+    with report_interrupt(f"{output} was not written"), report_warnings():
+        opened = _open_source(source, settings, revolution)
+        try:
+            opened = _select_block(opened, block)
+            if surface:
+                export_surface(opened, output, overwrite=True)
+            else:
+                export_volume(
+                    opened, output, body=body, revolution=revolution, depth=depth,
+                    elements=elements, overwrite=True,
+                )  # fmt: skip
+        except (LookupError, ValueError) as error:
+            raise invalid_exit(f"{source}: {error}") from None
+    print_line(output)
+
+
+def _select_block(opened: "ts.State | ts.History", block: str | None) -> "ts.State | ts.History":
+    """Return the named block of a duty cycle, else the input; LookupError if it must be named."""
+    if isinstance(opened, ts.State):
+        if block is not None:
+            raise LookupError(
+                "--block: a scene is solved without its [[duty]]; run it, and export the results"
+            )
+        return opened
+    if block is not None:
+        return opened.block(block)
+    if names := opened.block_names:
+        raise LookupError(f"choose a block of the duty cycle by --block: {', '.join(names)}")
+    return opened
+
+
+def _open_source(
+    source: str, settings: list[str] | None, revolution: float | None
+) -> "ts.State | ts.History":
+    """Return the history in a results file, or the solved contact of a scene."""
+    if Path(source).suffix in RESULTS:
+        if settings:
+            message = f"--set changes a scene, and {source} is a results file; omit --set"
+            raise invalid_exit(message)
+        history = ts.open_history(source)
+        if not history.finished:
+            print_note(f"{source} is {history.status}: {history.message}")
+        return history
+    scene = read_scene(source, settings)
+    if revolution is not None:
+        cure = f"compute them by tractive-sam run {source}, and export the results file"
+        raise invalid_exit(f"--revolution: a scene has no revolutions yet; {cure}")
+    contact = ts.solve(scene, throw=False)
+    if not contact.converged:
+        raise incomplete_exit(f"not a solution: {contact.message}")
+    return contact

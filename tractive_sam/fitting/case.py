@@ -1,22 +1,31 @@
-"""One computation of a fit: a scene, the numbers that are compared, and their derivatives."""
+"""Computations of a fit: scenes on one mesh, the compared numbers, and stored answers.
+
+A mesh that follows the contact, and steps that follow the error, jump while parameters vary: sums
+of squares would have steps. Both are chosen once, at the first values of the parameters.
+"""
 
 import hashlib
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import itemgetter
-from typing import Any
+from statistics import median
+from time import monotonic, process_time
+from typing import Any, TypeVar
 
 import numpy as np
 
+from tractive_sam import interrupt
 from tractive_sam.compute import ConvolutionMeter, numeric_settings
-from tractive_sam.contact import LinearSolver, Model, jacobian_of
-from tractive_sam.fitting.design import base_of
-from tractive_sam.results import BODIES, COLUMNS, History, State, index_by_name
+from tractive_sam.contact import LinearSolver, Model, extend_to, jacobian_of, solve_on_fitted_mesh
+from tractive_sam.fitting.design import base_of, is_integer
+from tractive_sam.results import BODIES, COLUMNS, Grid, History, State, index_by_name
 from tractive_sam.run import read_measured_gap, roll, solve_from_nearby
 from tractive_sam.scene import Scene
+from tractive_sam.schema import Fault, SceneError
 
 RESULTS = ("Qx", "Qy", "Mz", "approach", "P", "xi_x", "xi_y", "spin")
 """Rows and columns of the Jacobian, see `State.jacobian`."""
@@ -282,3 +291,413 @@ def _column(history: History, name: str) -> np.ndarray:
     plain, _, body = name.partition(" ")
     column = history[plain]
     return column[:, BODIES.index(body)] if body else column
+
+
+Name = TypeVar("Name", bound=Hashable)
+
+Compute = Callable[[Sequence[FitCase]], Iterator[tuple[int, Answer]]]
+"""Computes cases; yields their places and answers as they end."""
+
+
+class InProcess:
+    """Computes cases in this process; a contact starts from the contact of its case `near`.
+
+    Attributes
+    ----------
+    seconds : list of float
+        CPU times of the cases so far.
+    """
+
+    def __init__(self) -> None:
+        # The last contact that had no initial guess, and its scene, of each seat.
+        self._contacts: dict[tuple[int, ...], tuple[str, State | None]] = {}
+        self.seconds: list[float] = []
+
+    def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
+        """Yield (index, answer) of each case as it is computed (`Compute`)."""
+        for k, case in enumerate(cases):
+            interrupt.raise_if_interrupted()
+            began = process_time()
+            answer, contact = compute(case, self._start_of(case))
+            self.seconds.append(process_time() - began)
+            if case.near is None:
+                self._contacts[case.seat] = case.scene.fingerprint(), contact
+            yield k, answer
+
+    def _start_of(self, case: FitCase) -> State | None:
+        """Return the initial guess of a case, solved again if a stored answer stands for it."""
+        if case.near is None or not case.is_steady:
+            return None
+        scene, contact = self._contacts.get(case.seat, ("", None))
+        if scene != case.near.scene.fingerprint():
+            scene = case.near.scene.fingerprint()
+            _, contact = compute(replace(case.near, derivatives=()), None)
+            self._contacts[case.seat] = scene, contact
+        return contact
+
+
+def compute_in_turn(cases: Sequence[FitCase]) -> list[Answer]:
+    """Return the answers of similar cases; runs in workers."""
+    return [answer for _, answer in InProcess()(cases)]
+
+
+@dataclass
+class InWorkers:
+    """Computes cases in worker processes of this machine, short ones in this process.
+
+    A worker computes all contacts of one seat, which start from the same contact.
+
+    Attributes
+    ----------
+    number : int
+        Processes.
+    stack : ExitStack
+        Ends the processes.
+    say : callable
+        Called with a text if something has to be waited for.
+    worthwhile : float
+        Least CPU time of all cases that are computed together, s, in this process: shorter ones
+        take longer in workers, which need seconds to start and know no contact to start from.
+    here : InProcess
+        Computes what is not worthwhile, and what comes first.
+    """
+
+    number: int
+    stack: ExitStack
+    say: Callable[[str], None] = print
+    worthwhile: float = 2.0
+    here: InProcess = field(default_factory=InProcess)
+    _cluster: tuple[str, Any] | None = None
+
+    def __call__(self, cases: Sequence[FitCase]) -> Iterator[tuple[int, Answer]]:
+        """Yield (index, answer) of each case as it is computed (`Compute`)."""
+        times = self.here.seconds
+        if not times or median(times) * len(cases) < self.worthwhile:
+            yield from self.here(cases)
+            return
+        # dask is an extra, and takes long to load
+        from tractive_sam.studies import computed, local_cluster  # noqa: PLC0415
+
+        if self._cluster is None:
+            self._cluster = self.stack.enter_context(local_cluster(self.number))
+        groups: dict[tuple, list[int]] = {}
+        for k, case in enumerate(cases):
+            groups.setdefault(case.seat if case.is_steady else (k,), []).append(k)
+        places = list(groups.values())
+        calls = [(compute_in_turn, [cases[k] for k in group]) for group in places]
+        address, security = self._cluster
+        for n, answers in computed(calls, address, self.say, security):
+            yield from zip(places[n], answers, strict=True)
+
+
+@contextmanager
+def compute_with(number: int) -> Iterator[Compute]:
+    """Yield what computes cases: this process for 0 workers, else `number` worker processes.
+
+    Parameters
+    ----------
+    number : int
+        Processes; 0: this one.
+    """
+    if not number:
+        yield InProcess()
+        return
+    from tractive_sam.studies import check_installed  # noqa: PLC0415 - loads dask
+
+    check_installed()
+    with ExitStack() as stack:
+        yield InWorkers(number, stack)
+
+
+@dataclass
+class Evaluations:
+    """Store of the answers of all cases, which computes missing ones and writes them to the file.
+
+    Attributes
+    ----------
+    compute : Compute
+        Computes answers that are not known.
+    known : dict of str to Answer
+        Answers by the digest of the case; answers of an earlier run come from its file.
+    save : callable, optional
+        Writes the file; called at most every `interval` seconds, and when the fit is interrupted.
+    interval : float
+        Least time between two writings, s. An interruption loses no more, unless one case takes
+        longer.
+    progress : callable, optional
+        Called after each case that was computed, and after each iteration of the search.
+    searched : list of (float, float)
+        Time, s, and chi-square of each iteration of the search, priors included.
+    """
+
+    compute: Compute
+    stored: dict[str, Answer] = field(default_factory=dict)
+    save: Callable[[], None] | None = None
+    interval: float = 2.0
+    progress: Callable[["Evaluations"], None] | None = None
+    searched: list[tuple[float, float]] = field(default_factory=list)
+    _saved: float = field(default_factory=monotonic)
+
+    def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
+        """Return the answers of cases, by name; those not stored yet are computed."""
+        missing = {c.digest: c for c in cases.values() if c.digest not in self.stored}
+        if missing:
+            digests = list(missing)
+            try:
+                for k, answer in self.compute(list(missing.values())):
+                    self.add(digests[k], answer)
+            except BaseException:
+                self.write()
+                raise
+        return {name: self.stored[case.digest] for name, case in cases.items()}
+
+    def remember(self, digest: str, compute: Callable[[], Answer]) -> Answer:
+        """Return the stored answer of a digest, or compute it with a function and store it."""
+        if digest not in self.stored:
+            self.add(digest, compute())
+        return self.stored[digest]
+
+    @property
+    def cost(self) -> tuple[int, int, float]:
+        """Contacts, rolls and convolutions of all stored answers, earlier runs included."""
+        answers = self.stored.values()
+        contacts, rolls = (
+            sum(getattr(answer, name) for answer in answers) for name in ("contacts", "rolls")
+        )
+        return contacts, rolls, sum(answer.convolutions for answer in answers)
+
+    def add_iteration(self, chi2: float) -> None:
+        """Store the chi-square of an iteration of the search, and report progress."""
+        self.searched.append((monotonic(), chi2))
+        if self.progress is not None:
+            self.progress(self)
+
+    def seconds_left(self, small: float = 1e-3) -> float:
+        """Return the expected time of the search until chi-square falls by less than `small`, s.
+
+        Chi-square is assumed to fall by equal factors from now on; nan while this is unknown.
+        """
+        if len(self.searched) < 3:
+            return math.nan
+        times, chi2 = np.transpose(self.searched[-3:])
+        before, last = -np.diff(chi2)
+        if last <= small:
+            return 0.0
+        ratio = last / before if before > last else 0.9
+        return float(math.log(small / last) / math.log(ratio) * 0.5 * (times[-1] - times[0]))
+
+    def add(self, digest: str, answer: Answer) -> None:
+        """Store an answer in memory, report progress, and write the file at intervals."""
+        self.stored[digest] = answer
+        if self.progress is not None:
+            self.progress(self)
+        if monotonic() - self._saved > self.interval:
+            self.write()
+
+    def write(self) -> None:
+        """Write the file of the fit, if it has one, with all stored answers."""
+        if self.save is not None:
+            self.save()
+        self._saved = monotonic()
+
+
+Remember = Callable[[str, Callable[[], Answer]], Answer]
+"""Returns the answer of a digest; computes it if it is not known."""
+
+
+@dataclass
+class SharedRecords:
+    """Records (revolutions or distances) that data sets observe of each scene, rolled once for all.
+
+    Attributes
+    ----------
+    complete : bool
+        Whether all data sets have added theirs.
+    """
+
+    complete: bool = True
+    _places: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def add(self, scene: Scene, places: list[float]) -> None:
+        """Add revolutions or distances that are observed of a scene; nan is its last record."""
+        places_of_scene = self._places.setdefault(scene.fingerprint(), {})
+        places_of_scene |= {repr(at): at for at in places}
+
+    def of_scene(self, scene: Scene) -> list[float]:
+        """Return all revolutions or distances that are observed of a scene."""
+        return list(self._places[scene.fingerprint()].values())
+
+
+def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
+    """Return a scene without [subsurface] and [fatigue] if unneeded, and [wear] if `unworn`.
+
+    Parameters
+    ----------
+    scene : Scene
+        A scene.
+    columns : iterable of str
+        Columns of a record; "worn_mass A" is a column of body A.
+    unworn : bool
+        Whether the bodies are observed before they wear: then [wear] is left out as well.
+
+    Raises
+    ------
+    SceneError
+        If records of the scene lack a column.
+    """
+    # Tables that are left out if no observation needs them.
+    costly = ("subsurface", "fatigue")
+    quantities = index_by_name(COLUMNS)
+    wanted = [quantities[name.partition(" ")[0]] for name in columns]
+    if unworn and scene.wear is not None:
+        scene = scene.replace(wear=None, duty=None, load_history=None)
+    for name in costly:
+        if getattr(scene, name) is not None:
+            without = scene.replace(**{name: None})
+            if all(quantity.applies(without) for quantity in wanted):
+                scene = without
+    for quantity in wanted:
+        if not quantity.applies(scene) or (quantity.of is None and is_steady(scene)):
+            needs = " and ".join(f"[{name}]" for name in quantity.needs) or "[wear] or [transient]"
+            raise SceneError([Fault("observe", quantity.name, f"only with {needs} in the scene")])
+    return scene
+
+
+def check_places(scene: Scene, source: str, places: Iterable[float]) -> None:
+    """Raise a SceneError if a scene has no record of observed revolutions or distances.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene of the rows.
+    source : str
+        What states the places: "at", "revolution" or "distance".
+    places : iterable of float
+        The places; nan stands for the last record.
+    """
+    observed = [at for at in places if not math.isnan(at)]
+    key = "at" if source == "at" else "vary"
+    along = {"wear.save": "revolution", "transient.save": "distance"}.get(scene.schedule.save_key)
+    if is_steady(scene):
+        along, observed = "", [at for at in observed if at or source != "at"]
+    if not observed:
+        return
+    if not along or source not in ("at", along):
+        records = f"records are by {along}" if along else "the scene is one contact"
+        cure = f"{along or 'a scene with [wear] or [transient]'}: {records}"
+        raise SceneError([Fault(key, f"{source} {observed[0]:g}", cure)])
+    first = scene.transient.knots[0] if scene.transient else 0.0
+    last = scene.schedule.end
+    for at in observed:
+        if along == "revolution" and at != round(at):
+            raise SceneError([Fault(key, f"revolution {at:g}", "whole numbers of revolutions")])
+        if along == "distance" and not first <= at <= last:
+            reach = f"distances of [transient], {first:g} to {last:g} mm"
+            raise SceneError([Fault(key, f"{at:g} mm", reach)])
+
+
+def fix_mesh(
+    scene: Scene, neighbours: Iterable[Scene], places: Sequence[float], remember: Remember
+) -> dict[str, Any]:
+    """Return the changes of a scene that fix its mesh and its steps while parameters vary.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene at the first values of the parameters.
+    neighbours : iterable of Scene
+        At other values of each: a mesh that these share is left to the scene.
+    places : sequence of float
+        Revolutions or distances that are observed, which the scene then records; nan stands for
+        the last one.
+    remember : callable
+        Stores the steps, see `Remember`.
+
+    Raises
+    ------
+    SceneError
+        If the scene cannot be computed at the first values.
+    """
+    # Half lengths of a fixed mesh over the half axes of the contact at the first values.
+    margin = 1.25
+    changes: dict[str, Any] = {}
+    observed = {at for at in places if not math.isnan(at)}
+    if scene.transient is not None:
+        changes = {"transient.save": tuple(sorted({*scene.transient.save, *observed}))}
+    stated = sorted(map(round, observed))
+    if scene.wear is not None and scene.wear.revolutions:
+        last = any(map(math.isnan, places)) or not stated
+        end = max([*stated, *([scene.wear.revolutions] if last else [])])
+        saved = [n for n in scene.wear.save if n < end and scene.schedule.fixed]
+        save = tuple(sorted({0, *saved, *stated, end}))
+        changes = {"wear.revolutions": end, "wear.save": save}
+    if changes:
+        scene = scene.replace(**changes)
+    grid = None
+    if scene.wear is not None and scene.wear.stepping == "adaptive" and not is_steady(scene):
+        steps, grid = _steps_of(scene, remember)
+        changes |= {"wear.stepping": "saved", "wear.save": steps}
+    if any(_mesh(neighbour) != _mesh(scene) for neighbour in neighbours):
+        if grid is None:
+            grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1].grid
+        x, y = grid.half_length
+        wider = extend_to(grid, (margin * x, margin * y))
+        changes |= grid_entries(wider)
+    return changes
+
+
+def _mesh(scene: Scene) -> tuple[Any, ...]:
+    """Return half length, elements and centre of the mesh that a scene chooses."""
+    grid = Model(scene, read_measured_gap(scene)).grid
+    return grid.half_length, grid.elements, grid.centre
+
+
+def grid_entries(grid: Grid) -> dict[str, Any]:
+    """Return the [grid] entries of a scene that define a mesh, by dotted key."""
+    axes = slice(grid.directions)
+    entries = {"grid.half_length": grid.half_length[axes], "grid.elements": grid.elements[axes]}
+    return entries | ({"grid.centre": grid.centre[axes]} if any(grid.centre) else {})
+
+
+def on_finer_mesh(scene: Scene) -> Scene:
+    """Return a scene on a mesh of equal extent with 1.5 times as many elements along each axis."""
+    # Ratio of the numbers of elements of the finer mesh and the mesh, along each axis.
+    refinement = 1.5
+    grid = Model(scene, read_measured_gap(scene)).grid
+    n_x, n_y = (2 * round(0.5 * (refinement * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
+    return scene.replace(**grid_entries(replace(grid, elements=(n_x, n_y))))
+
+
+def _steps_of(scene: Scene, remember: Remember) -> tuple[tuple[int, ...], Grid]:
+    """Return (revolutions, last mesh) of a roll with adaptive steps, computed once and stored."""
+    numbers = remember(f"steps {scene.fingerprint()}", lambda: _roll_adaptively(scene)).numbers
+    (x, y), (n_x, n_y) = numbers["half_length"].tolist(), numbers["elements"].tolist()
+    steps = tuple(round(n) for n in numbers["steps"])
+    centre = (0.0, 0.0) if scene.grid is None else scene.grid.place
+    return steps, Grid((x, y), (round(n_x), round(n_y)), centre=centre)
+
+
+def _roll_adaptively(scene: Scene) -> Answer:
+    """Roll a scene with adaptive steps; return its revolutions and last mesh as an answer."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        history = roll(scene, progress=False)
+    if not history.finished:
+        cure = f"a scene that can be rolled to its end; {history.message}"
+        raise SceneError([Fault("scene", "a roll that ends early", cure)])
+    numbers = {
+        "steps": history["revolution"].astype(float),
+        "half_length": np.array(history.grid.half_length),
+        "elements": np.array(history.grid.elements, float),
+    }
+    contacts = int(history.totals["contact_solves"])
+    return Answer(numbers, contacts, 1, float(np.nansum(history["convolutions"])))
+
+
+def scale_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return changes of a scene with the fixed steps scaled to a fitted number of revolutions."""
+    end, steps = changes.get("wear.revolutions"), scene.wear.save if scene.wear else ()
+    if end is None or not steps or steps[-1] == end or not is_integer(scene, "wear.revolutions"):
+        return changes
+    save = tuple(sorted({round(n * end / steps[-1]) for n in steps}))
+    return {**changes, "wear.save": save}

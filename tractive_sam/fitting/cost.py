@@ -6,8 +6,8 @@ from tractive_sam.description import Description, Section, format_duration
 from tractive_sam.fitting.case import FitCase, exact_columns, is_steady
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import FitDesign, Parameters
+from tractive_sam.fitting.problem import Series, groups_of
 from tractive_sam.fitting.run import read_all
-from tractive_sam.fitting.series import Series, groups_of
 from tractive_sam.studies import estimate_times
 
 

@@ -11,7 +11,6 @@ from tractive_sam import interrupt
 from tractive_sam.description import html_columns
 from tractive_sam.fitting.design import Parameters, base_of
 from tractive_sam.fitting.results import DONE, FitResult
-from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import make_folder, omit_failing_figure, write_file
 from tractive_sam.pages import fill_page
 from tractive_sam.plot import (
@@ -24,6 +23,7 @@ from tractive_sam.plot import (
     profile_likelihood,
 )
 from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.safe_text import Html, fill
 from tractive_sam.scene import Scene
 from tractive_sam.schema import SceneError
 

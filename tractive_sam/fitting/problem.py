@@ -2,19 +2,361 @@
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
-from tractive_sam.fitting import prepare
-from tractive_sam.fitting.case import FitCase, Reply, is_steady, merge_cases
-from tractive_sam.fitting.data import NoiseModel
-from tractive_sam.fitting.design import FitError, Parameters
-from tractive_sam.fitting.evaluations import Evaluations
-from tractive_sam.fitting.series import Series
+from tractive_sam.fitting.case import (
+    Evaluations,
+    FitCase,
+    Reply,
+    SharedRecords,
+    Y,
+    check_places,
+    drop_tables,
+    exact_columns,
+    fix_mesh,
+    is_steady,
+    merge_cases,
+    on_finer_mesh,
+    scale_steps,
+)
+from tractive_sam.fitting.data import Measured, NoiseModel
+from tractive_sam.fitting.design import (
+    COORDINATES,
+    Data,
+    FitError,
+    Parameters,
+    changes_of,
+    column_of,
+)
+from tractive_sam.results import COLUMNS, index_by_name
+from tractive_sam.scene import Scene, scene_notes
 from tractive_sam.schema import Fault, SceneError
+
+
+@dataclass(frozen=True, eq=False)
+class ProfilePosition:
+    """Unknown lateral offset, tilt and level with which a profile was measured, and their fit.
+
+    The measured depth is d(y - offset) + tilt (y - middle) + level, of those that are unknown.
+    Coordinates: offset over the width of the measurement, tilt times this width and level over the
+    range of depths.
+
+    Attributes
+    ----------
+    unknown : tuple of str
+        Which of "offset", "tilt", "level" are unknown, in the order of the coordinates.
+    y, depth : ndarray, shape (n,)
+        Measured places and depths, mm.
+    """
+
+    trials = 81
+    """Offsets that are tried for the first alignment."""
+
+    unknown: tuple[str, ...]
+    y: np.ndarray
+    depth: np.ndarray
+
+    @property
+    def units(self) -> np.ndarray:
+        """Values of offset, tilt or level that one unit of each coordinate stands for."""
+        width, height = float(np.ptp(self.y)) or 1.0, float(np.ptp(self.depth)) or 1e-3
+        units = {"offset": width, "tilt": height / width, "level": height}
+        return np.array([units[name] for name in self.unknown])
+
+    def values(self, position: np.ndarray) -> dict[str, float]:
+        """Return offset (mm), tilt and level (mm) at coordinates, by name."""
+        return dict(zip(self.unknown, (self.units * position).tolist(), strict=True))
+
+    def predict(self, y: np.ndarray, depth: np.ndarray, position: np.ndarray) -> np.ndarray:
+        """Return a computed profile as it would be measured at a position, mm, shape (n,)."""
+        values = self.values(position)
+        line = values.get("tilt", 0.0) * self._arm + values.get("level", 0.0)
+        return _depth(y, depth)(self.y - values.get("offset", 0.0)) + line
+
+    def slopes(self, y: np.ndarray, depth: np.ndarray, position: np.ndarray) -> np.ndarray:
+        """Return the derivatives of `predict` by the coordinates of the position, (n, unknown)."""
+        offset = self.values(position).get("offset", 0.0)
+        columns = {
+            "offset": lambda: -_depth(y, depth, 1)(self.y - offset),
+            "tilt": lambda: self._arm,
+            "level": lambda: np.ones_like(self.y),
+        }
+        slopes = [
+            unit * columns[name]() for name, unit in zip(self.unknown, self.units, strict=True)
+        ]
+        return np.stack(slopes, axis=1) if slopes else np.empty((self.y.size, 0))
+
+    def align(self, y: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """Return the position at which a computed profile, times any factor, fits best."""
+        position = np.zeros(len(self.unknown))
+        lines = [column for name, column in (("tilt", self._arm), ("level", np.ones_like(self.y)))
+                 if name in self.unknown]  # fmt: skip
+        trials = [0.0]
+        if "offset" in self.unknown:
+            half = 0.5 * float(np.ptp(self.y))
+            middle = 0.5 * float(self.y.min() + self.y.max())
+            trials = [*np.linspace(middle - half, middle + half, self.trials), 0.0]
+        best = np.inf
+        for offset in trials:
+            shape = _depth(y, depth)(self.y - offset)
+            columns = np.stack([shape, *lines], axis=1)
+            factors, *_ = np.linalg.lstsq(columns, self.depth, rcond=None)
+            misfit = float(np.square(columns @ factors - self.depth).sum())
+            if misfit < best and factors[0] > 0.0:
+                best = misfit
+                names = [name for name in ("tilt", "level") if name in self.unknown]
+                values = {"offset": offset} | dict(zip(names, factors[1:], strict=True))
+                position = np.array([values[name] for name in self.unknown]) / self.units
+        return position
+
+    @property
+    def _arm(self) -> np.ndarray:
+        """Lateral distances of the measured points from the middle of the profile, mm."""
+        return self.y - 0.5 * (self.y.min() + self.y.max())
+
+
+def _depth(y: np.ndarray, depth: np.ndarray, order: int = 0):
+    """Return the depth, or its derivative, as a function of y: monotone cubic, 0 off the mesh."""
+    step = y[1] - y[0]
+    places = np.concatenate(([y[0] - step], y, [y[-1] + step]))
+    curve = PchipInterpolator(places, np.pad(depth, 1), extrapolate=False)
+    curve = curve.derivative(order) if order else curve
+    return lambda at: np.nan_to_num(curve(at))
+
+
+@dataclass(frozen=True, eq=False)
+class Series:
+    """One data set with its scenes, and the predictions for its rows at any parameter values.
+
+    Attributes
+    ----------
+    key : str
+        Key of the data set in messages.
+    measured : Measured
+        The measurements.
+    base : Scene
+        The scene with the entries of the data set.
+    columns : tuple of str
+        Columns of a record, one for each observation.
+    groups : tuple of (tuple of int, mapping)
+        Rows that share a computation, and the entries that set it and fix its mesh and steps.
+    exact : mapping of str to str
+        Free keys with exact derivatives, and their column of the Jacobian.
+    unworn : bool
+        Whether [wear] is left out once the parameters are set.
+    notes : tuple of str
+        Doubts about the rows, and what the data set leaves open.
+    """
+
+    key: str
+    measured: Measured
+    base: Scene
+    columns: tuple[str, ...]
+    groups: tuple[tuple[tuple[int, ...], Mapping[str, Any]], ...]
+    exact: Mapping[str, str]
+    unworn: bool
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        key: str,
+        measured: Measured,
+        scene: Scene,
+        start: Parameters,
+        done: Evaluations | None,
+        shared: SharedRecords | None = None,
+    ) -> "Series":
+        """Prepare a data set at the first values: check its scenes, and fix meshes and steps.
+
+        Parameters
+        ----------
+        key : str
+            Key of the data set in messages.
+        measured : Measured
+            The measurements.
+        scene : Scene
+            The scene of the fit.
+        start : Parameters
+            First values.
+        done : Evaluations, optional
+            Stores the steps of rolls; without it the scenes are checked, and nothing is rolled.
+        shared : SharedRecords, optional
+            Records that all data sets observe.
+
+        Raises
+        ------
+        FitError
+            If its scenes are not valid, or cannot be computed there.
+        """
+        data = measured.data
+        columns = tuple(column_of(name, data.body) for name in data.observe)
+        shared = shared or SharedRecords()
+        try:
+            base = scene.replace(**data.set) if data.set else scene
+            is_creep_curve = _is_creep_curve(data, base, columns)
+            bare = cls(key, measured, base, columns, (), {}, data.at == 0.0 or is_creep_curve)
+            scenes = {}  # faults, before anything is rolled
+            source = next((name for name in data.vary if name in COORDINATES), "at")
+            for rows, settings in groups_of(measured):
+                scenes[rows] = bare.scene_at(start.values_by_key(np.ones(len(start))), settings)
+                places = [float(measured.places[row]) for row in rows]
+                check_places(scenes[rows], source, places)
+            notes = [*_implausible_rows(key, scene, scenes)]
+            if is_creep_curve:
+                cure = "at = 0 says so, at = N chooses the bodies after N revolutions"
+                notes.append(f"{key}: compared with the unworn bodies, revolution 0; {cure}")
+            groups, exact = [], {}
+            for rows, settings in groups_of(measured):
+                first, *neighbours = bare._scenes_near(start, settings)
+                shared.add(first, [float(measured.places[row]) for row in rows])
+                if done is None or not shared.complete:
+                    continue
+                changes = fix_mesh(first, neighbours, shared.of_scene(first), done.remember)
+                groups.append((rows, {**settings, **changes}))
+                is_contact = is_steady(first)
+                exact = exact_columns(first, columns, start.keys) if is_contact else {}
+        except SceneError as error:
+            raise FitError(fault.under(key) for fault in error.faults) from None
+        return replace(bare, groups=tuple(groups), exact=exact, notes=tuple(notes))
+
+    def _scenes_near(self, start: Parameters, settings: Mapping[str, Any]) -> list[Scene]:
+        """Return the scene at the start, and valid ones with each parameter raised some 5 %."""
+        values = start.values_by_key(np.ones(len(start)))
+        scenes = [self.scene_at(values, settings)]
+        for k in range(len(start)):
+            u = np.ones(len(start))
+            u[k] += 0.05
+            try:
+                scenes.append(self.scene_at(start.values_by_key(u), settings))
+            except SceneError:  # beyond what the scene allows
+                continue
+        return scenes
+
+    def scene_at(self, values: Mapping[str, float], settings: Mapping[str, Any]) -> Scene:
+        """Return the scene of rows with given settings, at values of the parameters.
+
+        Raises
+        ------
+        SceneError
+            If it is not valid.
+        """
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            base = self.base.replace(**settings) if settings else self.base
+            changes = scale_steps(base, changes_of(base, values))
+            return drop_tables(base.replace(**changes), self.columns, self.unworn)
+
+    def cases(self, values: Mapping[str, float], number: int, derivatives: bool) -> list[FitCase]:
+        """Return the computation for each group of rows with equal settings.
+
+        Parameters
+        ----------
+        values : mapping of str to float
+            Values of the parameters.
+        number : int
+            Place of the data set among all.
+        derivatives : bool
+            Whether the exact derivatives are wanted, too.
+        """
+        wanted = tuple(self.exact.values()) if derivatives else ()
+        cases = []
+        for k, (rows, settings) in enumerate(self.groups):
+            places = tuple(float(self.measured.places[row]) for row in rows)
+            scene = self.scene_at(values, settings)
+            places = (
+                (math.nan,) if is_steady(scene) else tuple({repr(at): at for at in places}.values())
+            )
+            cases.append(FitCase(scene, self.columns, places, wanted, (number, k)))
+        return cases
+
+    def predictions(self, replies: list[Reply], position: np.ndarray, of: str = "") -> np.ndarray:
+        """Return predicted values of the rows from replies, or their derivative ("/parameter").
+
+        Parameters
+        ----------
+        replies : list of Reply
+            The answers of `cases`.
+        position : ndarray
+            Offset, tilt and level of a profile, as the data set has them.
+        of : str
+            Suffix of the numbers: "/P" gives derivatives with respect to P.
+        """
+        if self.measured.data.profile:
+            return self.position.predict(*self.profile_of(replies[0]), position)[:, None]
+        predictions = np.full(self.measured.observed.shape, math.nan)
+        for (rows, _), reply in zip(self.groups, replies, strict=True):
+            if not reply.failed:
+                places = [float(self.measured.places[row]) for row in rows]
+                for column, name in enumerate(self.columns):
+                    predictions[list(rows), column] = reply.at(name + of, places)
+        return predictions
+
+    def profile_of(self, reply: Reply) -> tuple[np.ndarray, np.ndarray]:
+        """Return lateral places and depths of the predicted profile, each of shape (n_y,)."""
+        (at,) = (float(place) for place in self.measured.places)
+        return reply.answer.numbers[Y], reply.at(self.columns[0], [at])[0]
+
+    @cached_property
+    def position(self) -> ProfilePosition:
+        """Lateral offset, tilt and level of the measured profile, to be fitted."""
+        measured = self.measured
+        return ProfilePosition(measured.data.nuisance, measured.y, measured.observed[:, 0])
+
+
+def _is_creep_curve(data: Data, scene: Scene, columns: Iterable[str]) -> bool:
+    """Return whether a data set of a scene with wear varies contacts without naming a revolution.
+
+    It is one if the scene rolls revolutions, which no entry names, and all columns are those of
+    unworn bodies, too.
+    """
+    wears = scene.schedule.end and scene.schedule.save_key == "wear.save" and not scene.duty
+    names_revolution = {*COORDINATES} & {*data.vary} or data.at is not None
+    names_wear = any(key.partition(".")[0] == "wear" for key in data.vary)
+    if not wears or names_revolution or names_wear or not data.vary:
+        return False
+    unworn, quantities = scene.replace(wear=None), index_by_name(COLUMNS)
+    wanted = [quantities[name.partition(" ")[0]] for name in columns]
+    return all(quantity.applies(unworn) and quantity.of is not None for quantity in wanted)
+
+
+def _implausible_rows(
+    key: str, scene: Scene, scenes: Mapping[tuple[int, ...], Scene]
+) -> Iterator[str]:
+    """Yield a note for each key with improbable values in rows, unless the scene has it, too.
+
+    Parameters
+    ----------
+    key : str
+        Key of the data set in messages.
+    scene : Scene
+        Scene of the fit.
+    scenes : mapping of tuple of int to Scene
+        Scenes at the first values, by their rows.
+    """
+    known = {*scene_notes(scene)}
+    total = sum(map(len, scenes))
+    found: dict[str, list[tuple[int, str]]] = {}
+    for rows, one in scenes.items():
+        for note in scene_notes(one):
+            if note not in known:
+                found.setdefault(note.partition(":")[0], []).extend((row, note) for row in rows)
+    for notes in found.values():
+        yield f"{key}: {len(notes)} of {total} rows, as row {notes[0][0] + 1}: {notes[0][1]}"
+
+
+def groups_of(measured: Measured) -> list[tuple[tuple[int, ...], Mapping[str, float]]]:
+    """Return (indices, settings) of each group of rows with equal settings; a profile is one."""
+    groups: dict[tuple, list[int]] = {}
+    for k, settings in enumerate(measured.settings):
+        groups.setdefault(tuple(settings.items()), []).append(k)
+    return [(tuple(rows), dict(settings)) for settings, rows in groups.items()]
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +569,7 @@ class FitProblem:
                 for k, case in enumerate(series.cases(values, n, False)):
                     with warnings.catch_warnings():
                         warnings.simplefilter("ignore")
-                        scene = prepare.on_finer_mesh(case.scene)
+                        scene = on_finer_mesh(case.scene)
                     cases[n, "", k] = FitCase(scene, case.columns, case.places, seat=(n, k, 1))
         except SceneError:
             return np.full(self.observed.size, math.nan)
@@ -250,7 +592,7 @@ class FitProblem:
     @cached_property
     def _default_step(self) -> float:
         """Relative step of finite differences: larger if any data set is rolled."""
-        rolled = any(not is_steady(prepare.drop_tables(series.base, series.columns, series.unworn))
+        rolled = any(not is_steady(drop_tables(series.base, series.columns, series.unworn))
                      for series in self.series)  # fmt: skip
         tolerance = max(series.base.solver.tolerance for series in self.series)
         return self.roll_step if rolled else max(1e-4, tolerance**0.5)

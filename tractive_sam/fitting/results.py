@@ -12,8 +12,8 @@ import numpy as np
 
 from tractive_sam.description import html_columns, html_table, text_table
 from tractive_sam.fitting.design import FitDesign, changes_of
-from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.optional import xarray
+from tractive_sam.safe_text import Html, as_html, fill
 from tractive_sam.scene import Scene
 
 DONE = "done"

@@ -1,10 +1,11 @@
-"""The front door: from a fit file to its result, with its caveats as sentences."""
+"""Run a fit: from its file to its result, curves, the next test, and a density for samplers."""
 
 from __future__ import annotations
 
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -12,11 +13,20 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.extras import check_extra
-from tractive_sam.fitting.data import Measured, read_measured
-from tractive_sam.fitting.design import Fit, FitDesign, FitError, Parameters
-from tractive_sam.fitting.estimate import Estimate
-from tractive_sam.fitting.evaluations import Evaluations, InProcess, compute_with
+from tractive_sam.fitting.case import Evaluations, InProcess, SharedRecords, compute_with, is_steady
+from tractive_sam.fitting.data import Measured, NoiseModel, read_measured
+from tractive_sam.fitting.design import (
+    CandidateTest,
+    Data,
+    Fit,
+    FitDesign,
+    FitError,
+    Noise,
+    Parameters,
+)
+from tractive_sam.fitting.estimate import Estimate, Loss, ProfileLikelihood, Search
 from tractive_sam.fitting.fit_file import (
+    Variables,
     answer_variables,
     attributes_of,
     make_dataset,
@@ -27,16 +37,163 @@ from tractive_sam.fitting.fit_file import (
     text_variables,
     write_fit,
 )
-from tractive_sam.fitting.model_curve import curve_variables
-from tractive_sam.fitting.next_test import check_tests, rank_tests
-from tractive_sam.fitting.prepare import SharedRecords
-from tractive_sam.fitting.problem import FitProblem
-from tractive_sam.fitting.results import FitResult, Intervals
-from tractive_sam.fitting.search import ProfileLikelihood, Search
-from tractive_sam.fitting.series import Series
+from tractive_sam.fitting.problem import FitProblem, Series
+from tractive_sam.fitting.results import FitResult, Gain, Intervals
 from tractive_sam.scene import hash_files, hashes_of
 from tractive_sam.schema import Fault, PlausibilityWarning, warn
 from tractive_sam.store import versions
+
+
+def rank_tests(best: Estimate, fit: Fit) -> list[Gain]:
+    """Return the candidate tests by how much they reduce the uncertainty, the best one first.
+
+    A test is linearised at the estimate. A direction that is not determined yet counts with the
+    standard deviation 10 of its coordinate.
+
+    Raises
+    ------
+    FitError
+        If a candidate has no valid scene, or is not solved.
+    """
+    n = len(best.problem.parameters)
+    weak = np.eye(best.u.size)
+    prior = best.problem.prior_jacobian(best.u)
+    rows = np.concatenate([best.weighted, prior])
+    information = rows.T @ rows + 1e-2 * weak
+    target = np.arange(n) if fit.target is None else np.array([fit.free.index(fit.target)])
+    before = _logarithm(information, target)
+    gains = []
+    for k, test in enumerate(fit.test):
+        for label, measured in _measured_tests(test):
+            problem = _problem_of(best.problem, f"fit.test[{k}]", measured, fit)
+            slopes = problem.jacobian(best.u[:n])
+            noise = problem.deviation(problem.predict(best.u[:n], derivatives=True))
+            wide = np.zeros((len(slopes), best.u.size))
+            wide[:, :n] = slopes / noise[:, None]
+            after = information + wide.T @ wide
+            deviation = np.sqrt(np.diag(np.linalg.inv(after))[:n])
+            deviation *= np.abs(best.problem.parameters.slopes(best.u))
+            gains.append(Gain(label, deviation, before - _logarithm(after, target)))
+    return sorted(gains, key=lambda gain: -gain.gain)
+
+
+def check_tests(fit: Fit, start: Parameters) -> None:
+    """Raise a FitError with the faults in the scenes of all candidate tests.
+
+    Raises
+    ------
+    FitError
+        With the faults of those that are not valid.
+    """
+    faults: list[Fault] = []
+    for k, test in enumerate(fit.test):
+        for _, measured in _measured_tests(test):
+            try:
+                Series.of(f"fit.test[{k}]", measured, fit.scene, start, None)
+            except FitError as error:
+                faults += error.faults
+    if faults:
+        raise FitError(dict.fromkeys(faults))
+
+
+def _logarithm(information: np.ndarray, target: np.ndarray) -> float:
+    """Return log det of the covariance of the target parameters from an information matrix."""
+    covariance = np.linalg.inv(information)[np.ix_(target, target)]
+    return float(np.linalg.slogdet(covariance)[1])
+
+
+def _measured_tests(test: CandidateTest):
+    """Yield (label, data set of one unmeasured row) for each value of a candidate test."""
+    entries = ", ".join(f"{key} = {value}" for key, value in test.set.items())
+    for value in test.values or (None,):
+        varied = {} if value is None else {str(test.vary): float(value)}
+        label = ", ".join(filter(None, (*(f"{k} = {v:g}" for k, v in varied.items()), entries)))
+        columns = {name: [1.0] for name in (*varied, *test.observe)}
+        data = Data(
+            values=columns, observe=test.observe, body=test.body, at=test.at, noise=1.0,
+            set=test.set, vary=tuple(varied),
+        )  # fmt: skip
+        zeros = np.zeros((1, len(test.observe)))  # nothing is measured yet
+        noise = NoiseModel.from_table(test.uncertainty, zeros.shape)
+        place = np.array([np.nan if test.at is None else test.at])
+        measured = Measured(data, (varied,), place, zeros, noise, np.empty(0))
+        yield ": ".join(filter(None, (_describe_observation(test), label))), measured
+
+
+def _describe_observation(test: CandidateTest) -> str:
+    """Return the observed columns of a test as text, with the body and the record."""
+    text = ", ".join(test.observe)
+    text += f" of body {test.body}" if test.body else ""
+    return text + (f" at {test.at:g}" if test.at is not None else "")
+
+
+def _problem_of(problem: FitProblem, key: str, measured: Measured, fit: Fit) -> FitProblem:
+    """Return a problem with the same parameters that has only this data set."""
+    series = Series.of(key, measured, fit.scene, problem.parameters, problem.evaluations)
+    return replace(problem, series=(series,))
+
+
+def curve_variables(best: Estimate, fit: Fit) -> Variables:
+    """Return variables of predictions between points of single contacts that vary one key.
+
+    Only data sets of single contacts that differ in one key have them: a roll for each point would
+    cost more than the fit.
+
+    Parameters
+    ----------
+    best : Estimate
+        The minimum.
+    fit : Fit
+        The scene, and the number of points.
+    """
+    n = len(best.problem.parameters)
+    rows: list[np.ndarray] = []
+    names: list[str] = []
+    for number, series in enumerate(best.problem.series):
+        places = _places_between(series, best, fit.curve)
+        if not places.size:
+            continue
+        (key,) = series.measured.data.vary
+        shape = (places.size, len(series.columns))
+        measured = Measured(
+            series.measured.data, tuple({key: float(x)} for x in places),
+            np.full(places.size, np.nan), np.ones(shape), NoiseModel.from_table(Noise(absolute=1.0),
+            shape), np.empty(0),
+        )  # fmt: skip
+        try:
+            curve = Series.of(
+                series.key, measured, fit.scene, best.problem.parameters, best.problem.evaluations
+            )
+            problem = replace(best.problem, series=(curve,))
+            predicted = problem.predict(best.u[:n], derivatives=True)
+            slopes = problem.jacobian(best.u[:n])
+        except FitError:  # a value between the measured ones that cannot be computed
+            continue
+        wide = np.pad(slopes, ((0, 0), (0, best.u.size - n)))
+        x = np.repeat(places, len(series.columns))
+        rows.append(np.column_stack([np.full(x.size, number), x, predicted, best.spread(wide)]))
+        names += [*series.columns] * places.size
+    if not rows:
+        return {}
+    meaning = "data set, abscissa, prediction, its standard deviation"
+    return {
+        "curve": (("curve_point", "of_curve"), np.concatenate(rows), "1", meaning),
+        "curve_column": (("curve_point",), names, "1", "predicted column"),
+    }
+
+
+def _places_between(series: Series, best: Estimate, points: int) -> np.ndarray:
+    """Return x values between the measured ones; none for profiles, rolls or several keys."""
+    x = np.unique(series.measured.abscissa[1])
+    same_keys = list(series.measured.data.vary) == list(series.measured.settings[0])
+    if series.measured.data.profile or not same_keys or len(series.measured.data.vary) != 1:
+        return np.empty(0)
+    values = best.problem.parameters.values_by_key(best.u)
+    scene = series.scene_at(values, series.measured.settings[0])
+    if not is_steady(scene) or not 1 < x.size < points:
+        return np.empty(0)
+    shares = np.linspace(0.0, x.size - 1.0, points)
+    return np.setdiff1d(np.interp(shares, np.arange(x.size), x), x)
 
 
 def describe_undetermined(best: Estimate, intervals: Intervals) -> list[str]:
@@ -417,3 +574,65 @@ def _complete(
     }
     attributes = attributes_of(best, table) | {"files": json.dumps(files)}
     return FitResult(make_dataset(variables, attributes))
+
+
+def log_posterior(
+    design: FitDesign | Mapping[str, Any] | str | PathLike[str],
+) -> tuple[Callable[[np.ndarray], float], np.ndarray]:
+    """Return the log posterior density of a fit as a function, up to a constant, and a start.
+
+    The density is one of the values of the parameters: a positive one that is fitted by its
+    logarithm has no prior except bounds and the stated one. Positions of profiles are coordinates
+    after the parameters, see `FitResult`.
+
+    Parameters
+    ----------
+    design : FitDesign, mapping or path-like
+        See `fit`.
+
+    Returns
+    -------
+    density : callable
+        Function of values, shape (size,); minus infinity outside bounds and if a computation fails.
+    start : ndarray, shape (size,)
+        First values.
+
+    Raises
+    ------
+    FitError
+        With every fault of the design and of its data.
+
+    Examples
+    --------
+    >>> from tractive_sam import fitting
+    >>> density, start = fitting.log_posterior(
+    ...     {"scene": coarse, "free": ["friction.mu"], "data": [data]}
+    ... )
+    >>> density(0.3 * start / start) > density(2.0 * start)
+    True
+    """
+    table = read_design(design).fit
+    problem = make_problem(table)
+    n = len(problem.parameters)
+    loss = Loss(table.loss)
+
+    def density(values: np.ndarray) -> float:
+        values = np.asarray(values, float)
+        inside = (values[:n] >= problem.parameters.lower) & (values[:n] <= problem.parameters.upper)
+        if not (inside & ((values[:n] > 0.0) | ~problem.parameters.logarithmic)).all():
+            return -np.inf
+        u = np.concatenate([problem.parameters.coordinates(values[:n]), values[n:]])
+        predicted = problem.predict(u)
+        residuals = problem.residuals(u, predicted)
+        problem.evaluations.stored.clear()  # samplers hardly return to earlier values
+        if not np.isfinite(residuals).all():
+            return -np.inf
+        # A relative noise follows the prediction, and so does the width of its density.
+        follows = problem.noise.relative > 0.0
+        cost = loss.cost(residuals, predicted.size)
+        return -cost - float(np.log(problem.deviation(predicted)[follows]).sum())
+
+    first = np.ones(problem.size)
+    first[n:] = 0.0
+    first = problem.align_profiles(first)
+    return density, np.concatenate([problem.parameters.values(first), first[n:]])

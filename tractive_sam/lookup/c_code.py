@@ -7,8 +7,8 @@ from keyword import kwlist
 
 import numpy as np
 
-from tractive_sam.lookup.coordinates import CONTACT, MIN_RADIUS, NAMES, POLE, RATIO, SPIN
 from tractive_sam.lookup.creep_table import MARGIN, CreepTable, is_identifier
+from tractive_sam.lookup.hermite import CONTACT, MIN_RADIUS, NAMES, POLE, RATIO, SPIN
 
 CREEPAGES = ("xi_x", "xi_y", "spin")
 

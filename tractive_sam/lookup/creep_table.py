@@ -13,10 +13,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tractive_sam.description import Description, Section
-from tractive_sam.lookup.coordinates import CONTACT, NAMES, RATIO, SPIN, Coordinates, creepages_at
-from tractive_sam.lookup.hermite import Hermite, Point, SinglePointLaw, cell_of
-from tractive_sam.markup import fill
-from tractive_sam.safe_text import printable_text
+from tractive_sam.lookup.hermite import (
+    CONTACT,
+    NAMES,
+    RATIO,
+    SPIN,
+    Coordinates,
+    Hermite,
+    Point,
+    SinglePointLaw,
+    cell_of,
+    creepages_at,
+)
+from tractive_sam.safe_text import fill, printable_text
 
 
 def describe_table(
@@ -300,7 +309,7 @@ class CreepTable:
     """Table of creep forces over mu P, as a function of creepages, spin and further axes.
 
     A call with creepages and contacts returns forces, gradients and error bars; see
-    `lookup.coordinates` for the scaling. The table covers all creepages, also infinite ones; values
+    `lookup.hermite` for the scaling. The table covers all creepages, also infinite ones; values
     outside the other axes raise an error.
 
     Attributes

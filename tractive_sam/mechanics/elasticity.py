@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign, quadrant
+from tractive_sam.lazy_names import accept_renamed_methods, renamed_attributes
 from tractive_sam.mechanics.law import Law
 from tractive_sam.mechanics.material import CombinedMaterial, Material, combine
 

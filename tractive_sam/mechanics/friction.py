@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.compute import backend_of
-from tractive_sam.deprecation import accept_renamed_methods, renamed_attributes
 from tractive_sam.description import ShortArrays
 from tractive_sam.kernels import friction
+from tractive_sam.lazy_names import accept_renamed_methods, renamed_attributes
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.law import Law
 

@@ -3,6 +3,7 @@
 import json
 import re
 import warnings
+from collections.abc import Sequence
 from importlib.metadata import version
 from importlib.resources import files
 from os import PathLike
@@ -11,13 +12,36 @@ from typing import Any
 
 from tractive_sam import interrupt
 from tractive_sam.extras import require_extra
-from tractive_sam.markup import Html, fill
 from tractive_sam.output_file import omit_failing_figure, write_file
 from tractive_sam.pages.data import page_data
-from tractive_sam.pages.page import fill_page
 from tractive_sam.plot import Measurements, list_figures
 from tractive_sam.results import History, describe_history
+from tractive_sam.safe_text import Content, Html, fill, security_policy
 from tractive_sam.scene import Scene
+
+
+def fill_page(package: str, name: str, scripts: Sequence[str] = (), **content: Content) -> Html:
+    """Return a page that needs no other file, from the body and the style sheet of a package.
+
+    Parameters
+    ----------
+    package, name : str
+        The package whose files "name.html", a template of the body, and "name.css" are used.
+    scripts : sequence of str
+        Scripts in the body that may run. With scripts, style attributes and empty style elements
+        are allowed: plotly sets the attributes and fills the elements, and neither runs anything.
+    **content : str or iterable of Html
+        Content of the placeholders: the title, further elements of the head if there are any, and
+        the placeholders of the body. See `fill`.
+    """
+    shared, own = files(__package__), files(package)
+    sheets = shared.joinpath("style.css"), own.joinpath(f"{name}.css")
+    style = Html("\n".join(["", *(sheet.read_text("utf-8") for sheet in sheets)]))
+    policy = security_policy(scripts, [style, ""] if scripts else [style], bool(scripts))
+    body = own.joinpath(f"{name}.html").read_text("utf-8")
+    template = shared.joinpath("page.html").read_text("utf-8").replace("$body", body)
+    return fill(template, **({"head": ""} | content), policy=policy, style=style)
+
 
 SCRIPT_FIGURES = """
 pressure traction traction-sections stick-slip slip wear friction temperature von-mises-{plane}

@@ -17,9 +17,9 @@ from typing import TypeAlias
 import numpy as np
 
 from tractive_sam import plot
-from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.pages import fill_page
 from tractive_sam.paper.scenes import FULL, Size
+from tractive_sam.safe_text import Html, as_html, fill
 
 
 class Verdict(StrEnum):

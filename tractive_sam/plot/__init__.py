@@ -4,8 +4,7 @@ Every function returns a matplotlib `Figure` that belongs to no window and no gl
 `save_all` and `animate` write files.
 """
 
-from tractive_sam.deprecation import with_renamed
-from tractive_sam.lazy_names import attach_names
+from tractive_sam.lazy_names import attach_names, with_renamed
 
 # Names, listed in __init__.pyi, are looked up when first used.
 __getattr__, __dir__, __all__ = attach_names(__name__, __file__)

@@ -8,14 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 
 from tractive_sam.description import math_value
-from tractive_sam.plot.contact_map import share_y_axis
-from tractive_sam.plot.contact_view import WIDE, Need, has_course, select_evenly
-from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.history_curves import draw_column
-from tractive_sam.plot.registry import history_figure
-from tractive_sam.plot.style import (
+from tractive_sam.plot.contact_map import WIDE, Need, has_course, select_evenly, share_y_axis
+from tractive_sam.plot.figure import (
     LOOK,
     MICRON,
+    Figure,
     Scale,
     history_title,
     label_course,
@@ -23,6 +20,8 @@ from tractive_sam.plot.style import (
     new_figure,
     set_title,
 )
+from tractive_sam.plot.history_curves import draw_column
+from tractive_sam.plot.registry import history_figure
 from tractive_sam.results import BODIES, BodyFatigue, History
 from tractive_sam.schema import required
 

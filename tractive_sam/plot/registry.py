@@ -20,7 +20,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.output_file import make_folder, omit_failing_figure
-from tractive_sam.plot.contact_view import (
+from tractive_sam.plot.contact_map import (
     SINGLE_ROW,
     ContactView,
     Need,
@@ -28,9 +28,7 @@ from tractive_sam.plot.contact_view import (
     refuse,
     touching_records,
 )
-from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.options import Measurements, change_options
-from tractive_sam.plot.style import apply_style
+from tractive_sam.plot.figure import Figure, Measurements, apply_style, change_options
 from tractive_sam.results import COORDINATE, PREFIX, History, Quantity
 from tractive_sam.schema import installed_entry_points
 

@@ -14,18 +14,17 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from tractive_sam.mechanics import CRITERIA, VON_MISES, StressCriterion
 from tractive_sam.plot.contact_map import (
     TICK_SPACE,
+    ContactView,
     MapFrame,
     MapLayout,
     add_axes,
     add_bar_axes,
+    draw_contact_edge,
     new_map_figure,
     share_y_axis,
 )
-from tractive_sam.plot.contact_view import ContactView, draw_contact_edge
-from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.options import current_options
+from tractive_sam.plot.figure import LOOK, Figure, Scale, apply_style, current_options
 from tractive_sam.plot.registry import contact_figure
-from tractive_sam.plot.style import LOOK, Scale, apply_style
 from tractive_sam.results import History, PlaneStress, State
 from tractive_sam.scene import Plane
 

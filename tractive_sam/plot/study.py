@@ -1,7 +1,10 @@
-"""A quantity over the axes of a study: curves, maps and scattered samples."""
+"""Figures of studies, tables of creep forces and fits: results over parameters."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import cycle
 from textwrap import fill
 from typing import Any
 
@@ -9,10 +12,11 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
+from numpy.typing import ArrayLike
 
-from tractive_sam.description import format_with_unit
-from tractive_sam.plot.figure import Figure
-from tractive_sam.plot.style import LOOK, apply_style, new_figure, set_title
+from tractive_sam.description import ShortArrays, format_with_unit
+from tractive_sam.lookup import CreepTable
+from tractive_sam.plot.figure import LOOK, Figure, apply_style, new_axes, new_figure, set_title
 
 LABELS = {
     "Qx": "$Q_x$",
@@ -253,3 +257,352 @@ def _label_axes(axes: Axes, x: Variable, y: Variable) -> None:
     if not x.numeric:
         letters = max(x.longest // x.values.size, x.longest // 6)
         axes.set_xticks(x.places, [fill(text, letters) for text in x.values])
+
+
+MARKERS = "so^Dv"
+"""Markers of computed points, in their order."""
+
+Points = tuple[ArrayLike, ArrayLike]
+"""Abscissae and ordinates of points."""
+
+
+@apply_style
+def creep_force_curve(
+    computed: Mapping[str, Points],
+    reference: Mapping[str, Points] | None = None,
+    *,
+    theory: bool = True,
+) -> Figure:
+    """Draw scaled creep-force curves of a circular contact, with reference and theory curves.
+
+    Parameters
+    ----------
+    computed : mapping of str to pair of array_like
+        Creep parameters (`reference.creep_parameter`) and forces Q/(mu P), by the label of a
+        series.
+    reference : mapping of str to pair of array_like, optional
+        Points of other programs or of measurements.
+    theory : bool
+        Whether to draw the curves of Vermeulen & Johnson and of Kalker's simplified theory.
+
+    Examples
+    --------
+    >>> plot.creep_force_curve({"computed": ([0.2, 0.5], [0.43, 0.82])})
+    <Figure size ...>
+    """
+    reference = reference or {}
+    figure, axes = new_axes(1.0, 0.72)
+    for marker, (name, (xi, force)) in zip(cycle(MARKERS), computed.items(), strict=False):
+        axes.plot(xi, force, marker, label=name, markerfacecolor="none", markeredgewidth=1.2)
+    for marker, (name, (xi, force)) in zip(cycle("x+*"), reference.items(), strict=False):
+        axes.plot(xi, force, marker, label=name, color=LOOK.grey)
+    if theory:
+        # Other figures need no reference solutions, whose interpolation takes long to load.
+        from tractive_sam.reference import kalker_simplified, vermeulen_johnson  # noqa: PLC0415
+
+        ends = [float(np.max(xi)) for xi, _ in (*computed.values(), *reference.values())]
+        xi, grey = np.linspace(0.0, max(1.0, *ends), 201), LOOK.grey
+        axes.plot(xi, vermeulen_johnson(xi), "--", color=grey, label="Vermeulen & Johnson (1964)")
+        axes.plot(xi, kalker_simplified(xi), "-", color=grey, label="Kalker (1967), simplified")
+    axes.set(xlabel=r"$-\xi_x\,16\,G a_0^2\,/\,3\mu P(4-3\nu)$", ylabel=r"$Q/(\mu P)$")
+    axes.set_xlim(left=0.0)
+    axes.legend(loc="lower right")
+    return figure
+
+
+@apply_style
+def traction_curve(computed: Mapping[str, Points], printed: Points | None = None) -> Figure:
+    """Draw Q_x/P over creepage with each falling curve's maximum, and printed values of CONTACT.
+
+    Parameters
+    ----------
+    computed : mapping of str to pair of array_like
+        Creepages and Q_x/P, by the label of a curve.
+    printed : pair of array_like, optional
+        Points of another program.
+
+    Examples
+    --------
+    >>> curve = ([0.0, 0.01, 0.016, 0.05], [0.0, 0.301, 0.312, 0.285])
+    >>> plot.traction_curve({"falling": curve})
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.72)
+    highest = 0.0
+    for marker, (name, (xi, force)) in zip(cycle(MARKERS), computed.items(), strict=False):
+        percent, ratio = 100.0 * np.asarray(xi), np.asarray(force)
+        (line,) = axes.plot(percent, ratio, marker + "-", ms=3, label=name)
+        top = int(np.argmax(ratio))
+        highest = max(highest, float(ratio[top]))
+        if ratio[top] > 1.001 * ratio[-1]:
+            label = f"top {ratio[top]:.3f} at {percent[top]:.2g} %"
+            look: dict[str, Any] = {"textcoords": "offset points", "color": line.get_color()}
+            axes.annotate(label, (percent[top], ratio[top]), (8, -34), **look)
+    if printed is not None:
+        style: dict[str, Any] = {
+            "color": LOOK.grey,
+            "mec": LOOK.vermillion,
+            "label": "CONTACT 25.1, printed",
+        }
+        axes.plot(100.0 * np.asarray(printed[0]), np.asarray(printed[1]), "x", ms=6, **style)
+    axes.set(xlabel=r"creepage $|\xi_x|$ (%)", ylabel=r"$Q_x/P$", xlim=(0.0, None))
+    axes.set_ylim(bottom=0.0, top=1.12 * highest)
+    axes.legend(loc="lower right")
+    return figure
+
+
+@apply_style
+def table_errors(table: CreepTable, *, smallest: float = 1e-6) -> Figure:
+    """Draw the errors at the check points against the reported errors, and their distribution.
+
+    Parameters
+    ----------
+    table : CreepTable
+        A table with check points in its file.
+    smallest : float
+        Smallest error that is drawn; smaller ones are drawn there.
+
+    Raises
+    ------
+    ValueError
+        If the file of the table has no check points.
+
+    Examples
+    --------
+    >>> plot.table_errors(ts.open_table("steel"))
+    <Figure size ...>
+    """
+    about = table.about
+    if "check_errors" not in about:
+        raise ValueError("the file of the table has no check points; build the table again")
+    errors, reported = (np.maximum(about[key], smallest) for key in ("check_errors", "check_told"))
+    tolerance = float(about["tolerance"])
+    figure = new_figure(1.7, 0.75)
+    left, right = figure.subplots(1, 2)
+    names = ("$Q_x$", "$Q_y$", "$M_z/c$")
+    for name, error, bar in zip(names, errors.T, reported.T, strict=True):
+        left.plot(bar, error, "o", markersize=2.5, label=name)
+        share = np.arange(1, len(error) + 1) / len(error)
+        right.plot(np.sort(error), share, label=name)
+    low, high = smallest, 2.0 * max(reported.max(), errors.max(), tolerance)
+    left.plot([low, high], [low, high], color=LOOK.grey, linewidth=0.8)
+    left.set(xscale="log", yscale="log", xlim=(min(3e-4, reported.min()), high), ylim=(low, high),
+             xlabel=r"reported error, over $\mu P$", ylabel=r"error, over $\mu P$")  # fmt: skip
+    right.axvline(tolerance, color=LOOK.grey, linewidth=0.8)
+    right.set(xscale="log", xlim=(low, high), ylim=(0.0, 1.0), ylabel="share of points")
+    right.set_xlabel(r"error, over $\mu P$ (line: tolerance)")
+    right.legend(loc="upper left")
+    inside = f"{len(errors)} check points, {about['held_out_inside']:.1%} within"
+    set_title(figure, f"{table.title or 'a table'}: {inside} the reported error")
+    return figure
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FittedCurve(ShortArrays):
+    """Measured values of one observation beside the fitted model, to be drawn.
+
+    Attributes
+    ----------
+    x : Variable
+        The quantity that varies, n values.
+    observed : Variable
+        Measured values.
+    noise, predicted, band, residual : ndarray, shape (n,)
+        Standard deviation of the measurement, prediction, its standard deviation due to the
+        parameters, and residual over the noise. A noise of shape (2, n) has the lengths of the
+        error bars downwards and upwards.
+    between : ndarray, shape (3, m), optional
+        Further values of x with the prediction and its standard deviation there.
+
+    Examples
+    --------
+    >>> x = plot.Variable("revolution", np.array([1e3, 1e4]))
+    >>> worn = plot.Variable("worn_mass A", np.array([0.3, 2.9]), "worn mass of A", "mg")
+    >>> ones = np.ones(2)
+    >>> curve = plot.FittedCurve(x, worn, 0.1 * ones, np.array([0.29, 3.0]), 0.05 * ones, ones)
+    """
+
+    x: Variable
+    observed: Variable
+    noise: np.ndarray
+    predicted: np.ndarray
+    band: np.ndarray
+    residual: np.ndarray
+    between: np.ndarray | None = None
+
+    @property
+    def line(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Ascending abscissas of the model, its predictions, and their standard deviations."""
+        x, predicted, band = self.x.places, self.predicted, self.band
+        if self.between is not None:
+            values, more, spread = self.between
+            x = np.append(x, replace(self.x, values=values).places)
+            predicted, band = np.append(predicted, more), np.append(band, spread)
+        order = np.argsort(x)
+        return x[order], predicted[order], band[order]
+
+
+@apply_style
+def fitted_curve(curve: FittedCurve, *, title: str = "") -> Figure:
+    """Draw measured values with error bars, the model with its band of 95 %, and residuals.
+
+    Axes are logarithmic if all values are positive and span a factor of 30.
+
+    Examples
+    --------
+    >>> x = plot.Variable("revolution", np.array([1e3, 1e4]))
+    >>> worn = plot.Variable("worn_mass A", np.array([0.3, 2.9]), "worn mass of A", "mg")
+    >>> ones = np.ones(2)
+    >>> curve = plot.FittedCurve(x, worn, 0.1 * ones, np.array([0.29, 3.0]), 0.05 * ones, ones)
+    >>> plot.fitted_curve(curve)
+    <Figure size ...>
+    """
+    figure = new_figure(1.0, 0.95)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    places, points = curve.x.places, curve.observed.values
+    x, model, band = curve.line
+    reach = 1.96 * band
+    upper.fill_between(x, model - reach, model + reach, color=LOOK.blue, alpha=0.2, linewidth=0,
+                       label="model, 95 %")  # fmt: skip
+    many = places.size > 40
+    size = 2.0 if many else 4.0
+    upper.plot(x, model, color=LOOK.blue, zorder=3 if many else 2, label="model")
+    upper.errorbar(places, points, curve.noise, fmt="s", color=LOOK.vermillion,
+                   markersize=size, elinewidth=0.8, capsize=2, label="measured")  # fmt: skip
+    upper.set_ylabel(curve.observed.label)
+    upper.legend()
+    lower.axhspan(-1.96, 1.96, color=LOOK.grey, alpha=0.15, linewidth=0)
+    lower.axhline(0.0, color=LOOK.grey, linewidth=0.8)
+    lower.plot(places, curve.residual, "s", color=LOOK.vermillion, markersize=size)
+    limit = max(2.5, 1.2 * np.abs(curve.residual).max())
+    lower.set(xlabel=curve.x.label, ylabel="residual / noise", ylim=(-limit, limit))
+    if _spans_decades(places):
+        lower.set_xscale("log")
+    if _spans_decades(points - np.atleast_2d(curve.noise)[0]):
+        upper.set_yscale("log")
+    figure.align_ylabels()
+    set_title(figure, title)
+    return figure
+
+
+def _spans_decades(values: np.ndarray) -> bool:
+    """Return whether all values are positive, and the largest is 30 times the smallest."""
+    return bool(values.min() > 0.0 and values.max() > 30.0 * values.min())
+
+
+@apply_style
+def profile_likelihood(
+    name: str, values: np.ndarray, rise: np.ndarray, limit: float, *, title: str = ""
+) -> Figure:
+    """Draw the rise of chi-square over a parameter, and the limit that sets its interval.
+
+    Parameters
+    ----------
+    name : str
+        The parameter.
+    values, rise : ndarray, shape (n,)
+        Values of the parameter in rising order, and the rise of chi-square with all others fitted.
+    limit : float
+        Rise at the ends of the interval.
+
+    Examples
+    --------
+    >>> rise = np.array([3.8, 0.0, 3.9])
+    >>> plot.profile_likelihood("friction.mu", np.array([0.43, 0.46, 0.49]), rise, 3.84)
+    <Figure size ...>
+    """
+    figure, axes = new_axes(title=title)
+    # Signed roots of the rise are nearly straight: their squares give the curve between points.
+    roots = np.sqrt(rise) * np.where(np.arange(rise.size) < rise.argmin(), -1.0, 1.0)
+    x = np.linspace(values[0], values[-1], 101)
+    axes.plot(x, np.square(np.interp(x, values, roots)), color=LOOK.blue)
+    axes.plot(values, rise, "o", color=LOOK.blue, markersize=4)
+    axes.axhline(limit, color=LOOK.grey, linewidth=0.8, linestyle="--")
+    axes.annotate(f"interval ends at {limit:.3g}", (0.5, limit), (0, -4), ha="center", va="top",
+                  xycoords=("axes fraction", "data"), textcoords="offset points",
+                  fontsize=9)  # fmt: skip
+    axes.set(xlabel=name, ylabel="rise of chi-square", ylim=(0.0, 1.15 * max(limit, rise.max())))
+    return figure
+
+
+@apply_style
+def confidence_ellipses(
+    names: Sequence[str],
+    values: np.ndarray,
+    deviations: np.ndarray,
+    correlation: np.ndarray,
+    *,
+    title: str = "",
+    limits: tuple[np.ndarray, np.ndarray] | None = None,
+    most: int = 5,
+) -> Figure:
+    """Draw the 68 and 95 % ellipses of each pair of fitted parameters, up to the fifth one.
+
+    Predictions are linear in the values, as for linearised intervals: the axes are linear.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Keys of n parameters, at least two.
+    values, deviations : ndarray, shape (n,)
+        Estimates and standard deviations.
+    correlation : ndarray, shape (n, n)
+        Correlation.
+    title : str
+        Title of the figure.
+    limits : tuple of ndarray, shape (n,), optional
+        Lower and upper bounds of the values, at which ellipses end.
+    most : int
+        Most parameters that are drawn.
+
+    Examples
+    --------
+    >>> correlation = np.array([[1.0, 0.2], [0.2, 1.0]])
+    >>> sizes = np.array([0.4, 1e-6]), np.array([0.02, 2e-7])
+    >>> plot.confidence_ellipses(["friction.mu", "friction.layer"], *sizes, correlation)
+    <Figure size ...>
+    """
+    count, infinite = min(len(names), most), np.full(len(names), np.inf)
+    side = max(1.0, 0.45 * (count - 1))
+    figure = new_figure(side, 0.8 * side)
+    panels = figure.subplots(count - 1, count - 1, squeeze=False)
+    for row in range(1, count):
+        for column in range(count - 1):
+            axes = panels[row - 1, column]
+            if column >= row:
+                axes.set_axis_off()
+                continue
+            pair = [column, row]
+            _ellipses(axes, values[pair], deviations[pair], float(correlation[column, row]),
+                      [limit[pair, None] for limit in limits or (-infinite, infinite)])  # fmt: skip
+            axes.locator_params(nbins=5)
+            if row == count - 1:
+                axes.set_xlabel(names[column])
+            if column == 0:
+                axes.set_ylabel(names[row])
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    if count > 2:
+        panels[0, -1].legend(handles, labels, loc="center")
+    else:  # an ellipse leaves these corners empty
+        corner = "upper left" if correlation[0, 1] >= 0.0 else "upper right"
+        panels[0, 0].legend(loc=corner, fontsize=9, borderaxespad=0.2)
+    set_title(figure, title)
+    return figure
+
+
+def _ellipses(
+    axes: Any, centre: np.ndarray, deviations: np.ndarray, correlation: float, limits: Any
+) -> None:
+    """Draw the 68 and 95 % ellipses of two parameters, within limits of shape (2, 1)."""
+    matrix = np.array([[1.0, correlation], [correlation, 1.0]])
+    sizes, vectors = np.linalg.eigh(matrix)
+    # Radii of the circles that hold 68 and 95 % of a normal distribution of two variables.
+    for share, radius in {0.68: 1.51, 0.95: 2.45}.items():
+        turn = np.linspace(0.0, 2.0 * np.pi, 181)
+        circle = radius * np.sqrt(np.maximum(sizes, 0.0))[:, None] * [np.cos(turn), np.sin(turn)]
+        ring = centre[:, None] + deviations[:, None] * (vectors @ circle)
+        x, y = np.clip(ring, *limits)
+        axes.plot(x, y, color=LOOK.blue, linewidth=1.4 if share < 0.9 else 0.8,
+                  label=f"{share:.0%}")  # fmt: skip
+    axes.plot(*centre, "+", color=LOOK.vermillion, label="estimate")
+    axes.set_title(f"correlation {correlation:.2f}", loc="right", fontsize=9)

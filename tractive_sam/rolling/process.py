@@ -21,8 +21,8 @@ from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 import numpy as np
 
 from tractive_sam.contact import Gap, Model, enlarge, gap_across
-from tractive_sam.deprecation import renamed_attributes
 from tractive_sam.description import Row
+from tractive_sam.lazy_names import renamed_attributes
 from tractive_sam.results import (
     BOUND,
     COORDINATE,
@@ -713,7 +713,7 @@ class Process(ABC, Generic[AnyStep]):
 
 SAFETY, SHORTEST_CUT, LONGEST_GROWTH = 0.8, 0.2, 2.0
 """Safety factor and bounds of the change of a step. With variable steps the two-step formula of
-`rolling.adaptive` is stable up to a growth by 2.4."""
+`rolling.revolutions` is stable up to a growth by 2.4."""
 
 
 @dataclass(frozen=True)

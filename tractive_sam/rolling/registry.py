@@ -4,13 +4,11 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from tractive_sam.contact import Model
-from tractive_sam.rolling.damage import Damage
+from tractive_sam.rolling.observers import Damage, LargestStress
 from tractive_sam.rolling.process import Observer, Process, Step
-from tractive_sam.rolling.profile_wear import ProfileWear
 from tractive_sam.rolling.revolutions import DutyCycle, Revolutions
-from tractive_sam.rolling.stress import LargestStress
 from tractive_sam.rolling.transient import TransientProcess
-from tractive_sam.rolling.wheel_rail import WheelRailPatches
+from tractive_sam.rolling.wheel_rail import ProfileWear, WheelRailPatches
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, SceneError, build_law, load_law_class
 

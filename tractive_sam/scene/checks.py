@@ -1,19 +1,324 @@
-"""Checks between the tables of a scene."""
+"""Checks between the tables of a scene: contacts, prescribed forces, transients, wear."""
 
 import math
 from collections.abc import Iterator
 
-from tractive_sam.mechanics import HertzContact, HertzLine
+from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
 from tractive_sam.schema import Check, Fault, ValidEntries, not_both, shorten, warn
 
 from .bodies import HEAT_CHECKS, Bodies
-from .contact_checks import FORCE_CHECKS, LINE_CHECKS, TRANSIENT_CHECKS, is_line
 from .duty import check_blocks
-from .observer import check_observers
 from .plausibility import Pair, pair_notes
-from .process import PROCESS_CHECKS
-from .wear import Wear
+from .schedule import Stage
+from .wear import BY_COEFFICIENT, Wear
 from .wheel_rail import WHEEL_CHECKS
+
+_CROWN = "or a finite radius_y of one body, for a contact of finite width"
+
+
+def is_line(entries: ValidEntries) -> bool:
+    """Return whether the entries of a scene describe a line contact."""
+    gap = entries["gap"]
+    long = all(entries[f"body.{b}.radius_y"] == math.inf for b in "AB")
+    return long and (gap is None or gap.profile == "x")
+
+
+def _check_keys_of_points(entries: ValidEntries) -> Iterator[Fault]:
+    """Report an approach, spin, or friction that varies across, in a line contact."""
+    even = f"in a line contact, which is constant in y; {_CROWN}"
+    infinite = "the approach of a line contact relative to distant points is infinite"
+    excluded = (
+        ("load.approach", None, f"load.normal, in N/mm: {infinite}; {_CROWN}"),
+        ("creepage.spin", 0, f"0 {even}"),
+        ("friction.across", None, f"nothing {even}"),
+    )
+    for key, default, cure in excluded:
+        if is_line(entries) and entries[key] not in (None, default):
+            yield Fault(key, shorten(entries[key]), cure)
+
+
+def _check_directions_of_grid(entries: ValidEntries) -> Iterator[Fault]:
+    """Report grid entries with two numbers in a line contact, or with one in another."""
+    if entries["grid"] is None:
+        return
+    line = is_line(entries)
+    for key, values in (("half_length", "numbers above 0"), ("elements", "integers from 3")):
+        value = entries[f"grid.{key}"]
+        if value is None:
+            continue
+        if line and len(value) == 2:
+            cure = f"one number, for x: a line contact is constant in y; {_CROWN}"
+            yield Fault(f"grid.{key}", shorten(value), cure)
+        elif not line and len(value) == 1:
+            cure = f"a pair of {values}, in x and y; one number is for line contacts"
+            if entries["body"].infinitely_long:
+                cure += ', which a [gap] with profile = "x" allows'
+            yield Fault(f"grid.{key}", shorten(value[0]), cure)
+
+
+def _check_unit_of_planes(entries: ValidEntries) -> Iterator[Fault]:
+    """Report stress planes in units of the semi-axis b, which a line contact lacks."""
+    if entries["subsurface"] is None or not is_line(entries):
+        return
+    for plane in entries["subsurface.planes"]:
+        if plane.unit == "b":
+            cure = "a plane in mm or in a: the semi-axis b of a line contact is infinite"
+            yield Fault("subsurface.planes", shorten(str(plane)), cure)
+
+
+LINE_CHECKS: tuple[Check, ...] = (
+    _check_keys_of_points,
+    _check_directions_of_grid,
+    _check_unit_of_planes,
+)
+"""Checks of line contacts."""
+
+
+def _check_force_has_friction(entries: ValidEntries) -> Iterator[Fault]:
+    """Report prescribed tangential forces without friction."""
+    for key in ("load.force_x", "load.force_y"):
+        if key in entries.given and entries["friction"] is None:
+            yield Fault(
+                key,
+                "without friction",
+                "a [friction] table: without friction there is no tangential force",
+            )
+
+
+def _check_force_limit(entries: ValidEntries) -> Iterator[Fault]:
+    """Report prescribed forces above the friction limit in a scene without [transient]."""
+    if entries["transient"] is not None:
+        return  # `_check_force_limit_at_knots` covers it
+    forces = entries["load.force_x"], entries["load.force_y"]
+    angle = math.radians(entries["friction.angle"])
+    for names, value, limit in _forces_above_limit(
+        forces, _normal_load(entries), _largest_mu(entries), angle
+    ):
+        yield _limit_fault(entries, [f"load.{name}" for name in names], value, limit)
+
+
+def _check_force_limit_at_knots(entries: ValidEntries) -> Iterator[Fault]:
+    """Report the first knot at which forces exceed the friction limit of a known normal load."""
+    transient, mu, largest = entries["transient"], entries["friction.mu"], _largest_mu(entries)
+    if transient is None:
+        return
+    angle, constant = math.radians(entries["friction.angle"]), constant_quantities(entries)
+    knots = (
+        (table, stage, k) for table, stage in transient.by_key.items() for k in stage.knot_range
+    )
+    for table, stage, k in knots:
+        values = stage.values_at(k, constant)
+        forces = values["load.force_x"], values["load.force_y"]
+        factor = values["friction.mu"] / mu[0]
+        mu_at_knot = factor * largest[0], factor * largest[1]
+        excess = [*_forces_above_limit(forces, values["load.normal"], mu_at_knot, angle)]
+        for names, value, limit in excess:
+            given = (f"load.{name}" for name in names)
+            keys = [f"{table}.{key}" if key in stage.courses else key for key in given]
+            unit = " mm" if stage.rolls else ""
+            yield _limit_fault(entries, keys, f"{value} at {stage.distance[k]:g}{unit}", limit)
+        if excess:
+            return
+
+
+def constant_quantities(entries: ValidEntries) -> dict[str, float | None]:
+    """Return loads, forces and friction of [load] and [friction] by dotted key; None if not set."""
+    keys = ("load.approach", "load.force_x", "load.force_y")
+    values: dict[str, float | None] = {key: entries[key] for key in keys}
+    return values | {"load.normal": _normal_load(entries), "friction.mu": entries["friction.mu"][0]}
+
+
+def _check_method_of_forces(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a method that cannot compute the creepage of a prescribed force."""
+    method = entries["solver.method"]
+    forces = [k for k in ("load.force_x", "load.force_y") if entries[k] is not None]
+    if method in ("uzawa", "anderson") and forces:
+        text = f'"auto" or "newton", which compute the creepages of {" and ".join(forces)}'
+        yield Fault("solver.method", shorten(method), text)
+
+
+def _largest_mu(entries: ValidEntries) -> tuple[float, float]:
+    """Return (mu1, mu2) at the lateral position with the largest friction."""
+    mu1, mu2 = entries["friction.mu"]
+    factor = 1.0 if entries["friction"] is None else entries["friction"].largest_factor
+    return factor * mu1, factor * mu2
+
+
+def _normal_load(entries: ValidEntries) -> float | None:
+    """Return the normal load, or None if only the solution of the contact gives it."""
+    if entries["load.pressure"] is not None:
+        return entries["body"].normal_load(entries["load"])
+    return entries["load.normal"]
+
+
+def _forces_above_limit(
+    forces: tuple[float | None, float | None],
+    load: float | None,
+    mu: tuple[float, float],
+    angle: float,
+) -> Iterator[tuple[tuple[str, ...], str, float]]:
+    """Yield (names, value as text, limit) of forces that friction cannot transmit."""
+    if load is None:
+        return
+    force_x, force_y = forces
+    if force_x is not None and force_y is not None:
+        share = load_to_carry((force_x, force_y), mu, angle) / load
+        if share >= 1:
+            limit = math.hypot(force_x, force_y) / share
+            yield ("force_x", "force_y"), shorten((force_x, force_y)), limit
+        return
+    for axis, (name, force) in enumerate((("force_x", force_x), ("force_y", force_y))):
+        # If the other force is free, the limit is the force of full slip along this axis.
+        limit = abs(full_slip_force(load, mu, angle, (1.0 - axis, float(axis)))[axis])
+        if force is not None and abs(force) >= limit:
+            yield (name,), shorten(force), limit
+
+
+def _limit_fault(entries: ValidEntries, keys: list[str], value: str, limit: float) -> Fault:
+    """Return the fault of forces above the friction limit."""
+    unit = "N/mm" if is_line(entries) else "N"
+    cure = f"less than {limit:.6g} {unit}: friction can carry at most this much in this direction"
+    return Fault(", ".join(keys), value, cure)
+
+
+FORCE_CHECKS: tuple[Check, ...] = (
+    _check_force_has_friction,
+    _check_force_limit,
+    _check_force_limit_at_knots,
+    _check_method_of_forces,
+)
+"""Checks of prescribed forces."""
+
+
+def _check_tables_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a missing [friction] table, and tables and keys that [transient] excludes."""
+    if entries["transient"] is None:
+        return
+    friction = entries["friction"]
+    if friction is None:
+        yield Fault("transient", "without friction", "a [friction] table, which a transient needs")
+    elif friction.share is not None and friction.memory and friction.strength is not None:
+        cure = "nothing: a transient with friction.memory cannot have a strength"
+        yield Fault("friction.strength", "with friction.memory and [transient]", cure)
+    if entries["accuracy"] is not None:
+        cure = "a [grid] in place of [accuracy]: error bars hold for steady states only"
+        yield Fault("transient", "together with [accuracy]", cure)
+    if friction is not None and friction.layer:
+        value = f"{friction.layer:g}, with [transient]"
+        yield Fault(
+            "friction.layer", value, "0: an interfacial layer is not modelled in a transient"
+        )
+    if entries["solver.method"] in ("uzawa", "anderson"):
+        value = f'solver.method = "{entries["solver.method"]}"'
+        yield Fault("solver.method", value, '"auto" or "newton" with [transient]')
+
+
+def _check_sliding_speed_exists(entries: ValidEntries) -> Iterator[Fault]:
+    """Report falling friction with shifts, jumps or forces at the start from rest."""
+    transient, friction = entries["transient"], entries["friction"]
+    if transient is None or friction is None or friction.share is None:
+        return
+    falls = f'with friction.law = "{friction.law}"'
+    why = "the law depends on the sliding speed, and a shift or a jump has no speed"
+    if transient.shift_keys:
+        for key in transient.shift_keys:
+            yield Fault(key, f'"shift" {falls}', f"stages that roll: {why}")
+        return
+    constant, courses = constant_quantities(entries), transient.stages[0].courses
+    for key, place, changed in transient.jumps(constant):
+        cure = f"knots a short distance apart: {why}"
+        yield Fault(key, f"a jump of {changed} at {place:g} mm {falls}", cure)
+    for force in ("load.force_x", "load.force_y"):
+        first = transient.stages[0].values_at(0, constant)[force]
+        if transient.start == "rest" and first:
+            key = transient.schedule.course_keys[force] if force in courses else force
+            cure = f'0 at the first knot, or transient.start = "steady": {why}'
+            yield Fault(key, f"{first:g} at the start from rest {falls}", cure)
+
+
+REVOLUTION_KEYS = ("revolutions", "save", "stepping", "turns", "tolerance")
+"""Keys of [wear] that only apply to revolutions."""
+
+
+def _check_wear_of_transient(entries: ValidEntries) -> Iterator[Fault]:
+    """Report entries of [wear] that a transient excludes, or without it the missing revolutions."""
+    transient, wear = entries["transient"], entries["wear"]
+    if wear is None or entries["process"] is not None:
+        return
+    if transient is None:
+        if "wear.revolutions" not in entries.given:
+            cure = "an integer from 1, or a [transient] with a distance over which it wears"
+            yield Fault("wear.revolutions", "nothing", cure)
+        return
+    for key in REVOLUTION_KEYS:
+        if f"wear.{key}" in entries.given:
+            cure = "nothing: the wear accumulates over transient.distance"
+            yield Fault(f"wear.{key}", "with [transient]", cure)
+    laws = set() if wear.named_law else set(wear.laws.values())
+    for law in sorted(law for law in laws if law and law not in BY_COEFFICIENT):
+        if transient.shift_keys:
+            cure = (
+                "archard or energy: other laws depend on the rolling distance, and shifts have none"
+            )
+        elif law == "brr" or (law != "jendel" and wear.by == "contact"):
+            cure = 'a law with by = "element": T-gamma of the contact holds for steady rolling only'
+        else:
+            continue
+        yield Fault("wear.law", f"{law} with [transient]", cure)
+    radii = (abs(entries[f"body.{name}.radius_x"]) for name in "AB")
+    turn = 2.0 * math.pi * min(radii)
+    first, last = transient.knots[0], transient.knots[-1]
+    distance = transient.schedule.rolled(last) - transient.schedule.rolled(first)
+    if distance > turn:
+        cure = f"at most {turn:.5g} mm, one turn: after it worn material returns to the contact"
+        key = f"{[*transient.by_key][-1]}.distance"
+        yield Fault(key, f"{distance:g} mm with [wear]", cure)
+
+
+def _check_keys_of_courses(entries: ValidEntries) -> Iterator[Fault]:
+    """Report load courses without their key in [load], and creepages prescribed with a force."""
+    transient, either = entries["transient"], "a force or a creepage, not both"
+    if transient is None:
+        return
+    for key, stage in transient.by_key.items():
+        for force, creepage in Stage.forced:
+            if {f"load.{force}", f"creepage.{creepage}"} <= stage.courses.keys():
+                yield Fault(f"{key}.creepage.{creepage}", f"with {key}.load.{force}", either)
+    if transient.stage:
+        return
+    courses = transient.stages[0].courses
+    for key in ("load.normal", "load.approach"):
+        if key in courses and entries[key] is None:
+            cure = f"{key} as well: the mesh and the units follow from it"
+            yield Fault(f"transient.{key}", f"a course, and no {key}", cure)
+    for force, creepage in Stage.forced:
+        load, crept = f"load.{force}", f"creepage.{creepage}"
+        if entries[load] is not None and load not in courses and crept in courses:
+            yield Fault(f"transient.{crept}", f"with {load}", either)
+        if load in courses and crept in entries.given:
+            yield Fault(crept, f"with transient.{load}", either)
+
+
+def _check_step_length(entries: ValidEntries) -> Iterator[Fault]:
+    """Report steps longer than the contact."""
+    transient, hertz = entries["transient"], entries["body"].hertz(entries["load"])
+    if transient is None or hertz is None or entries["gap"] is not None:
+        return
+    length = 2.0 * hertz.a
+    for key, stage in transient.by_key.items():
+        if stage.rolls and stage.step is not None and length < stage.step:
+            cure = f"at most {length:.4g} mm: in a longer step all material leaves the contact"
+            yield Fault(f"{key}.step", f"{stage.step:g}", cure)
+
+
+TRANSIENT_CHECKS: tuple[Check, ...] = (
+    _check_tables_of_transient,
+    _check_sliding_speed_exists,
+    _check_wear_of_transient,
+    _check_keys_of_courses,
+    _check_step_length,
+)
+"""Checks between [transient] and the other tables."""
 
 
 def _check_wear_has_friction(entries: ValidEntries) -> Iterator[Fault]:
@@ -175,6 +480,27 @@ def _check_stress_history(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("fatigue.volume", "with [transient]", cure)
 
 
+def _check_process_excludes(entries: ValidEntries) -> Iterator[Fault]:
+    """Report tables and keys that [process] excludes."""
+    if entries["process"] is None:
+        return
+    for table in ("transient", "duty", "accuracy"):
+        if entries[table]:
+            yield Fault("process", f"with [{table}]", f"[process] or [{table}], not both")
+    for key in REVOLUTION_KEYS:
+        if f"wear.{key}" in entries.given:
+            cure = "nothing: the process wears up to process.end"
+            yield Fault(f"wear.{key}", "with [process]", cure)
+
+
+def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
+    """Report observers that are named twice in a scene."""
+    names = [observer.name.name for observer in entries["observer"]]
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            yield Fault(f"observer[{k}].name", name, "each observer once")
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
     _check_stress_history,
     *FORCE_CHECKS,
@@ -195,8 +521,8 @@ SCENE_CHECKS: tuple[Check, ...] = (
     *LINE_CHECKS,
     *WHEEL_CHECKS,
     *TRANSIENT_CHECKS,
-    *PROCESS_CHECKS,
-    check_observers,
+    _check_process_excludes,
+    _check_observers,
     *HEAT_CHECKS,
 )
 """All checks between the tables of a scene."""

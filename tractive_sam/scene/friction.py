@@ -28,7 +28,7 @@ from tractive_sam.schema import (
     optional,
 )
 
-from .describe import format_pair
+from .tables import format_pair
 
 
 def without_zero_friction(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:

@@ -38,7 +38,7 @@ from tractive_sam.text_table import (
 )
 
 from .duty import Block, BlockCreepage, BlockFriction, BlockLoad
-from .gap import TEXTS, absolute_path
+from .inputs import TEXTS, absolute_path
 
 MAX_LEVELS = 1000
 """Largest number of levels of a column."""

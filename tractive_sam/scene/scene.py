@@ -1,14 +1,17 @@
-"""The scene: all settings of a computation, and the hash of its settings."""
+"""The scene: all settings of a computation, its hash, and the built-in scenes as text."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import re
+import textwrap
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from importlib import resources
+from os import PathLike
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,32 +21,37 @@ from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Ma
 from tractive_sam.schema import (
     Check,
     Document,
+    Fault,
     InnerTable,
     PlausibilityWarning,
     SceneError,
     SceneWarning,
     Table,
     entry,
+    key_groups,
     optional,
+    shorten,
+    suggest_name,
     toml,
     warn,
 )
 
-from . import describe
-from .bodies import STEEL, Bodies, Heat, Thermal
-from .catalogue import builtin_text, is_path
+from .bodies import STEEL, Bodies, Fatigue, Heat, Thermal
 from .checks import SCENE_CHECKS, unequal_turns, warn_if_large
-from .duty import Block, Spectrum, block_scenes, check_blocks_on_mesh, cycle_notes
-from .fatigue import Fatigue
+from .duty import (
+    Block,
+    Spectrum,
+    block_scenes,
+    check_blocks_on_mesh,
+    cycle_notes,
+    override,
+    parse_settings,
+)
 from .friction import Friction, without_zero_friction
-from .gap import Gap
-from .inputs import Input, InputName, InputPath
+from .inputs import Gap, Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
-from .observer import ObserverTable
-from .override import override, parse_settings
 from .plausibility import scene_notes
-from .process import ProcessTable
-from .schedule import Schedule
+from .schedule import ObserverTable, ProcessTable, Schedule, Transient
 from .tables import (
     Accuracy,
     Creepage,
@@ -54,12 +62,52 @@ from .tables import (
     PointContact,
     Solver,
     Subsurface,
+    draw_summary,
+    format_summary,
     warn_if_coarse,
 )
-from .transient import Transient
 from .wear import Wear
-from .wheel_rail import WheelRail, add_wheel_contact, resolve_profiles, without_wheel_contact
-from .wheel_tables import RailTable, WheelsetTable, WheelTable
+from .wheel_rail import (
+    RailTable,
+    WheelRail,
+    WheelsetTable,
+    WheelTable,
+    add_wheel_contact,
+    resolve_profiles,
+    without_wheel_contact,
+)
+
+
+def builtin_names() -> tuple[str, ...]:
+    """Return the names of the built-in scenes, in alphabetical order.
+
+    Examples
+    --------
+    >>> "twin-discs" in ts.builtin_names()
+    True
+    """
+    files = (resources.files(__package__) / "builtin").iterdir()
+    return tuple(sorted(f.name.removesuffix(".toml") for f in files if f.name.endswith(".toml")))
+
+
+def is_path(name: str | PathLike[str]) -> bool:
+    """Return whether a text is the path of a scene file (existing or not), rather than a name."""
+    path = Path(name)
+    return path.suffix == ".toml" or len(path.parts) > 1 or path.exists()
+
+
+def builtin_text(name: str) -> str:
+    """Return the TOML text of a built-in scene.
+
+    Raises
+    ------
+    SceneError
+        If no built-in scene has this name.
+    """
+    names = builtin_names()
+    if name not in names:
+        raise SceneError([Fault(Fault.SCENE, shorten(name), suggest_name(name, names))])
+    return (resources.files(__package__) / "builtin" / f"{name}.toml").read_text(encoding="utf-8")
 
 
 def hash_settings(settings: Mapping[str, Any], without: Sequence[str] = ()) -> str:
@@ -320,11 +368,11 @@ class Scene(Document):
         return cls.from_toml_text(builtin_text(name))
 
     def __repr__(self) -> str:
-        return describe.format_summary(self)
+        return format_summary(self)
 
     def _repr_html_(self) -> str:
         """Return the summary as HTML, for notebooks."""
-        return describe.draw_summary(self)
+        return draw_summary(self)
 
     def fingerprint(self) -> str:
         """Return a hash of all settings with defaults, except the title and [load_history].
@@ -509,3 +557,68 @@ class Scene(Document):
                     if isinstance(profile, dict) and isinstance(profile.get("file"), str):
                         profile["file"] = str(folder / profile["file"])
         return tables
+
+
+_HEAD = """\
+# Units: mm, N, MPa, degrees, revolutions. x is the rolling direction, y lateral; A is above.
+# For another contact, change the values, and remove [grid] and [solver] if the file has them: mesh
+# and method then follow from the contact. `tractive-sam explain FILE` describes what is modelled.
+"""
+
+
+def commented_scene(name: str) -> str:
+    """Return a built-in scene as TOML text with a comment on every key, and a list of all tables.
+
+    Raises
+    ------
+    SceneError
+        If no built-in scene has this name.
+    """
+    groups = [group for group in key_groups(Scene) if group.keys]
+    meanings = {
+        f"{table}.{key.name}".lstrip("."): key.meaning
+        for group in groups
+        for table in group.names
+        for key in group.keys
+    }
+    lines, table = [], ""
+    for line in builtin_text(name).strip().split("\n"):
+        table = line.strip("[]") if line.startswith("[") else table
+        meaning = meanings.get(f"{table}.{line.split('=')[0].strip()}".lstrip("."))
+        lines.append(f"{line:{34}}  # {meaning}" if meaning else line)
+    tables = " ".join(group.headings for group in groups if group.headings)
+    rest = f"Further keys and tables are listed by `tractive-sam keys [TABLE]`: {tables}"
+    comments = textwrap.wrap(rest, 98, break_long_words=False, break_on_hyphens=False)
+    return "\n".join([_HEAD, *lines, "", *(f"# {comment}" for comment in comments)]) + "\n"
+
+
+FILE_KEYS = (
+    "gap.file",
+    "load_history.file",
+    "transient.profile.A.file",
+    "transient.profile.B.file",
+)
+"""Keys of a scene that name a file."""
+
+
+def resolve_parametric_files(folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+    """Let relative file paths in a study's tables start from a folder, in place; return them."""
+    match tables:
+        case {"scene": str(name)} if (folder / name).is_file():
+            tables["scene"] = str(folder / name)
+        case {"scene": dict(scene)}:
+            Scene.resolve_files(folder, scene)
+    for axis in _axes_with_zipped(tables.get("axis")):
+        match axis:
+            case {"key": str(key), "values": list() | tuple() as files} if key in FILE_KEYS:
+                axis["values"] = [str(folder / str(file)) for file in files]
+    return tables
+
+
+def _axes_with_zipped(axes: Any) -> Iterator[Any]:
+    """Yield each axis of a study, followed by the axes zipped with it."""
+    for axis in axes if isinstance(axes, list | tuple) else ():
+        yield axis
+        match axis:
+            case {"zip": list() | tuple() as zipped}:
+                yield from zipped

@@ -28,9 +28,9 @@ from tractive_sam.schema import (
     optional,
 )
 
-from .describe import format_pair
 from .friction import Factors, describe_factors
 from .schedule import RevolutionSchedule, Schedule
+from .tables import format_pair
 
 PER_INTENSITY = 1e3
 """Coefficient in mm3/(N m) of a wear intensity of 1/MPa = 1 mm3/(N mm)."""

@@ -25,9 +25,8 @@ from pydantic import ConfigDict, PydanticUserError, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from .faults import Fault, SceneError, shorten, suggest_name
-from .field_types import describe_allowed, list_names
-from .table import Table
-from .table_base import to_python
+from .keys import describe_allowed, list_names
+from .table import Table, to_python
 
 _IDENTIFIER = r"[^\W\d]\w*"
 _MODULE = rf"{_IDENTIFIER}(?:\.{_IDENTIFIER})*"

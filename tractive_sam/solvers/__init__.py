@@ -10,8 +10,7 @@ sequence, by easier problems.
     1.0
 """
 
-from tractive_sam.deprecation import with_renamed
-from tractive_sam.lazy_names import attach_names
+from tractive_sam.lazy_names import attach_names, with_renamed
 
 # Names, listed in __init__.pyi, are looked up when first used.
 _lookup, __dir__, _ = attach_names(__name__, __file__)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple, Protocol, Self, TypeVar
 import numpy as np
 
 from tractive_sam.compute import Mirror, backend_of
-from tractive_sam.deprecation import renamed_attributes
+from tractive_sam.lazy_names import renamed_attributes
 from tractive_sam.mechanics import Bound, FrictionOnMesh, Linearisation
 from tractive_sam.operators import (
     Box,

@@ -103,8 +103,7 @@ of a scheduler end with it, and have to be started again as well. If the client 
 have begun end on their workers, and the next client finds them.
 """
 
-from tractive_sam.deprecation import with_renamed
-from tractive_sam.lazy_names import attach_names
+from tractive_sam.lazy_names import attach_names, with_renamed
 
 # Names, listed in __init__.pyi, are looked up when first used: a worker needs no figures, and
 # whoever reads results no compilers.

@@ -1,21 +1,19 @@
 """The public names of studies, for `__init__.py` and for type checkers."""
 
-from .case import Case as Case
-from .case import cases as cases
 from .cluster import SchedulerLostError as SchedulerLostError
 from .cluster import check_installed as check_installed
 from .cluster import computed as computed
 from .cluster import local_cluster as local_cluster
-from .cost import estimate_times as estimate_times
-from .cost import explain_study as explain_study
 from .design import SAMPLE as SAMPLE
 from .design import Axis as Axis
 from .design import Bounds as Bounds
+from .design import Case as Case
 from .design import Dimension as Dimension
 from .design import Latin as Latin
 from .design import Study as Study
 from .design import StudyError as StudyError
 from .design import Values as Values
+from .design import cases as cases
 from .design import is_study as is_study
 from .figures import save_figures as save_figures
 from .results import STATUSES as STATUSES
@@ -24,4 +22,6 @@ from .results import StudyResults as StudyResults
 from .results import open_study as open_study
 from .run import SCHEDULER_ENCRYPTS as SCHEDULER_ENCRYPTS
 from .run import StudyProgress as StudyProgress
+from .run import estimate_times as estimate_times
+from .run import explain_study as explain_study
 from .run import study as study

@@ -22,9 +22,17 @@ from tractive_sam import interrupt
 from tractive_sam.extras import describe_missing
 from tractive_sam.schema import allow_laws
 from tractive_sam.store import ResultsError
-from tractive_sam.studies.chain import Chain, make_chains
-from tractive_sam.studies.task import FAILED, LOCKED, CaseOutcome, Task
-from tractive_sam.studies.worker import SINGLE_THREAD, run_case, run_chain
+from tractive_sam.studies.worker import (
+    FAILED,
+    LOCKED,
+    SINGLE_THREAD,
+    CaseOutcome,
+    Chain,
+    Task,
+    make_chains,
+    run_case,
+    run_chain,
+)
 
 if TYPE_CHECKING:
     from distributed import Client, Future, Worker

@@ -15,8 +15,7 @@ from tractive_sam.output_file import make_folder, omit_failing_figure
 from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
 from tractive_sam.results import COLUMNS, Quantity, index_by_name
 from tractive_sam.scene import CreepageCourse, Scene
-from tractive_sam.studies.case import title_of
-from tractive_sam.studies.design import SAMPLE, Study
+from tractive_sam.studies.design import SAMPLE, Study, title_of
 
 DEFAULTS = ("Qx_over_P", "Qy_over_P", "Mz", "p_max", "stick_fraction", "wear_max")
 """Quantities that are drawn by default."""

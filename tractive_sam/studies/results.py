@@ -7,7 +7,7 @@ study.toml                  the study, with its scene
     0123456789abcdef.txt        why a case failed: the message, and after an empty line the version
                                 of this package, the worker and its traceback
     complete.jsonl              last records of complete cases, to be read at once, each
-                                with a checksum (see `case_log`)
+                                with a checksum (see `CaseLog`)
 
 Workers write the results files; the client that runs the study writes all others. There is no other
 state: these files determine which cases are complete. Other files are not changed.
@@ -37,11 +37,10 @@ import numpy as np
 from tractive_sam import interrupt
 from tractive_sam.description import html_table, text_table
 from tractive_sam.extras import check_extra
-from tractive_sam.markup import Html
 from tractive_sam.optional import xarray
 from tractive_sam.output_file import OutputError, describe_os_error, is_disk_failure, write_file
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, index_by_name
-from tractive_sam.safe_text import csv_cell
+from tractive_sam.safe_text import Html, csv_cell
 from tractive_sam.scene import FileContent, hashes_of, use_contents
 from tractive_sam.schema import SceneError, SceneWarning
 from tractive_sam.store import (
@@ -53,9 +52,8 @@ from tractive_sam.store import (
     open_history,
     write_netcdf,
 )
-from tractive_sam.studies.case import DIGEST, Case, CaseLog, cases, title_of
-from tractive_sam.studies.design import Study
-from tractive_sam.studies.task import COMPLETE, FAILED, CaseOutcome, Task, summary
+from tractive_sam.studies.design import DIGEST, Case, CaseLog, Study, cases, title_of
+from tractive_sam.studies.worker import COMPLETE, FAILED, CaseOutcome, Task, summary
 
 
 class Folder:

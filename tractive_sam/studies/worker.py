@@ -1,17 +1,20 @@
-"""Compute cases on a worker, which alone writes their results files."""
+"""Tasks: cases and chains of neighbouring ones, which a worker computes and stores."""
 
 import os
 import socket
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Container, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
 from traceback import format_exc
+from typing import Any
+
+import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.results import History
-from tractive_sam.run import SequentialRuns, roll
+from tractive_sam.results import BODIES, History
+from tractive_sam.run import SequentialRuns, neighbouring_places, roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import (
     DamagedError,
@@ -21,7 +24,112 @@ from tractive_sam.store import (
     open_history,
     versions,
 )
-from tractive_sam.studies.task import COMPLETE, FAILED, LOCKED, CaseOutcome, summary
+from tractive_sam.studies.design import Case
+
+COMPLETE, FAILED, LOCKED = "complete", "failed", "locked"
+
+
+@dataclass(frozen=True)
+class Task:
+    """Case to compute, with its results file and its estimated time.
+
+    Attributes
+    ----------
+    case : Case
+        The case.
+    file : Path or None
+        Results file of the case; None if the study keeps scalars.
+    seconds : float
+        Expected time; long cases are first.
+    """
+
+    case: Case
+    file: Path | None
+    seconds: float
+
+
+@dataclass(frozen=True)
+class CaseOutcome:
+    """Outcome of a computed case: status, message, and values of its last record.
+
+    Attributes
+    ----------
+    status : str
+        `COMPLETE`, `FAILED`, or `LOCKED` by another process.
+    message : str
+        How it ended.
+    row : mapping of str to number
+        The last record, from `summary`.
+    worker : str
+        Machine and process.
+    seconds : float
+        Time it took on the worker.
+    version : str
+        Version of this package on the worker.
+    note : str
+        A note for the user.
+    traceback : str
+        Traceback of a failure.
+    """
+
+    status: str
+    message: str
+    row: dict[str, Any] = field(default_factory=dict)
+    worker: str = ""
+    seconds: float = 0.0
+    version: str = ""
+    note: str = ""
+    traceback: str = ""
+
+
+def summary(history: History, record: int = -1) -> dict[str, Any]:
+    """Return a record's scalars, those of bodies as "name A", and the history's totals, by name."""
+    if not len(history):
+        return {}
+    row = {name: history[name][record].item() for name in history.of_dims()}
+    for name, quantity in history.of_dims("body").items():
+        for body in quantity.bodies(history.scene):
+            row[f"{name} {body}"] = float(history[name][record, BODIES.index(body)])
+    return row | history.totals
+
+
+Chain = tuple[Task, ...]
+"""Tasks that a worker receives together."""
+
+
+def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
+    """Return the position of each case in an order in which neighbours follow one another."""
+    places = np.array([np.ravel_multi_index(place, shape) for place in neighbouring_places(shape)])
+    return np.argsort(places)
+
+
+def make_chains(
+    tasks: Iterable[Task], single: Container[str] = (), *, longest: float = 2.0
+) -> list[Chain]:
+    """Divide tasks into chains of <= `longest` s; tasks with a file or in `single` remain alone.
+
+    Parameters
+    ----------
+    tasks : iterable of Task
+        Tasks in their order.
+    single : container of str
+        Hashes of cases that are separate chains, as are those with a results file.
+    longest : float
+        Expected seconds of a chain of several cases: the loss if a worker dies, and the time for
+        which others wait at the end.
+    """
+    chains: list[list[Task]] = []
+    remaining = 0.0
+    for task in tasks:
+        joins = task.file is None and task.case.digest not in single
+        remaining -= task.seconds
+        if joins and remaining >= 0.0:
+            chains[-1].append(task)
+        else:
+            chains.append([task])
+            remaining = longest - task.seconds if joins else 0.0
+    return [tuple(chain) for chain in chains]
+
 
 SINGLE_THREAD = {
     "OMP_NUM_THREADS": "1",

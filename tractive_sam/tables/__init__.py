@@ -5,11 +5,10 @@
     poisson = 0.3                   # or several values
     tolerance = 0.01                # error bar and interpolation error, over mu P
 
-`tractive_sam.lookup.coordinates` describes the law, its scaling and its symmetries.
+`tractive_sam.lookup.hermite` describes the law, its scaling and its symmetries.
 """
 
-from tractive_sam.deprecation import with_renamed
-from tractive_sam.lazy_names import attach_names
+from tractive_sam.lazy_names import attach_names, with_renamed
 
 # Names, listed in __init__.pyi, are looked up when first used: who reads a table computes nothing.
 _lookup, __dir__, __all__ = attach_names(__name__, __file__)

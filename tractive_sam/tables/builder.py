@@ -22,8 +22,7 @@ from tractive_sam.lookup import (
     share_of_bar,
 )
 from tractive_sam.schema import Fault
-from tractive_sam.tables.contacts import Solved
-from tractive_sam.tables.design import TableError
+from tractive_sam.tables.design import Solved, TableError
 from tractive_sam.tables.solving import NODE_SHARE, Point, TableContacts
 
 HEADING, TILT = 0, 1

@@ -16,8 +16,7 @@ from tractive_sam.reference import full_slip_with_spin
 from tractive_sam.scene import describe_changes, hashes_of
 from tractive_sam.schema import Fault, SceneError
 from tractive_sam.studies import computed
-from tractive_sam.tables.contacts import Contacts, Solved
-from tractive_sam.tables.design import TableDesign, TableError
+from tractive_sam.tables.design import Contacts, Solved, TableDesign, TableError
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from os import PathLike
 from pathlib import Path
 from platform import python_version
 
-from tractive_sam.markup import Html, as_html, fill
 from tractive_sam.output_file import make_folder, write_file
 from tractive_sam.pages import fill_page
+from tractive_sam.safe_text import Html, as_html, fill
 from tractive_sam.validation import closed_forms, durability, experiment, rolling, wheel_rail
 from tractive_sam.validation.comparison import Comparison, Outcome, PublishedSet, Topic, Verdict
 
