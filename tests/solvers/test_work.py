@@ -15,7 +15,7 @@ SPHERES = ts.Scene.builtin("spheres").replace(
 )
 
 CONVOLUTIONS = {
-    "normal problem": (9.1, {"creepage": None}),
+    "normal problem": (8.2, {"creepage": None, "grid.elements": (45, 45)}),
     "half of a mesh": (22.3, {}),
     "all of a mesh": (37.7, {"creepage.spin": 5e-4}),
     "orthotropic friction": (37.0, {"friction.mu": (0.4, 0.2), "friction.angle": 30.0}),
