@@ -334,15 +334,19 @@ def test_half_as_long_steps_come_to_the_same(friction):
 
 
 def test_a_law_without_a_slope_is_coulombs():
-    transient = {"distance": [0, 4 * dx(11)], DRIVE: [-3e-3] * 2}
-    here = scene(transient, friction={"mu": MU})
+    # Without symmetry: only the problem of Coulomb's law would be solved on half of the mesh.
+    course = {DRIVE: [-3e-3] * 2, "creepage.lateral": [1e-3] * 2}
+    here = scene({"distance": [0, 4 * dx(11)], **course}, friction={"mu": MU})
     level = ts.FallingCoulomb((MU, MU), sliding=Exponential(1.0, 1.0), speed=SPEED)
     histories = [
         ts.roll(here, laws=ts.Laws.of(here).replace(friction=law))
         for law in (ts.Coulomb((MU, MU)), level)
     ]
-    for name in ("Qx", "dissipation", "elastic_energy", "convolutions"):
-        np.testing.assert_array_equal(histories[0][name], histories[1][name])
+    # The pressure at rest is solved to the tolerance, with Coulomb's law on half of the mesh.
+    for name in ("Qx", "dissipation", "elastic_energy"):
+        np.testing.assert_allclose(histories[0][name], histories[1][name], rtol=1e-5)
+    costs = [history["convolutions"][1:].sum() for history in histories]
+    assert costs[0] == pytest.approx(costs[1], rel=0.1)  # single iterations
 
 
 @pytest.mark.parametrize("law", [FALLS, {"mu": MU, "strength": 60.0}])

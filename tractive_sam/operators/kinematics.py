@@ -124,9 +124,14 @@ class SteadyRolling(Kinematics):
     ----------
     zones_from : int
         Elements from which on the inverse by zones takes less time than the upwind sweep.
+    longest : float
+        Length over width of elements up to which it does: the weights of the inverse by zones
+        follow from waves along x, and the elements of a row act on each other less than on the next
+        row if they are longer.
     """
 
     zones_from: int = 12_000
+    longest: float = 1.5
 
     joint = False
 
@@ -162,9 +167,10 @@ class SteadyRolling(Kinematics):
         isotropic friction and bodies of equal material. Parameters as in
         `Kinematics.approximate_inverse`.
         """
-        first, second = operators.frame.mu
+        (first, second), lattice = operators.frame.mu, operators.lattice
+        short = lattice.dx <= self.longest * lattice.dy
         alike = first == second and not operators.elasticity.coupled
-        if alike and law.state.size >= self.zones_from:
+        if alike and short and law.state.size >= self.zones_from:
             return operators.zone_inverse.at(law, stiffness)
         return law.upwind_inverse(operators.self_influence, operators.tangential_inverse, stiffness)
 
