@@ -24,7 +24,7 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, solve_on_fitted_mesh
-from tractive_sam.run.accuracy.levels import Levels, set_tolerances
+from tractive_sam.run.error_bars import Levels, set_tolerances
 from tractive_sam.subsurface import maxima_by_body
 
 LOAD, STEEL = 1000.0, 208e3

@@ -405,7 +405,7 @@ def bound_of(change: Change, scene: ts.Scene, group: str) -> float:
         # Contacts are solved to a part of the error that a jump may have.
         bound = 0.1 * wear.tolerance
     if group == "stress":
-        # The search inside the body takes elements together (`subsurface.multilevel`).
+        # The search inside the body takes elements together (`subsurface.sources`).
         bound = max(bound, 6e-4)
     if group == "fatigue" and fatigue is not None:
         # A critical plane is found to 1e-4, and life is a power of the stress.

@@ -30,7 +30,7 @@ from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.reference import (
     circle_pressure_stress,
@@ -42,8 +42,8 @@ from tractive_sam.results import State
 from tractive_sam.results.state import distance_to_edge, distances_to_edges
 from tractive_sam.run import read_measured_gap
 from tractive_sam.subsurface import stress_maximum, stress_volume
-from tractive_sam.subsurface.loaded_bodies import LoadedBodies
 from tractive_sam.subsurface.sources import SIGNS
+from tractive_sam.subsurface.stress_fields import LoadedBodies
 
 ACROSS = (16, 24, 32, 48, 64, 96)
 SHIFTS = (0.0, 0.3, 0.6)

@@ -31,7 +31,7 @@ from tractive_sam.results.grid import Grid
 from tractive_sam.results.state import State
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import stress_maximum, stress_on_plane, stress_volume
-from tractive_sam.subsurface.loaded_bodies import LoadedBodies
+from tractive_sam.subsurface.stress_fields import LoadedBodies
 
 DEPTHS = 64
 LARGE = 512

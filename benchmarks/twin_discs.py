@@ -24,7 +24,7 @@ from timing import RESULTS, show, write
 
 import tractive_sam as ts
 from tractive_sam import plot
-from tractive_sam.mechanics.full_slip import full_slip_force
+from tractive_sam.mechanics.frame import full_slip_force
 from tractive_sam.reference import giwm
 
 ANGLES = (0.0, 45.0, 90.0)

@@ -19,7 +19,7 @@ from unittest import mock
 import numpy as np
 from timing import show, write
 
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.results import State
 from tractive_sam.rolling import observers, passage
 from tractive_sam.run import roll

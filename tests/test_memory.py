@@ -10,7 +10,7 @@ import pytest
 import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.run import explain, memory
-from tractive_sam.run.argument_checks import read_profiles
+from tractive_sam.run.inputs import read_profiles
 from tractive_sam.solvers import NEARBY
 
 FREE = 256 * 2**20
@@ -26,7 +26,6 @@ LARGE = {
 @pytest.fixture
 def little(monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: FREE)
-    monkeypatch.setattr(explain, "available_memory", lambda: FREE)
 
 
 @pytest.mark.parametrize("key", LARGE)

@@ -58,7 +58,7 @@ from .run.export import export_volume as export_volume
 from .run.many import solve_many as solve_many
 from .run.pipeline import roll as roll
 from .run.pipeline import solve as solve
-from .run.profile_wear import wear_profiles as wear_profiles
+from .run.pipeline import wear_profiles as wear_profiles
 from .scene import Accuracy as Accuracy
 from .scene import Binned as Binned
 from .scene import Block as Block

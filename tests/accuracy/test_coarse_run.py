@@ -2,8 +2,8 @@
 
 import pytest
 
-from tractive_sam.run.accuracy.coarse_run import CoarseRun
-from tractive_sam.run.accuracy.error_bars import Sample
+from tractive_sam.run.error_bars import Sample
+from tractive_sam.run.refined_runs import CoarseRun
 
 
 def sample(value):

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 
 import tractive_sam as ts
 from tractive_sam.contact import Model, solve_on_fitted_mesh
-from tractive_sam.run.accuracy.error_bars import (
+from tractive_sam.run.error_bars import (
     BodyColumn,
     BodyStress,
+    Levels,
     Sample,
     error_bars,
     relative_error_bars,
 )
-from tractive_sam.run.accuracy.levels import Levels
 from tractive_sam.subsurface import maxima_by_body
 
 pytestmark = pytest.mark.slow  # meshes far finer than requested

@@ -11,8 +11,7 @@ import pytest
 from threadpoolctl import threadpool_info
 
 from tractive_sam.compute import fft, tiles
-from tractive_sam.mechanics.elasticity import HalfSpaces
-from tractive_sam.mechanics.material import Material
+from tractive_sam.mechanics.elasticity import HalfSpaces, Material
 from tractive_sam.operators import Lattice, Operators, StressLayers
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.scenes import steady
 from tractive_sam.contact import Model
-from tractive_sam.contact.message import message
+from tractive_sam.contact.solution import message
 from tractive_sam.results.state import Status
 from tractive_sam.schema import SceneError
 

@@ -9,8 +9,7 @@ import tractive_sam as ts
 from tractive_sam.contact import Model
 from tractive_sam.contact.measured import Roughness
 from tractive_sam.results import Grid
-from tractive_sam.run.argument_checks import read_measured_gap, read_profiles
-from tractive_sam.run.gap_notes import gap_notes
+from tractive_sam.run.inputs import gap_notes, read_measured_gap, read_profiles
 
 DISCS = ts.Scene.builtin("twin-discs").replace(subsurface=None, grid=None, wear=None)
 USUAL = Model(DISCS).grid

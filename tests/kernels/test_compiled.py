@@ -169,7 +169,7 @@ with event.install_listener("numba:compile", Listener()):
 print(json.dumps(found))
 """
 
-TWICE = {"tractive_sam.kernels.spectral.symmetric_2x2"}
+TWICE = {"tractive_sam.kernels.linear_algebra.symmetric_2x2"}
 """Kernels of more than one kind of numbers: real and complex coefficients."""
 
 
@@ -213,7 +213,7 @@ import numpy as np
 
 from tractive_sam.kernels.heat import exponential_integral
 from tractive_sam.kernels.stress import stress_patch
-from tractive_sam.kernels.wear import sweep_wear
+from tractive_sam.mechanics.wear import sweep_wear
 """
 
 

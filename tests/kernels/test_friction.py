@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tractive_sam.kernels import friction, wear
+from tractive_sam.kernels import friction
+from tractive_sam.mechanics import wear
 
 # Tractions are dimensionless, of order one: their squares do not underflow.
 sizes = st.just(0.0) | st.floats(1e-100, 10)

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tractive_sam.mechanics.criteria import VON_MISES
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import VON_MISES, von_mises
 
 
 def test_the_criterion_is_the_stress_of_von_mises():

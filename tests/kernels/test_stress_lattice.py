@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.stress import patch_integrals
-from tractive_sam.kernels.stress_lattice import PACKS, edge_table, layer_table
+from tractive_sam.kernels.stress_sum import PACKS, edge_table, layer_table
 
 # Errors are absolute: a few roundings of logarithms and arctangents of order one.
 ROUNDING = 1e-14

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
-from tractive_sam.kernels import strip_stress
+from tractive_sam.kernels import stress
 from tractive_sam.kernels.stress import stress_patch
 
 WIDTH, NU = 0.8, 0.3
@@ -19,7 +19,7 @@ def strip(points, load, nu=NU):
     """Stresses (n, 6) below one strip under the tractions (p_x, p_y, p_n)."""
     points, out = np.atleast_2d(np.asarray(points, float)), np.empty((np.size(points) // 2, 6))
     jumps = np.stack((load, -np.asarray(load)))
-    strip_stress.sum_strip_stress(out, points, EDGES, jumps, WIDTH, nu)
+    stress.sum_strip_stress(out, points, EDGES, jumps, WIDTH, nu)
     return out
 
 
@@ -81,7 +81,7 @@ def test_neighbours_add_up():
     edges = WIDTH * np.arange(4)
     jumps = np.diff(tractions, axis=0, prepend=0.0, append=0.0)
     out = np.empty((len(POINTS), 6))
-    strip_stress.sum_strip_stress(out, POINTS, edges, jumps, WIDTH, NU)
+    stress.sum_strip_stress(out, POINTS, edges, jumps, WIDTH, NU)
     shifted = [POINTS - [WIDTH * (k + 0.5), 0.0] for k in range(3)]
     apart = sum(strip(p, t) for p, t in zip(shifted, tractions, strict=True))
     np.testing.assert_allclose(out, apart, atol=1e-13)

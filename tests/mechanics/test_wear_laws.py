@@ -16,7 +16,7 @@ from tractive_sam.mechanics import (
     TGammaTotal,
     WearMap,
 )
-from tractive_sam.mechanics.wear_sets import JENDEL_BORDERS, JENDEL_LIMIT
+from tractive_sam.mechanics.wear import JENDEL_BORDERS, JENDEL_LIMIT
 
 STEEL = 7850.0
 

@@ -5,9 +5,8 @@ import pytest
 
 from tractive_sam.compute.fft import padded_length
 from tractive_sam.kernels.half_space import integrals
-from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.mechanics.elasticity import HalfSpaces, Material
 from tractive_sam.mechanics.frame import Frame
-from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators
 
 MESH = Lattice((7, 5), 0.3, 0.2)

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from tractive_sam.compute import Mirror
-from tractive_sam.mechanics.elasticity import HalfSpaces
-from tractive_sam.mechanics.material import Material
+from tractive_sam.mechanics.elasticity import HalfSpaces, Material
 from tractive_sam.operators import Lattice, Operators
 
 NAMES = ("normal", "normal_inverse", "slip", "tangential", "tangential_inverse")

@@ -3,8 +3,7 @@
 import numpy as np
 
 from tests.operators.test_elastic import dense
-from tractive_sam.mechanics.elasticity import HalfSpaces
-from tractive_sam.mechanics.material import Material
+from tractive_sam.mechanics.elasticity import HalfSpaces, Material
 from tractive_sam.operators import Lattice, Operators
 from tractive_sam.operators.elastic import row_compliance
 

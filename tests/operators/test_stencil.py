@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.elasticity import HalfSpaces
+from tractive_sam.mechanics.elasticity import HalfSpaces, Material
 from tractive_sam.mechanics.friction import Coulomb, Frame
-from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling
 from tractive_sam.operators.stencil import edge_angles, entry_beyond, entry_change
 from tractive_sam.solvers import ConjugateGradients, NormalProblem

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.kernels.stress_lattice import layer_table
-from tractive_sam.kernels.stress_sum import sum_patch_stress
+from tractive_sam.kernels.stress_sum import layer_table, sum_patch_stress
 from tractive_sam.operators import Lattice, StressLayers, StressPlane, stress_layers
 from tractive_sam.results.grid import Grid
 from tractive_sam.subsurface.sources import tractions_on_bodies

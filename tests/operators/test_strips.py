@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from tractive_sam.kernels.half_space import integrate_logarithm, integrate_sign
-from tractive_sam.kernels.strip_stress import sum_strip_stress
-from tractive_sam.mechanics.elasticity import Strips
+from tractive_sam.kernels.stress import sum_strip_stress
+from tractive_sam.mechanics.elasticity import Material, Strips
 from tractive_sam.mechanics.frame import Frame
-from tractive_sam.mechanics.material import Material
 from tractive_sam.operators import Lattice, Operators, StripLayers
 
 LENGTH = 1.7

@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
+from tractive_sam.mechanics.elasticity import Material, combine
 from tractive_sam.mechanics.hertz_contact import combined_radius
-from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.reference import bentall_johnson_creepage
 
 ALUMINIUM, STEEL = Material(23000.0, 0.31), Material(82000.0, 0.28)

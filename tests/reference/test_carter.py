@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from tractive_sam.mechanics.elasticity import Material, combine
 from tractive_sam.mechanics.hertz_contact import combined_radius, hertz_line
-from tractive_sam.mechanics.material import Material, combine
 from tractive_sam.reference import Carter
 
 STEEL = combine(Material(82000.0, 0.28), Material(82000.0, 0.28))

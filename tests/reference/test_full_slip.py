@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tractive_sam.mechanics.full_slip import full_slip_force, load_to_carry
+from tractive_sam.mechanics.frame import full_slip_force, load_to_carry
 
 ANGLES = st.floats(-math.pi, math.pi)
 FRICTION = st.tuples(st.floats(0.05, 1), st.floats(0.05, 1))

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import ellipe, ellipkm1
 
+from tractive_sam.mechanics.elasticity import Material, combine
 from tractive_sam.mechanics.hertz_contact import combined_radius, hertz, hertz_line
-from tractive_sam.mechanics.material import Material, combine
 
 ASPECTS = [1e-4, 0.01, 0.3, 0.999999, 1.0, 1.000001, 7.0, 100.0, 1e4]
 SCALES = st.floats(1e-3, 1e3)

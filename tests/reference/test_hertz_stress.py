@@ -3,7 +3,7 @@ import pytest
 from scipy.integrate import quad
 
 from tests.kernels.test_stress import force_normal, force_shear_x
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.reference import circle_pressure_stress, circle_shear_stress, hertz_axis_stress
 
 XX, YY, ZZ, XY, XZ, YZ = range(6)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.invariants import max_shear, principal_stresses, von_mises
+from tractive_sam.mechanics.criteria import max_shear, principal_stresses, von_mises
 
 UNIAXIAL = [0.0, -3.0, 0.0, 0.0, 0.0, 0.0]
 SHEAR = [0.0, 0.0, 0.0, 0.0, 0.0, 2.0]

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
 
 XX, YY, ZZ, XY, XZ, YZ = range(6)

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from tractive_sam.mechanics.material import Material, combine
+from tractive_sam.mechanics.elasticity import Material, combine
 
 STEEL = Material.from_young(208e3, 0.3)
 ALUMINIUM = Material.from_young(70e3, 0.33)

@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from tractive_sam.mechanics.material import Material, combine
+from tractive_sam.mechanics.elasticity import Material, combine
 from tractive_sam.scene import Bodies, Body, Creepage, Friction, Load, Mesh, Scene, Subsurface, Wear
 from tractive_sam.schema import SceneError, SceneWarning
 

@@ -6,7 +6,7 @@ import pytest
 import tractive_sam as ts
 from tests.scenes import size, steady
 from tractive_sam.contact import Model
-from tractive_sam.contact.message import message
+from tractive_sam.contact.solution import message
 from tractive_sam.results.state import Status
 from tractive_sam.solvers import Uzawa
 from tractive_sam.solvers.nested import shares

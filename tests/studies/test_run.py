@@ -294,7 +294,8 @@ def test_nothing_is_run_where_a_scene_is_not_valid(tmp_path):
 
 
 def test_more_processes_than_the_memory_holds_are_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(run, "available_memory", lambda: 700 * 2**20)  # as if; a process takes 250
+    # As if; a process takes 250.
+    monkeypatch.setattr(run.memory, "available_memory", lambda: 700 * 2**20)
     found = cases(small(MU, CREEPAGE))
     run.check_memory(found, 2)
     with pytest.raises(StudyError, match=r"workers.*2"):

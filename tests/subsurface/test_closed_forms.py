@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from tests.scenes import steady
 from tests.subsurface.hertzian import cell_averages, tractions
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.operators import Lattice, StressLayers, StressPlane
 from tractive_sam.reference import (
     circle_pressure_stress,

@@ -7,8 +7,7 @@ from tests.scenes import steady_line
 from tractive_sam import subsurface
 from tractive_sam.contact import Laws, Model, equilibrium
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.mechanics.criteria import CRITERIA
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import CRITERIA, von_mises
 from tractive_sam.reference import line_pressure_stress, line_shear_stress
 from tractive_sam.scene import Scene
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.run import roll
 from tractive_sam.scene import Scene
 from tractive_sam.subsurface import maxima_by_body, stress_at, stress_maximum, stress_volume

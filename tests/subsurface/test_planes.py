@@ -6,7 +6,7 @@ import pytest
 from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
 from tractive_sam.kernels.stress import COMPONENTS
-from tractive_sam.mechanics.invariants import von_mises
+from tractive_sam.mechanics.criteria import von_mises
 from tractive_sam.scene import Plane, Scene
 from tractive_sam.subsurface import (
     depths,

@@ -5,9 +5,8 @@ import pytest
 
 from tests.scenes import steady, steady_line
 from tests.subsurface.hertzian import cell_averages
-from tractive_sam.mechanics.elasticity import HalfSpaces, Strips
-from tractive_sam.mechanics.invariants import von_mises
-from tractive_sam.mechanics.material import Material
+from tractive_sam.mechanics.criteria import von_mises
+from tractive_sam.mechanics.elasticity import HalfSpaces, Material, Strips
 from tractive_sam.operators import Lattice, surface_stress
 from tractive_sam.reference import (
     circle_pressure_stress,

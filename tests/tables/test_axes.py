@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 import tractive_sam as ts
 from tractive_sam.cli import app
 from tractive_sam.lookup import Hermite, creepages_at
-from tractive_sam.mechanics.full_slip import full_slip_force
+from tractive_sam.mechanics.frame import full_slip_force
 from tractive_sam.tables import TableAxis
 from tractive_sam.tables.builder import coefficients
 from tractive_sam.tables.solving import CreepageGrid, Refinement

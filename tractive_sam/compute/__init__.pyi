@@ -4,9 +4,9 @@ from .backend import Array as Array
 from .backend import Backend as Backend
 from .backend import Mirror as Mirror
 from .backend import Places as Places
-from .backends import backend_of as backend_of
 from .convolution import Convolution as Convolution
 from .convolution import MirroredConvolution as MirroredConvolution
+from .convolution import backend_of as backend_of
 from .fft import ConvolutionMeter as ConvolutionMeter
 from .fft import LayerTransform as LayerTransform
 from .fft import cores as cores
@@ -16,4 +16,3 @@ from .fft import layer_transform as layer_transform
 from .fft import numeric_settings as numeric_settings
 from .fft import padded_length as padded_length
 from .fft import transform as transform
-from .memory import available_memory as available_memory

@@ -9,7 +9,7 @@ import numpy as np
 from tractive_sam.compute.backend import Mirror, Places
 from tractive_sam.compute.fft import count_time
 from tractive_sam.compute.tiles import Product, convolver
-from tractive_sam.kernels import friction, spectral
+from tractive_sam.kernels import friction, linear_algebra
 
 
 class Host:
@@ -17,10 +17,10 @@ class Host:
 
     xp: Any = np
     products: ClassVar[dict[int, Product]] = {
-        1: spectral.scalar,
-        2: spectral.mirrored,
-        3: spectral.symmetric_2x2,
-        9: spectral.full_3x3,
+        1: linear_algebra.scalar,
+        2: linear_algebra.mirrored,
+        3: linear_algebra.symmetric_2x2,
+        9: linear_algebra.full_3x3,
     }
     """Products of spectra by the number of different entries in the matrix of spectra."""
 

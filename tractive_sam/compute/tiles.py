@@ -16,10 +16,10 @@ import numpy as np
 from tractive_sam.compute.backend import Mirror
 from tractive_sam.compute.fft import PlanCache, count_transform, plan, threads_for_transform
 from tractive_sam.compute.fftw import pyfftw
-from tractive_sam.kernels import spectral
+from tractive_sam.kernels import linear_algebra
 
 Product = Callable[[np.ndarray, np.ndarray], None]
-"""In-place product of kernels (entries, m) and spectra (fields, m), as in `kernels.spectral`."""
+"""In-place product of kernels (entries, m) and spectra (fields, m): `kernels.linear_algebra`."""
 
 
 def tile_edges(
@@ -92,7 +92,7 @@ def load_rows(fields: np.ndarray, first: int, padded: np.ndarray, mirror: Mirror
     The rows of all fields follow each other; with a mirror a row has all fields.
     """
     if mirror is not None:
-        spectral.pack_half(fields, mirror.even, int(mirror.between), first, padded)
+        linear_algebra.pack_half(fields, mirror.even, int(mirror.between), first, padded)
         return
     ny = fields.shape[-1]
     padded[:, :ny] = fields.reshape(-1, ny)[first : first + len(padded)]
@@ -104,7 +104,7 @@ def store_rows(
 ) -> None:
     """Set rows of `out` from padded rows, the inverse of `load_rows` of `fields`."""
     if mirror is not None:
-        spectral.unpack_half(padded, fields, mirror.even, int(mirror.between), first, out)
+        linear_algebra.unpack_half(padded, fields, mirror.even, int(mirror.between), first, out)
         return
     ny = fields.shape[-1]
     out.reshape(-1, ny)[first : first + len(padded)] = padded[:, :ny]

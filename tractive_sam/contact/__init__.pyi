@@ -18,11 +18,12 @@ from .mesh import choose_grid as choose_grid
 from .mesh import describe_grid_entries as describe_grid_entries
 from .mesh import enlarge as enlarge
 from .mesh import extend_to as extend_to
-from .message import not_resolved as not_resolved
 from .model import Gap as Gap
 from .model import Model as Model
 from .model import Worn as Worn
+from .solution import not_resolved as not_resolved
 from .steady import equilibrium as equilibrium
+from .steady import share_load as share_load
 from .steady import solve_blocks_on_fitted_mesh as solve_blocks_on_fitted_mesh
 from .steady import solve_on_fitted_mesh as solve_on_fitted_mesh
 from .steady import solve_patches as solve_patches
@@ -30,4 +31,3 @@ from .steady import solve_patches_on_fitted_mesh as solve_patches_on_fitted_mesh
 from .step import StepInput as StepInput
 from .step import Stepper as Stepper
 from .step import StepResult as StepResult
-from .wheel_rail import share_load as share_load

@@ -29,13 +29,8 @@ from tractive_sam.results import FlashTemperature, Grid, State, Status
 from tractive_sam.schema import required
 from tractive_sam.solvers import combine_images, gmres
 
-
-@lru_cache(maxsize=8)
-def surface_heat(
-    grid: Grid, speed: float, diffusivity: float, conductivity: float, time: float = np.inf
-) -> SurfaceHeat:
-    """Return the operator from heat flux to temperature of a body; by default the steady state."""
-    return SurfaceHeat(grid, speed, diffusivity, conductivity, time)
+surface_heat = lru_cache(maxsize=8)(SurfaceHeat)
+"""The `SurfaceHeat` of its arguments, prepared on its first use."""
 
 
 def temperatures_of(model: Model, contact: State) -> FlashTemperature:

@@ -76,7 +76,7 @@ def _lowest_around(
     ends = (grid.x[0], grid.x[-1]), (grid.y[0], grid.y[-1])
     lowest = np.inf
     for _ in range(divisions):
-        total = separation + _parabola(x, y, radii)
+        total = separation + 0.5 * (x[:, None] ** 2 / radii[0] + y[None, :] ** 2 / radii[1])
         i, j = map(int, np.unravel_index(np.argmin(total), total.shape))
         lowest = min(lowest, float(total[i, j]))
         x, y = (
@@ -94,11 +94,6 @@ def _neighbours(
     before = places[k - 1] if k > 0 else places[k] - side
     after = places[k + 1] if k + 1 < len(places) else places[k] + side
     return float(np.clip(before, first, last)), float(np.clip(after, first, last))
-
-
-def _parabola(x: np.ndarray, y: np.ndarray, radii: tuple[float, float]) -> np.ndarray:
-    """Return the gap x²/(2 R_x) + y²/(2 R_y) of two radii, shape (len(x), len(y)), mm."""
-    return 0.5 * (x[:, None] ** 2 / radii[0] + y[None, :] ** 2 / radii[1])
 
 
 def _part_near(measured: Gap, x: np.ndarray, y: np.ndarray) -> Gap:

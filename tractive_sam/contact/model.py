@@ -156,7 +156,9 @@ class Model:
     ):
         self.scene, self.began, self.datum = scene, began, datum
         self.laws = laws or Laws.of(scene)
-        self.method = METHODS[scene.solver.method] if solver is None else Method.from_solver(solver)
+        self.method = (
+            METHODS[scene.solver.method] if solver is None else Method(solver, solver, repr(solver))
+        )
         self._solver = solver
         self.measured, self.profiles = measured, profiles
         if wheel_rail is None and scene.wheelset is not None:

@@ -1,18 +1,20 @@
 """Solve the contact problem of a model, in steady rolling, a step or a shift.
 
 The kinematics (`operators.kinematics`) define the problem; the outcome is converted to a contact in
-mm, N and MPa.
+mm, N and MPa. Its message states the meaning of its status, and what to try without a solution.
 """
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from tractive_sam.contact.message import message, too_steep
+from tractive_sam.contact.mesh import describe_grid_entries, enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import Coulomb
-from tractive_sam.results import State, Status
+from tractive_sam.results import Grid, State, Status
+from tractive_sam.scene import FewestElements
 from tractive_sam.schema import warn
 from tractive_sam.solvers import (
     PRESSURE_ONLY,
@@ -25,6 +27,168 @@ from tractive_sam.solvers import (
     needed,
 )
 from tractive_sam.solvers import steepness as steepness_of
+
+
+def message(status: Status, outcome: Outcome, model: Model, steepness: float = 0.0) -> str:
+    """Return the message of a solved problem: its failure and the cure, or remarks.
+
+    Parameters
+    ----------
+    status : Status
+        State at the end of the solve.
+    outcome : Outcome
+        The last iterate and its residual.
+    model : Model
+        The model that was solved.
+    steepness : float
+        `solvers.falling_friction.steepness` of the outcome.
+    """
+    if status is Status.CONVERGED:
+        return _remarks(outcome, model)
+    if status is Status.OFF_GRID:
+        return _at_edge(model)
+    return _failure(outcome, model, steepness)
+
+
+def _remarks(outcome: Outcome, model: Model) -> str:
+    """Return remarks on a solution as text: failed methods, no contact, too few elements; or ""."""
+    text = ""
+    if any(note.status is not Status.CONVERGED for note in outcome.trace):
+        text += f", by way of {', '.join(map(str, outcome.trace))}"
+    touching = needed(outcome.pressure, "outcome.pressure") > 0.0
+    if not touching.any():
+        keys = model.scene.schedule.course_keys
+        key = keys.get("load.approach", "load.approach")
+        text += f"; the bodies do not touch: {key} is less than the gap at every element"
+    across = [int(touching.any(axis=1 - axis).sum()) for axis in (0, 1) if touching.shape[axis] > 1]
+    if 0 < min(across) < FewestElements.slip:
+        text += (
+            f"; only {' x '.join(map(str, across))} elements are in contact: refine the mesh "
+            "with grid.elements or reduce grid.half_length"
+        )
+    return text
+
+
+def _at_edge(model: Model) -> str:
+    """Return the message for a contact that reaches the edge of its mesh, with a larger mesh."""
+    text = (
+        f"the contact reaches the edge of the mesh, {_half_length(model.grid)} mm: enlarge it, "
+        f"as by {describe_grid_entries(enlarge(model.grid))}"
+    )
+    if model.scene.body.infinitely_long and model.measured is not None:
+        text += "; with radius_y = inf only a [gap] that rises towards its sides ends it in y"
+    return text
+
+
+def _failure(outcome: Outcome, model: Model, steepness: float) -> str:
+    """Return the message for a solve that did not converge, with its probable cause."""
+    scene = model.scene
+    reached = (
+        f"not converged: residual {outcome.residual:.1e} after {outcome.iterations} iterations "
+        f"({', '.join(map(str, outcome.trace))}), tolerance {scene.solver.tolerance:.1e}; "
+    )
+    forces = [f"load.{key}" for key in ("force_x", "force_y") if getattr(scene.load, key)]
+    courses = scene.schedule.course_keys.items()
+    forces += [key for name, key in courses if name.startswith("load.force")]
+    if outcome.top is not None:
+        return reached + _beyond_the_top(outcome.top, forces[0], model)
+    if forces and outcome.status is Status.DIVERGED:
+        return reached + (
+            "the prescribed tangential force may exceed what friction can carry together with the "
+            f"other creepages and the spin: lower {' or '.join(forces)}, or raise friction.mu"
+        )
+    if steepness >= 1.0:
+        return reached + too_steep(steepness, model.scene.transient is not None)
+    if not model.friction_law.falls:
+        return reached + model.method.cure
+    return (
+        f"{reached}{model.method.cure}; if friction falls too fast with sliding, increase "
+        "friction.memory or friction.half_speed, or coarsen the mesh if there is a friction.layer"
+    )
+
+
+def not_resolved(contact: State, largest: Sequence[float] | None = None) -> str:
+    """Return the message for a contact of too few elements, with a finer mesh.
+
+    Parameters
+    ----------
+    contact : State
+        The contact; of a [transient] its last one.
+    largest : sequence of float, optional
+        Elements in x and in y of the largest contact of a [transient].
+    """
+    grid, scene, across = contact.grid, contact.scene, contact.elements_across
+    subject = "the contact covers"
+    if largest is not None:
+        subject = "the largest contact of the [transient] covers"
+        across = tuple(map(int, largest[: len(across)]))
+    text = (
+        f"{subject} {' x '.join(map(str, across))} elements of "
+        f"{' x '.join(f'{side:.3g}' for side in grid.sides)} mm, too few to be resolved: its "
+        "numbers depend on the mesh; "
+        f"at least {FewestElements.contact} elements in each direction are needed, "
+        f"{FewestElements.slip} for a stick and a slip area. "
+    )
+    needed = [math.ceil(FewestElements.slip / count) for count in across]
+    refined = (n * more for n, more in zip(grid.elements, (*needed, 1), strict=False))
+    nx, ny = refined
+    finer = replace(grid, elements=(nx, ny))
+    advised = describe_grid_entries(finer)
+    smooth = scene.gap is None and largest is None and not contact.wear.any()
+    if smooth and scene.hertz is not None:
+        semi_axes = (scene.hertz.a, scene.hertz.b)[: len(across)]
+        half_length = ", ".join(f"{1.15 * semi_axis:.3g}" for semi_axis in semi_axes)
+        advised = f"grid.half_length = [{half_length}], or leave [grid] out"
+    return text + f"Use {advised}; check the units of [load] (N, MPa, mm) and of the radii (mm)"
+
+
+def too_steep(steepness: float, in_step: bool = False) -> str:
+    """Return the message for friction that falls too fast with sliding for a single solution.
+
+    Parameters
+    ----------
+    steepness : float
+        `solvers.falling_friction.steepness`.
+    in_step : bool
+        Whether the contact is a step of a transient. The number is then a power of ten, so that
+        the steps of a course have equal texts, and one warning.
+    """
+    if in_step:
+        power = 10 ** math.floor(math.log10(max(steepness, 1.0)))
+        by = f" (more than {power} times)" if power > 1 else ""
+        return (
+            "friction.law: with sliding, friction falls faster than the elastic traction of all "
+            f"elements together rises{by}, so a step may have several solutions; friction.start "
+            'selects the solution with less sliding, "rest", or with more sliding, "sliding", in '
+            "every step, and the course may lead to another solution than steady rolling with the "
+            "same values; for a single solution increase transient.step, friction.memory or "
+            "friction.half_speed"
+        )
+    return (
+        "friction.law: with sliding, friction falls faster than the elastic traction of an element "
+        f"rises ({steepness:.3g} times; allowed for a single solution: less than 1), so several "
+        "solutions may exist, and the mesh decides which one is found; "
+        'friction.start selects the solution reached from friction at rest, "rest", or at high '
+        'speed, "sliding"; for a single solution increase friction.memory or friction.half_speed, '
+        "or coarsen the mesh if there is a friction.layer"
+    )
+
+
+def _beyond_the_top(top: tuple[float, float], key: str, model: Model) -> str:
+    """Return the message for a force beyond the maximum of the traction curve."""
+    force = top[0] * model.units.pressure * model.grid.element_area
+    top_force = f"{force:.5g} {model.scene.force_unit}"
+    return (
+        f"{key} is beyond the top of the traction curve, {top_force} at a creepage of "
+        f"{top[1] * model.units.slip:.3g}: friction falls with sliding, and no creepage gives "
+        f"more; lower {key}, or give the creepage"
+    )
+
+
+def _half_length(grid: Grid) -> str:
+    """Return the half lengths of a mesh as text, "1 x 0.5"."""
+    sides = zip(grid.half_length, grid.elements, strict=True)
+    return " x ".join(f"{length:g}" for length, elements in sides if elements > 1)
 
 
 def solve_problem(

@@ -85,7 +85,9 @@ def integrals(x: np.ndarray, y: np.ndarray, dx: float, dy: float) -> np.ndarray:
     shape, x, y = x.shape, x.ravel(), y.ravel()
     is_far = np.hypot(x, y) > distant * max(dx, dy)
     values = np.empty((6, x.size))
-    values[:, ~is_far] = _near(x[~is_far], y[~is_far], dx, dy)
+    x1, x2 = x[~is_far] - 0.5 * dx, x[~is_far] + 0.5 * dx
+    y1, y2 = y[~is_far] - 0.5 * dy, y[~is_far] + 0.5 * dy
+    values[:, ~is_far] = _corner(x2, y2) + _corner(x1, y1) - _corner(x2, y1) - _corner(x1, y2)
     values[:, is_far] = _far(x[is_far], y[is_far], dx, dy)
     return values.reshape(6, *shape)
 
@@ -96,13 +98,6 @@ def quadrant(nx: int, ny: int, dx: float, dy: float) -> np.ndarray:
     The other three quadrants follow from the parities listed above.
     """
     return integrals(dx * np.arange(nx)[:, None], dy * np.arange(ny), dx, dy)
-
-
-def _near(x: np.ndarray, y: np.ndarray, dx: float, dy: float) -> np.ndarray:
-    """Return the six kernel integrals over a rectangle by corner differences, if it is near."""
-    x1, x2 = x - 0.5 * dx, x + 0.5 * dx
-    y1, y2 = y - 0.5 * dy, y + 0.5 * dy
-    return _corner(x2, y2) + _corner(x1, y1) - _corner(x2, y1) - _corner(x1, y2)
 
 
 def _corner(x: np.ndarray, y: np.ndarray) -> np.ndarray:

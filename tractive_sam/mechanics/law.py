@@ -24,7 +24,7 @@ class Law:
     """
 
     recorded_name: ClassVar[str | None] = None
-    """Name of the class in fingerprints, if it was renamed: results files store fingerprints."""
+    """Module and class in fingerprints, which results files store, if it was renamed or moved."""
 
     def describe(self) -> str:
         """Return the name of the law and its parameters in one line."""
@@ -104,7 +104,8 @@ def _content(value: Any) -> Iterator[bytes]:
         case CodeType():
             yield from _content(["code", value.co_code, value.co_names, list(value.co_consts)])
         case type():
-            name = vars(value).get("recorded_name") or value.__qualname__
-            yield from _content(["class", value.__module__, name])
+            recorded = vars(value).get("recorded_name")
+            names = recorded.rsplit(".", 1) if recorded else [value.__module__, value.__qualname__]
+            yield from _content(["class", *names])
         case _:
             yield from _content([type(value), _parameters(value)])

@@ -1,17 +1,148 @@
-"""Orthotropic Archard wear, from pressure and slip (the paper) and from frictional work."""
+"""Wear laws: orthotropic Archard wear (the paper), frictional work, and measured regimes.
 
+The measured laws use published coefficients, each set with its source, the published units, which
+`per_mass` and `per_section` convert, and the range of the tests. Scenes name these sets.
+"""
+
+import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tractive_sam.description import ShortArrays
-from tractive_sam.kernels import wear
 from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.friction import FrictionLaw
 from tractive_sam.mechanics.law import Law
+
+
+def sweep_wear(entering, rate, dx):
+    """Return the depth (n_x, n_y), mm: entering depth plus rate summed from the leading edge.
+
+    Paper, eq. (32): w_I = w_entering + sum of rate_J dx over J from I up to the leading edge.
+
+    Parameters
+    ----------
+    entering : ndarray, shape (n_y,)
+        Depth with which the material enters, mm.
+    rate : ndarray, shape (n_x, n_y)
+        Wear per distance rolled, dimensionless.
+    dx : float
+        Side of an element in the rolling direction, mm.
+
+    Returns
+    -------
+    ndarray, shape (n_x, n_y)
+        Depth, mm; its row 0 is what leaves the contact.
+    """
+    return np.concatenate((entering[None], dx * rate[::-1])).cumsum(0)[:0:-1].copy()
+
+
+def chart(speed, pressure, borders, limit, coefficients):
+    """Return Archard's coefficient from a chart of sliding speed and pressure over hardness.
+
+    Jendel (2002), Wear 253, 89-99: one regime below the first speed, one between both, one above;
+    a fourth at any speed if the pressure exceeds a limit.
+
+    Parameters
+    ----------
+    speed, pressure : ndarray
+        Sliding speed, and pressure over hardness.
+    borders : tuple of float
+        The two speeds.
+    limit : float
+        Pressure over hardness.
+    coefficients : tuple of float
+        Coefficients of the four regimes.
+
+    Returns
+    -------
+    ndarray
+        k, dimensionless: worn volume times hardness over load and sliding distance.
+    """
+    regimes = pressure > limit, speed < borders[0], speed <= borders[1]
+    return np.select(regimes, (coefficients[3], *coefficients[:2]), coefficients[2])
+
+
+@dataclass(frozen=True)
+class Turns:
+    """Turns of the bodies A and B per counted revolution, and the wear that they accumulate.
+
+    Each body has its share of the wear depth of a pass, and this material returns to the contact
+    after a turn of the body. With different circumferences it returns in another phase each time;
+    the entering depth is the average over the phases: per counted revolution a body accumulates its
+    share of as many passes as it turns.
+
+    Parameters
+    ----------
+    share : mapping of str to float
+        Shares of the bodies "A" and "B" in the wear depth; their sum is one.
+    per_count : mapping of str to float
+        Turns of each body per counted revolution.
+    """
+
+    share: Mapping[str, float]
+    per_count: Mapping[str, float]
+
+    @classmethod
+    def equal(cls, share: Mapping[str, float]) -> "Turns":
+        """Return one turn of each body per counted revolution (the assumption of the paper)."""
+        return cls(share, {"A": 1.0, "B": 1.0})
+
+    @classmethod
+    def from_radii(cls, share: Mapping[str, float], radius_A: float, radius_B: float) -> "Turns":
+        """Return the turns of bodies that roll without slip, per turn of A, or of B if A is flat.
+
+        Parameters
+        ----------
+        share : mapping of str to float
+            See `Turns`.
+        radius_A, radius_B : float
+            Radii in the rolling direction, mm: inf for flat, negative for concave. Two flat bodies
+            have equal turns.
+        """
+        counted = abs(radius_A if math.isfinite(radius_A) else radius_B)
+        if math.isinf(counted):
+            return cls.equal(share)
+        return cls(share, {"A": counted / abs(radius_A), "B": counted / abs(radius_B)})
+
+    @property
+    def gain(self) -> float:
+        """Growth of the wear depth per counted revolution over the depth worn in one pass."""
+        return 1.0 + sum(self.share[body] * (self.per_count[body] - 1.0) for body in "AB")
+
+    def share_of_entering(self, body: str) -> float:
+        """Return the share (0 to 1) of a body in the depth that enters; 0 for a flat body."""
+        return self.share[body] * self.per_count[body] / self.gain
+
+    def next_entering(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+        """Return the wear depth that enters the next revolution, mm, for both bodies together.
+
+        Parameters
+        ----------
+        entering, leaving : ndarray, shape (n_y,)
+            Depth of both bodies together before and behind the contact, mm.
+        """
+        return leaving + (self.gain - 1.0) * (leaving - entering)
+
+    def mean_depth(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+        """Return the mean wear depth of a body over its circumference after a revolution, mm.
+
+        Both bodies roll an equal distance: their volumes are proportional to their shares. 0 for a
+        flat body. Parameters as in `next_entering`.
+        """
+        return self.share_of_entering(body) * self.next_entering(entering, leaving)
+
+    def depth_behind(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
+        """Return the wear depth of a body just behind the contact, mm.
+
+        A flat body passes the contact only once: its depth is the wear of a single pass.
+        Parameters as in `next_entering`.
+        """
+        returning = self.per_count[body] / self.gain
+        return self.share[body] * (leaving + (returning - 1.0) * entering)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -24,7 +155,7 @@ class WearConditions(ShortArrays):
         Wear depth of both bodies together before the pass, mm: of the material that enters the
         contact, or in a transient of the material in every element.
     revolution : float
-        Number of the revolution as in `wear.revolutions`; nan in a transient.
+        Number of the revolution as in `revolutions`; nan in a transient.
     temperature : ndarray, shape (n_x, n_y), or None
         Temperature of the surfaces in contact, degrees C; None without [heat] and in a transient.
 
@@ -148,7 +279,7 @@ class WearLaw(Law, ABC):
         dx : float
             Side of an element in the rolling direction, mm.
         """
-        return wear.sweep_wear(entering, self.rate(pressure, traction, slip), dx)
+        return sweep_wear(entering, self.rate(pressure, traction, slip), dx)
 
 
 @dataclass(frozen=True)
@@ -322,3 +453,372 @@ class ArchardByWork(WearLaw):
         if self.friction is None or not isinstance(friction, FallingCoulomb):
             return self
         return replace(self, friction=friction)
+
+
+@dataclass(frozen=True)
+class Regimes:
+    """A wear rate, piecewise linear in the frictional work; a call returns rates and slopes.
+
+    Attributes
+    ----------
+    starts, values, slopes : tuple of float
+        Start of each regime, ascending from 0, the rate at the start, and the slope.
+    tested : float
+        Upper end of the tested range; inf if unknown.
+    source : str
+        Source of the numbers.
+
+    Examples
+    --------
+    >>> from tractive_sam.mechanics import USFD
+    >>> USFD["r8t-uic60"].at(50.0)
+    55.0
+    """
+
+    starts: tuple[float, ...]
+    values: tuple[float, ...]
+    slopes: tuple[float, ...]
+    tested: float = np.inf
+    source: str = ""
+    recorded_name = "tractive_sam.mechanics.wear_sets.Regimes"
+
+    @classmethod
+    def through(cls, points: tuple[tuple[float, float], ...]) -> "Regimes":
+        """Return the piecewise linear rate through the origin and points (work, rate)."""
+        work, rate = np.array(points, float).T
+        if work[0] > 0.0:
+            work, rate = np.append(0.0, work), np.append(0.0, rate)
+        slopes = np.diff(rate) / np.diff(work)
+        starts, values = work[:-1], rate[:-1]
+        return cls(
+            tuple(starts.tolist()), tuple(values.tolist()), tuple(slopes.tolist()), float(work[-1])
+        )
+
+    def at(self, work: float) -> float:
+        """Return the wear rate at one value of the frictional work."""
+        return float(self(np.array([float(work)]))[0][0])
+
+    def __call__(self, work: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return rate and slope: values_k + slopes_k (W - starts_k), k the last with starts_k <= W.
+
+        Returns
+        -------
+        rate, slope : ndarray
+            Both of the shape of `work`.
+        """
+        starts, values, slopes = map(np.array, (self.starts, self.values, self.slopes))
+        k = np.maximum(np.searchsorted(starts, work, side="right") - 1, 0)
+        return values[k] + slopes[k] * (work - starts[k]), slopes[k]
+
+
+USFD = {
+    "r8t-uic60": Regimes(
+        (0.0, 10.4, 77.2),
+        (0.0, 55.0, 55.0),
+        (5.3, 0.0, 61.9),
+        120.0,
+        "Braghin, Lewis, Dwyer-Joyce & Bruni 2006, Wear 261, 1253-1264: wheel R8T on rail UIC60 "
+        "900A, twin discs",
+    )
+}
+"""Worn mass of a wheel per rolling distance and area, µg/(m mm²), over T-gamma/A, N/mm². The tests
+(Lewis & Dwyer-Joyce 2004, Proc. IMechE J 218, 467-478) cover up to 20 % slip at 1500 MPa; the
+published 728 W of heat are 120 N/mm² there."""
+
+BRR = {
+    "pearce-sherratt": Regimes(
+        (0.0, 100.0, 200.0),
+        (0.0, 25.0, 84.0),
+        (0.25, 0.0, 1.19),
+        np.inf,
+        "Pearce & Sherratt 1991, Wear 144, 343-351: wheel on rail, British Rail Research",
+    )
+}
+"""Worn cross section of a wheel per rolling distance, times its diameter D, mm² mm/km, over
+T-gamma, N: 0.25 T-gamma below 100 N, 25 up to 200 N, 1.19 T-gamma - 154 above, with a jump from 25
+to 84. Values as commonly quoted; not compared with the paper."""
+
+JENDEL = {
+    name: (k, "Jendel 2002, Wear 253, 89-99: wheel on rail, dry; the range of each regime " + place)
+    for name, k, place in (
+        ("middle", (5.5e-4, 35e-4, 5.5e-4, 350e-4), "in its middle"),
+        ("low", (1e-4, 30e-4, 1e-4, 300e-4), "at its lower end"),
+        ("high", (10e-4, 40e-4, 10e-4, 400e-4), "at its upper end"),
+    )
+}
+"""Coefficients k of Archard's law, V = k P s/H: slow, between both speeds, fast, high pressure.
+Published as ranges: 1-10, 30-40, 1-10 and 300-400, times 1e-4. Values as commonly quoted; not
+compared with the paper."""
+
+JENDEL_BORDERS, JENDEL_LIMIT = (200.0, 700.0), 0.8
+"""Sliding speeds between the regimes, mm/s, and the pressure over hardness above which the last
+regime holds."""
+
+
+@dataclass(frozen=True)
+class TGammaPerArea(WearLaw):
+    """Wear law: worn mass per rolling distance and area as a function of T-gamma/A.
+
+    Parameters
+    ----------
+    regimes : Regimes
+        µg/(m mm²) over N/mm².
+    density : float
+        Density of the body that wears, kg/m³.
+    total : bool
+        Whether T-gamma/A is taken of the contact, and its wear is distributed in proportion to the
+        work of each element; otherwise each element has its T-gamma/A.
+    """
+
+    per_mass = 1e-3
+    """Depth per distance rolled of 1 µg/(m mm²) of a body of 1 kg/m³: 1e-9 kg/(1e3 mm mm²) over
+    1e-9 kg/mm³."""
+
+    regimes: Regimes
+    density: float
+    total: bool = False
+    recorded_name = "tractive_sam.mechanics.wear_maps.ByWork"
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return the depth per rolling distance, by T-gamma/A of each element or of the contact.
+
+        Parameters as in `WearLaw.rate`.
+        """
+        work = frictional_work(traction, slip)
+        per_mass = self.per_mass / self.density
+        if not self.total:
+            return per_mass * self.regimes(work)[0]
+        mean = _mean(work, pressure)
+        return per_mass * self.regimes.at(mean) / mean * work if mean else work
+
+    def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return the derivative of wear rate by pressure, T-gamma of the contact constant, 1/MPa.
+
+        At constant load T-gamma of the contact hardly changes.
+
+        Parameters as in `WearLaw.per_load`.
+        """
+        touching = pressure > 0.0
+        each = np.where(touching, pressure, 1.0)
+        if self.total:
+            return np.where(touching, self.rate(pressure, traction, slip) / each, 0.0)
+        work = frictional_work(traction, slip)
+        slope = self.per_mass / self.density * self.regimes(work)[1]
+        return np.where(touching, slope * work / each, 0.0)
+
+    def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
+        """Return a text if T-gamma/A exceeds the range of the experiments; "" otherwise."""
+        work = frictional_work(traction, slip)
+        largest = _mean(work, pressure) if self.total else float(work.max())
+        if largest <= self.regimes.tested:
+            return ""
+        tested = f"{self.regimes.tested:g}"
+        return f"T-gamma/A = {largest:.3g} N/mm² is above the range of the tests, {tested}"
+
+
+@dataclass(frozen=True)
+class TGammaTotal(WearLaw):
+    """Wear law: worn cross section of a wheel per turn as a function of the total T-gamma, N.
+
+    The wear is distributed in proportion to the work of each element; the law needs the area of an
+    element (`WearLaw.on`).
+
+    Parameters
+    ----------
+    regimes : Regimes
+        mm²/km times the diameter in mm, over N.
+    element_area : float
+        Area of an element, mm².
+    """
+
+    per_section = np.pi * 1e-6
+    """Worn cross section of a turn of a wheel of diameter D, mm², for 1/D mm²/km: pi D in mm is
+    1e-6 pi D km."""
+
+    regimes: Regimes
+    element_area: float = np.nan
+    recorded_name = "tractive_sam.mechanics.wear_maps.ByTotal"
+
+    def on(self, element_area: float) -> "TGammaTotal":
+        """Return the law for a mesh whose elements have this area, mm² (`WearLaw.on`)."""
+        return replace(self, element_area=element_area)
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return the depth per rolling distance: that of the total T-gamma, distributed by work.
+
+        Parameters as in `WearLaw.rate`.
+        """
+        work = frictional_work(traction, slip)
+        total = float(work.sum()) * self.element_area
+        return self.per_section * self.regimes.at(total) / total * work if total else work
+
+    def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return rate/pressure, the derivative at constant T-gamma, 1/MPa; 0 outside contact.
+
+        At constant load T-gamma of the contact hardly changes.
+
+        Parameters as in `WearLaw.per_load`.
+        """
+        rate = self.rate(pressure, traction, slip)
+        return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
+
+
+@dataclass(frozen=True)
+class WearMap(WearLaw):
+    """Archard's wear law, its coefficient from a chart of sliding speed and pressure (`JENDEL`).
+
+    The wear of a stick element next to a slip element is reduced as its traction, as in
+    `ArchardByWork`.
+
+    Parameters
+    ----------
+    coefficients : tuple of float
+        k of the four regimes, see `JENDEL`.
+    hardness : float
+        Hardness of the body that wears, MPa.
+    speed : float
+        Rolling speed, mm/s.
+    mu, angle : tuple of float and float
+        See `ArchardByWork`.
+    """
+
+    coefficients: tuple[float, float, float, float]
+    hardness: float
+    speed: float
+    mu: tuple[float, float] = (1.0, 1.0)
+    angle: float = 0.0
+    recorded_name = "tractive_sam.mechanics.wear_maps.ByChart"
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return the depth per rolling distance, by the chart's coefficient at each element.
+
+        Parameters as in `WearLaw.rate`.
+        """
+        unit = ArchardByWork((1.0 / self.hardness,) * 2, self.mu, self.angle)
+        sliding = self.speed * np.hypot(*slip)
+        k = chart(
+            sliding, pressure / self.hardness, JENDEL_BORDERS, JENDEL_LIMIT, self.coefficients
+        )
+        return k * unit.rate(pressure, traction, slip)
+
+    def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return rate/pressure, the derivative in unchanged regimes, 1/MPa; 0 outside contact.
+
+        The regime of each element is assumed not to change.
+
+        Parameters as in `WearLaw.per_load`.
+        """
+        rate = self.rate(pressure, traction, slip)
+        return np.divide(rate, pressure, out=np.zeros_like(rate), where=pressure > 0.0)
+
+    def weakened(self, factor: float) -> "WearMap":
+        """Return the law for friction multiplied by a factor (`WearLaw.weakened`)."""
+        return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
+
+
+@dataclass(frozen=True)
+class PerBody(WearLaw):
+    """Wear law made of a separate law for each body; a body without a law does not wear.
+
+    Parameters
+    ----------
+    A, B : WearLaw, optional
+        Laws of the bodies; a body without a law does not wear.
+
+    Examples
+    --------
+    >>> laws = ts.Laws.of(discs)
+    >>> only_A = laws.replace(wear=ts.PerBody(A=laws.wear))
+    >>> history = ts.roll(discs, laws=only_A)
+    >>> bool(history["wear_profile_B"].any())
+    False
+    """
+
+    A: WearLaw | None = None
+    B: WearLaw | None = None
+    recorded_name = "tractive_sam.mechanics.wear_maps.EachBody"
+
+    def map_laws(self, function: Callable[[WearLaw], WearLaw]) -> "PerBody":
+        """Return the pair with a function applied to each law; a missing law remains None."""
+        return PerBody(*(None if law is None else function(law) for law in (self.A, self.B)))
+
+    def _of_bodies(self, quantity: str, *fields: np.ndarray) -> np.ndarray:
+        """Return results of a named method of both laws, (2, n_x, n_y); 0 without a law."""
+        none = np.zeros_like(fields[0])
+        return np.stack(
+            [none if law is None else getattr(law, quantity)(*fields) for law in (self.A, self.B)]
+        )
+
+    def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return the depth per rolling distance, dimensionless: the sum of both bodies' laws.
+
+        Parameters as in `WearLaw.rate`.
+        """
+        return self._of_bodies("rate", pressure, traction, slip).sum(axis=0)
+
+    def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return the derivative of the wear rate by the pressure, the sum over both bodies, 1/MPa.
+
+        Parameters as in `WearLaw.per_load`.
+        """
+        return self._of_bodies("per_load", pressure, traction, slip).sum(axis=0)
+
+    def shares(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
+        """Return shares of A and B in the wear of each row (2, n_y); the contact's in unworn rows.
+
+        Rows without wear have the shares of the contact.
+
+        Parameters as in `WearLaw.shares`.
+        """
+        each = self._of_bodies("rate", pressure, traction, slip).sum(axis=1)
+        total = each.sum(axis=1)
+        share = total / total.sum() if total.sum() > 0.0 else np.full(2, 0.5)
+        depth = each.sum(axis=0)
+        wears = depth > 0.0
+        return np.where(wears, each / np.where(wears, depth, 1.0), share[:, None])
+
+    def rates(
+        self,
+        share: Mapping[str, float],
+        pressure: np.ndarray,
+        traction: np.ndarray,
+        slip: np.ndarray,
+    ) -> np.ndarray:
+        """Return each body's depth per rolling distance by its law, (2, n_x, n_y); not by `share`.
+
+        Each body has its law; `share` is not used.
+
+        Parameters as in `WearLaw.rates`.
+        """
+        return self._of_bodies("rate", pressure, traction, slip)
+
+    def on(self, element_area: float) -> "PerBody":
+        """Return the laws for a mesh whose elements have this area, mm² (`WearLaw.on`)."""
+        return self.map_laws(lambda law: law.on(element_area))
+
+    def weakened(self, factor: float) -> "PerBody":
+        """Return the laws for friction multiplied by a factor (`WearLaw.weakened`)."""
+        return self.map_laws(lambda law: law.weakened(factor))
+
+    def with_friction(self, friction: FrictionLaw) -> "PerBody":
+        """Return the laws of both bodies with another friction law."""
+        return self.map_laws(lambda law: law.with_friction(friction))
+
+    def under(self, conditions: WearConditions) -> "PerBody":
+        """Return the laws of both bodies at a wear depth, a revolution and a temperature."""
+        return self.map_laws(lambda law: law.under(conditions))
+
+    def beyond_tests(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> str:
+        """Return a text on each body whose conditions exceed the experiments; "" if none do."""
+        texts = {
+            name: law.beyond_tests(pressure, traction, slip)
+            for name, law in (("A", self.A), ("B", self.B))
+            if law is not None
+        }
+        return "; ".join(f"body {name}: {text}" for name, text in texts.items() if text)
+
+
+def _mean(work: np.ndarray, pressure: np.ndarray) -> float:
+    """Return the mean frictional work over the elements in contact, N/mm²; 0 without contact."""
+    count = np.count_nonzero(pressure > 0.0)
+    return float(work.sum() / count) if count else 0.0

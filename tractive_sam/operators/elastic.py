@@ -36,7 +36,7 @@ from tractive_sam.compute import (
     fast_length,
     padded_length,
 )
-from tractive_sam.kernels.spectral import row_products
+from tractive_sam.kernels.linear_algebra import row_products
 from tractive_sam.mechanics import Elasticity, Frame, HalfSpaces
 from tractive_sam.operators.zone_inverse import ZoneInverse
 

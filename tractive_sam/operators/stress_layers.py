@@ -16,13 +16,13 @@ from tractive_sam.compute import (
     padded_length,
     transform,
 )
-from tractive_sam.kernels.stress_lattice import (
+from tractive_sam.kernels.stress import edge_factors
+from tractive_sam.kernels.stress_sum import (
     edge_table,
     layer_product,
     layer_table,
     plane_product,
 )
-from tractive_sam.kernels.strip_stress import edge_factors
 from tractive_sam.mechanics import HalfSpaces
 from tractive_sam.operators import elastic
 from tractive_sam.operators.elastic import Lattice
@@ -286,7 +286,7 @@ def _round_to_half(place: float) -> float:
 class StripLayers:
     """Subsurface stress below a line contact, one depth at a time, by convolution of strips.
 
-    Exact to rounding, about 1e-13 of the tractions; see :mod:`tractive_sam.kernels.strip_stress`.
+    Exact to rounding, about 1e-13 of the tractions; see :mod:`tractive_sam.kernels.stress`.
 
     Parameters
     ----------

@@ -9,20 +9,18 @@ import numpy as np
 from tractive_sam import plot
 from tractive_sam.mechanics import full_slip_force
 from tractive_sam.paper.page import (
+    ANGLE_TEXT,
+    ANGLES,
     Finding,
     FindingTable,
     Picture,
     Statement,
     Verdict,
     Work,
-    join,
-)
-from tractive_sam.paper.scenes import (
-    ANGLE_TEXT,
-    ANGLES,
     friction_bound,
     friction_of,
     hertz_of,
+    join,
     orthotropic_spheres,
     spheres,
 )

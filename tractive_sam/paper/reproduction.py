@@ -9,16 +9,25 @@ from pathlib import Path
 from time import perf_counter
 
 from tractive_sam.output_file import make_folder, write_file
-from tractive_sam.paper import creep_force, discs, orthotropic, spheres, wear_depth
-from tractive_sam.paper.page import Chapter, Finding, Picture, Statement, Work, chapter, page
-from tractive_sam.paper.scenes import FULL, Size
+from tractive_sam.paper import creep_force, discs, spheres
+from tractive_sam.paper.page import (
+    FULL,
+    Chapter,
+    Finding,
+    Picture,
+    Size,
+    Statement,
+    Work,
+    chapter,
+    page,
+)
 from tractive_sam.plot import FORMATS
 
 CHAPTERS = (
     Chapter("Two spheres: stick, slip and stress", "Fig. 5", spheres.sphere_findings),
     Chapter("Force against creepage", "Fig. 6", creep_force.creep_force_findings),
-    Chapter("Orthotropic friction", "Figs. 7 and 8", orthotropic.orthotropic_findings),
-    Chapter("Wear against a global model", "Fig. 15, Table 1", wear_depth.wear_depth_findings),
+    Chapter("Orthotropic friction", "Figs. 7 and 8", spheres.orthotropic_findings),
+    Chapter("Wear against a global model", "Fig. 15, Table 1", discs.wear_depth_findings),
     Chapter("Twin discs: wear over the revolutions", "Figs. 9-14, 16-18", discs.disc_findings),
 )
 """Groups of figures of the paper."""

@@ -7,11 +7,6 @@ from .hertz_stress import circle_shear_stress as circle_shear_stress
 from .hertz_stress import hertz_axis_stress as hertz_axis_stress
 from .hertz_stress import line_pressure_stress as line_pressure_stress
 from .hertz_stress import line_shear_stress as line_shear_stress
-from .kalker import CreepCoefficients as CreepCoefficients
-from .kalker import CreepForces as CreepForces
-from .kalker import creep_coefficients as creep_coefficients
-from .kalker import fastsim as fastsim
-from .kalker import linear_creep_forces as linear_creep_forces
 from .laws import CombinedMaterial as CombinedMaterial
 from .laws import HertzContact as HertzContact
 from .laws import HertzLine as HertzLine
@@ -26,9 +21,14 @@ from .laws import max_shear as max_shear
 from .laws import principal_stresses as principal_stresses
 from .laws import von_mises as von_mises
 from .rolling import Carter as Carter
+from .rolling import CreepCoefficients as CreepCoefficients
+from .rolling import CreepForces as CreepForces
 from .rolling import bentall_johnson_creepage as bentall_johnson_creepage
+from .rolling import creep_coefficients as creep_coefficients
 from .rolling import creep_parameter as creep_parameter
+from .rolling import fastsim as fastsim
 from .rolling import full_slip_with_spin as full_slip_with_spin
 from .rolling import kalker_simplified as kalker_simplified
+from .rolling import linear_creep_forces as linear_creep_forces
 from .rolling import vermeulen_johnson as vermeulen_johnson
 from .rolling import vermeulen_johnson_inverse as vermeulen_johnson_inverse

@@ -171,7 +171,7 @@ class Maximum:
         monotonically from the surface. A maximum exactly two elements deep is a bound: the actual
         one is closer to the surface.
     surface, surface_at : float, tuple of float
-        The largest value at the surface; see `subsurface.multilevel.largest_at_surface`.
+        The largest value at the surface; see `subsurface.sources.largest_at_surface`.
 
     Examples
     --------

@@ -8,7 +8,7 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.mechanics import CRITERIA
-from tractive_sam.results import Grid, History, State
+from tractive_sam.results import History, State
 from tractive_sam.scene import Plane, Subsurface
 from tractive_sam.store import Image, check_volume, write_surface, write_volume
 from tractive_sam.subsurface import stress_volume
@@ -82,8 +82,17 @@ def export_volume(
         raise ValueError("the bodies do not touch: no stress to export; increase the load")
     depths = _depths(source, depth, elements)
     layers = stress_volume(source, depths if body == "A" else depths[::-1], body, threads)
-    image = _image(source.grid, depths, body)
-    write_volume(path, image, _arrays(layers), source.scene, about, overwrite)
+    grid, lowest = source.grid, 0.0 if body == "A" else -float(depths[-1])
+    image = Image(
+        points=(*grid.elements, depths.size),
+        origin=(float(grid.x[0]), float(grid.y[0]), lowest),
+        spacing=(grid.dx, grid.dy, float(depths[1])),
+    )
+    arrays = (
+        {"stress": stress} | {name: invariant(stress) for name, invariant in CRITERIA.items()}
+        for _, stress in layers
+    )
+    write_volume(path, image, arrays, source.scene, about, overwrite)
     return path
 
 
@@ -166,19 +175,3 @@ def _depths(source: State, depth: float | None, elements: int | None) -> np.ndar
         raise ValueError(f"elements: at least 2 points over the depth are needed, not {elements}")
     hertz = source.scene.hertz
     return np.linspace(0.0, depth * (source.half_width_x if hertz is None else hertz.a), elements)
-
-
-def _image(grid: Grid, depths: np.ndarray, body: str) -> Image:
-    """Return the grid of points of a volume below the contact."""
-    lowest = 0.0 if body == "A" else -float(depths[-1])
-    return Image(
-        points=(*grid.elements, depths.size),
-        origin=(float(grid.x[0]), float(grid.y[0]), lowest),
-        spacing=(grid.dx, grid.dy, float(depths[1])),
-    )
-
-
-def _arrays(layers: Iterator[tuple[float, np.ndarray]]) -> Iterator[dict[str, np.ndarray]]:
-    """Yield the stress of each layer and its values by stress criteria, by name."""
-    for _, stress in layers:
-        yield {"stress": stress} | {name: invariant(stress) for name, invariant in CRITERIA.items()}

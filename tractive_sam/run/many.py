@@ -22,9 +22,8 @@ from tractive_sam.extras import check_extra
 from tractive_sam.optional import xarray
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import process_of, start_passage
-from tractive_sam.run import argument_checks, memory
-from tractive_sam.run.argument_checks import read_measured_gap
-from tractive_sam.run.gap_notes import warn_of_gap
+from tractive_sam.run import inputs, memory
+from tractive_sam.run.inputs import read_measured_gap, warn_of_gap
 from tractive_sam.run.pipeline import roll
 from tractive_sam.run.recording import Recording
 from tractive_sam.scene import Scene
@@ -86,7 +85,7 @@ def solve_many(scene: Scene, over: Values, *, jacobian: bool = False) -> "xarray
     True
     """
     check_extra("xarray", "solve_many")
-    argument_checks.check_scene(scene)
+    inputs.check_scene(scene)
     if scene.accuracy is not None:
         raise ValueError("solve_many: one mesh is needed; give the scene [grid], not [accuracy]")
     scene = scene.with_current_files(fix=True).without_blocks
@@ -136,8 +135,9 @@ class _CaseTable:
         """Return all results as an xarray Dataset over the axes; nan where not solved."""
         dims = [axis.name for axis in self.axes]
         variables: dict[str, Any] = {
-            name: (dims, values, _attributes(self.quantities[name]))
+            name: (dims, values, {"units": quantity.unit, "long_name": quantity.long_name})
             for name, values in self.numbers.items()
+            for quantity in (self.quantities[name],)
         }
         solved = self.texts["status"] == Status.CONVERGED.value
         variables["converged"] = (dims, solved.astype(bool))

@@ -1,8 +1,11 @@
-"""Estimate the memory that a scene takes, before it is allocated."""
+"""Memory that a scene takes, before it is allocated, and memory that the process may still take."""
 
 import math
+import os
+from contextlib import suppress
+from pathlib import Path
+from types import ModuleType
 
-from tractive_sam.compute import available_memory
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.operators import layer_cache
@@ -10,6 +13,79 @@ from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of, process_type
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.solvers import NEARBY
+
+resource: ModuleType | None
+try:
+    import resource
+except ImportError:  # this system has no limits
+    resource = None
+
+
+def available_memory() -> float:
+    """Return the memory, in bytes, that the process may still allocate; infinite if unknown."""
+    return max(0.0, min(_free_memory(), memory_of_groups(), _memory_of_limit()))
+
+
+def _free_memory() -> float:
+    """Return the memory available on the machine, bytes; if unknown, its total memory, or inf."""
+    with suppress(OSError, ValueError):
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                return 1024.0 * float(line.split()[1])
+    with suppress(AttributeError, OSError, ValueError):
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    return math.inf
+
+
+def memory_of_groups(
+    root: Path = Path("/sys/fs/cgroup"), members: Path = Path("/proc/self/cgroup")
+) -> float:
+    """Return the memory, in bytes, that the control groups (cgroups) still allow the process.
+
+    In `root`, Linux stores the limits of groups (containers, batch jobs); `members` lists
+    those of the process.
+    """
+    free = [math.inf]
+    with suppress(OSError, ValueError):
+        for line in members.read_text().splitlines():
+            _, kinds, name = line.split(":", 2)
+            if kinds == "":  # version 2
+                names, base = ("memory.max", "memory.current", "inactive_file"), root
+            elif "memory" in kinds.split(","):  # version 1
+                names = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
+                base = root / "memory"
+            else:
+                continue
+            inner = Path(name.lstrip("/"))
+            free += [_memory_of_group(base / group, *names) for group in (inner, *inner.parents)]
+    return min(free)
+
+
+def _memory_of_group(group: Path, limit: str, usage: str, cache: str) -> float:
+    """Return the bytes that a control group still allows, cache included; inf if unlimited."""
+    try:
+        limit_bytes, used = (float((group / name).read_text()) for name in (limit, usage))
+    except (OSError, ValueError):  # no control group, or "max"
+        return math.inf
+    with suppress(OSError, ValueError):
+        stat = dict(line.split() for line in (group / "memory.stat").read_text().splitlines())
+        used -= float(stat.get(cache, 0.0))  # the system frees the cache when it needs memory
+    return limit_bytes - used
+
+
+def _memory_of_limit() -> float:
+    """Return the memory, in bytes, that ``ulimit -v`` still allows; infinite without a limit."""
+    if resource is None:
+        return math.inf
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return math.inf
+    with suppress(OSError, ValueError):
+        return (
+            limit - float(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        )
+    return float(limit)
+
 
 FIELD_COPIES = 3.5
 """Memory used while the stress of one plane is computed and written, in addition to all planes,
@@ -54,15 +130,6 @@ def _count_records(model: Model) -> int:
     return process_type(model.scene).expected_records(model.scene, model.grid.dx)
 
 
-def search_bytes(model: Model) -> float:
-    """Return the memory, bytes, in which [subsurface] seeks the largest stress; 0 without it.
-
-    Spectra of the tractions and of surface displacements, and the stress at the surface; a part of
-    them takes the place of vectors of the solver.
-    """
-    return 0.0 if model.scene.subsurface is None else 8.0 * 17 * math.prod(model.grid.elements)
-
-
 def stress_bytes(model: Model) -> float:
     """Return the estimated memory, bytes, of the stress planes of [subsurface]; 0 without it."""
     table, (nx, ny) = model.scene.subsurface, model.grid.elements
@@ -97,7 +164,11 @@ def scene_bytes(model: Model) -> float:
     """Return the estimated memory of a roll that writes its records to a file, bytes."""
     # The programs that find the contacts of profiles of wheel and rail.
     profiles = 0.0 if model.scene.wheelset is None else 30.0 * 2**20
-    of_stress = search_bytes(model) + stress_bytes(model) + fatigue_bytes(model)
+    # The search for the largest stress: spectra of the tractions and of surface displacements, and
+    # the stress at the surface. A part of them takes the place of vectors of the solver.
+    subsurface, elements = model.scene.subsurface, math.prod(model.grid.elements)
+    search = 0.0 if subsurface is None else 8.0 * 17 * elements
+    of_stress = search + stress_bytes(model) + fatigue_bytes(model)
     return contact_bytes(model) + of_stress + profiles
 
 

@@ -1,4 +1,4 @@
-"""The two entry points from a scene to its results, `solve` and `roll`."""
+"""The entry points from a scene to its results: `solve`, `roll` and `wear_profiles`."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from functools import partial
 from os import PathLike
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -20,23 +21,24 @@ from tractive_sam.contact import (
     jacobian_of,
     solve_on_fitted_mesh,
 )
-from tractive_sam.results import History, NotConverged, Quantity, Record, State
+from tractive_sam.results import History, NotConverged, Quantity, Record, State, WornProfiles
 from tractive_sam.rolling import Observer, Step, StoredStep
-from tractive_sam.run import argument_checks, memory, refined_runs
-from tractive_sam.run.argument_checks import read_measured_gap
-from tractive_sam.run.gap_notes import warn_of_gap
+from tractive_sam.run import inputs, memory, refined_runs
+from tractive_sam.run.inputs import read_measured_gap, warn_of_gap
 from tractive_sam.run.progress import show_roll_progress, show_solving
 from tractive_sam.run.recording import Recording
 from tractive_sam.run.resume import (
     check_measured,
     check_observers_in_file,
+    check_start_of_file,
+    describe_origin,
     last_step,
     report_damage,
     use_stored_files,
+    worn_bodies,
 )
-from tractive_sam.run.start import check_start_of_file, describe_origin, worn_bodies
 from tractive_sam.scene import Scene, pressure_notes
-from tractive_sam.schema import PlausibilityWarning, required, warn
+from tractive_sam.schema import Fault, PlausibilityWarning, SceneError, required, warn
 from tractive_sam.solvers import ProblemSolver
 from tractive_sam.store import open_history, results_writer
 
@@ -109,18 +111,18 @@ def solve(
     >>> faster.Qx < contact.Qx
     True
     """
-    argument_checks.check_scene(scene)
+    inputs.check_scene(scene)
     scene = scene.with_current_files().without_blocks
-    model_of = argument_checks.model_of(laws, solver)
+    model_of = inputs.model_of(laws, solver)
     measured = read_measured_gap(scene)
     model = model_of(scene, measured)
     memory.check_solve(model)
     if jacobian:
         check_jacobian(model)
     if wear is not None:
-        wear = argument_checks.depths_of(wear, model.grid)
+        wear = inputs.depths_of(wear, model.grid)
     if start is not None:
-        argument_checks.check_start(start, model.grid)
+        inputs.check_start(start, model.grid)
     with show_solving(progress):
         if start is not None or wear is not None:
             contact = equilibrium(model, wear, start)
@@ -230,11 +232,11 @@ def roll(
     True
     """
     began = perf_counter()
-    argument_checks.check_scene(scene)
+    inputs.check_scene(scene)
     file = None if path is None else Path(path)
     if resume and file is None:
         raise ValueError("resume: there is no file to resume from; set path to a results file")
-    user_columns = argument_checks.check_columns(columns, laws)
+    user_columns = inputs.check_columns(columns, laws)
     worn, started = (
         (None, "") if start is None else (worn_bodies(start, scene), describe_origin(start))
     )
@@ -250,8 +252,8 @@ def roll(
                 worn, started = check_start_of_file(before, file, started), before.started
             stored = last_step(before, file, scene, laws, user_columns, gap)
         model_of = partial(
-            argument_checks.model_of(laws, solver, worn),
-            profiles=argument_checks.read_profiles(scene),
+            inputs.model_of(laws, solver, worn),
+            profiles=inputs.read_profiles(scene),
             datum="vertex" if stored is None else stored[1].history.datum,
         )
         about = (user_columns, began, started, tuple(observers))
@@ -275,10 +277,55 @@ def _continue(run: Recording, last: Step, stored: StoredStep) -> History:
     model = run.model_of(run.scene, run.measured, last.grid)
     memory.check_roll(model, in_memory=False)
     process = run.process_of(model)
-    check_measured(before, path, argument_checks.hash_measurements(model))
+    check_measured(before, path, inputs.hash_measurements(model))
     check_observers_in_file(before, path, process.following)
     with report_damage(path, stored.row):
         last = process.adopt(last, stored)
     if run.scene.has("accuracy"):
         return refined_runs.resume_to_accuracy(run, last, before)
     return run.resume(process, last, before)[0]
+
+
+def wear_profiles(
+    scene: Scene, path: str | PathLike[str] | None = None, **options: Any
+) -> WornProfiles:
+    """Roll a wheel on a rail with wear; return the worn profiles, raise if the roll failed.
+
+    Material is removed along the normals of both profiles, without any smoothing. Each block of
+    [[duty]] is a position of the wheelset with its share in the revolutions.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene with [wheel], [rail], [wheelset] and [wear].
+    path : path-like, optional
+        Results file, as for `roll`.
+    **options
+        Other arguments of `roll`.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no wheel or no wear, or worn profiles have no contact.
+    RuntimeError
+        If a contact is not solved; the message of the history.
+
+    Examples
+    --------
+    >>> scene = ts.Scene.builtin("wheel-wear").with_set(["wear.revolutions=1000"])
+    >>> worn = ts.wear_profiles(scene)
+    >>> round(float(worn.revolutions[-1]))
+    1000
+    """
+    require_wear(scene)
+    history = roll(scene, path, **options)
+    if not history.finished:
+        raise RuntimeError(history.message)
+    return WornProfiles.from_history(history)
+
+
+def require_wear(scene: Scene) -> None:
+    """Raise a SceneError unless a scene has [wheelset] and [wear]."""
+    for name in ("wheelset", "wear"):
+        if getattr(scene, name) is None:
+            raise SceneError([Fault(name, "nothing", f"a [{name}] table, to wear profiles")])

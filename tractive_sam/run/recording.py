@@ -15,8 +15,7 @@ from tractive_sam import interrupt
 from tractive_sam.contact import Gap, Model
 from tractive_sam.results import Grid, History, LawRecord, Quantity, Record, caveats
 from tractive_sam.rolling import Observer, Process, Recorder, Step, process_of
-from tractive_sam.run.argument_checks import check_observer_columns, hash_measurements
-from tractive_sam.run.gap_notes import warn_of_gap
+from tractive_sam.run.inputs import check_observer_columns, hash_measurements, warn_of_gap
 from tractive_sam.scene import Scene
 from tractive_sam.schema import PlausibilityWarning, required, warn
 from tractive_sam.store import HistoryWriter, open_history

@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from tractive_sam.compute import backend_of
-from tractive_sam.kernels.krylov import extend_basis
+from tractive_sam.kernels.linear_algebra import extend_basis
 from tractive_sam.operators import Lattice
 from tractive_sam.results import Cost, Status
 from tractive_sam.solvers.problem import NormalProblem, Note, Outcome, Start, closed, needed

@@ -74,11 +74,6 @@ class Method:
     wears_in_pass: bool = False
     predictable: bool = True
 
-    @classmethod
-    def from_solver(cls, solver: ProblemSolver) -> "Method":
-        """Return a method that uses a user-defined solver for all bodies."""
-        return cls(solver, solver, repr(solver))
-
 
 NORMAL = AroundContact(Nested(AroundContact(ConjugateGradients(), least_size=8192)))
 PRESSURE_ONLY = Sequential(NORMAL)

@@ -12,7 +12,7 @@ from time import sleep
 import numpy as np
 
 from tractive_sam import interrupt
-from tractive_sam.compute import available_memory, cores
+from tractive_sam.compute import cores
 from tractive_sam.contact import Model
 from tractive_sam.description import Description, Section, format_duration, format_setting
 from tractive_sam.results import FIELDS, STRESS, columns
@@ -118,7 +118,7 @@ def check_memory(cases: list[Case], workers: int) -> None:
         max(map(memory.scene_bytes, _models(case.scene for case in cases)), default=0.0)
         + explain.PROGRAM_MEMORY * 2**20
     )
-    free, workers = available_memory(), min(workers, len(cases))
+    free, workers = memory.available_memory(), min(workers, len(cases))
     if workers * each > free:
         mebi = 2**20
         value = f"{workers} of about {each / mebi:.0f} MiB each, and {free / mebi:.0f} are free"

@@ -23,14 +23,13 @@ from tractive_sam.mechanics import HalfSpaces, enclosing_radius, evaluate_cycles
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, Grid, State
 from tractive_sam.scene import Fatigue
-from tractive_sam.subsurface.loaded_bodies import (
+from tractive_sam.subsurface.sources import SIGNS, surface_cycles, surface_points
+from tractive_sam.subsurface.stress_fields import (
     LoadedBodies,
     check_depths,
     semi_axes,
     stress_layers,
 )
-from tractive_sam.subsurface.multilevel import surface_cycles, surface_points
-from tractive_sam.subsurface.sources import SIGNS
 
 
 def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:

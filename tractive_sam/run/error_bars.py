@@ -1,4 +1,4 @@
-"""Estimate the distance of results on a mesh from results on an infinitely fine one.
+"""Error bars from meshes that each have twice the elements of the last, against an accuracy.
 
 With an error C h^p, results on two meshes with element sizes in the ratio sqrt(2) differ by
 (2^(p/2) - 1) C h^p. So the error of the finer one is their difference times 1.0 if it falls with h²
@@ -16,16 +16,78 @@ at the edge of a step, and the stress below it may have none. Their error bars a
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from tractive_sam.contact import Laws
-from tractive_sam.results import BodyFatigue, Maximum, State
+from tractive_sam.contact import Gap, Laws, choose_grid
+from tractive_sam.results import BodyFatigue, Grid, History, Maximum, State
 from tractive_sam.rolling import stressed_volume
+from tractive_sam.scene import Scene
 from tractive_sam.schema import required
+
+
+class Levels:
+    """Meshes to refine a scene with [accuracy]: a level has twice the total elements of the last.
+
+    Parameters
+    ----------
+    scene : Scene
+        Scene with [accuracy].
+    measured : Gap, optional
+        Measured separation of the scene.
+    """
+
+    first: ClassVar[int] = -4
+    """Coarsest level: a quarter of the usual elements along each axis."""
+
+    needed: ClassVar[int] = 3
+    """Number of meshes that an error bar needs."""
+
+    def __init__(self, scene: Scene, measured: Gap | None):
+        self._scene, self._measured = scene, measured
+
+    def grid(self, level: int) -> Grid:
+        """Return the mesh of a level (0: the usual one), before it grows with the contact."""
+        return choose_grid(self._scene, self._measured, finer=2.0 ** (0.5 * level))
+
+    def allowed(self, level: int) -> bool:
+        """Return whether a level has few enough elements for the scene; the first levels always."""
+        few = level < self.first + self.needed
+        most = required(self._scene.accuracy, "accuracy").elements
+        return few or math.prod(self.grid(level).elements) <= most
+
+    def find_level(self, grid: Grid) -> int:
+        """Return the level of a mesh, which may have grown; raise a LookupError for other meshes.
+
+        Raises
+        ------
+        LookupError
+            If the mesh is of no level of this scene.
+        """
+        level = self.first
+        while self.grid(level).dx > 0.99 * grid.dx:
+            equal = math.isclose(self.grid(level).dx, grid.dx, rel_tol=1e-9)
+            if equal and math.isclose(self.grid(level).dy, grid.dy, rel_tol=1e-9):
+                return level
+            level += 1
+        raise LookupError(f"{grid} is none of the meshes that the scene gives")
+
+
+def set_tolerances(scene: Scene) -> Scene:
+    """Return the scene with solver and wear tolerances for its accuracy, unless it sets them."""
+    tolerance = required(scene.accuracy, "accuracy").tolerance
+    entries = scene.entries()
+    changes = {}
+    if "tolerance" not in entries.get("solver", {}):
+        changes["solver.tolerance"] = max(0.01 * tolerance, 1e-8)  # of the contact conditions
+    if "wear" in entries and "tolerance" not in entries["wear"]:
+        # With adaptive steps this accurate, meshes differ by their resolution only.
+        changes["wear.tolerance"] = min(tolerance, 2e-4)
+    return scene.replace(**changes)
+
 
 FORCES = ("Qx", "Qy", "Mz")
 
@@ -296,11 +358,95 @@ def error_bars(relative: Mapping[Name, float], fine: Sample) -> dict[str, Any]:
             bar = float(max(above, below))
             factor = fine.factors.get((name.column, name.body))
             if factor is not None:
-                bar = _load_factor_bar(factor, top, bar)
+                # A load factor is inverse to a shear stress.
+                bar = factor * bar / (top - bar) if bar < top else math.inf
             bars.setdefault(name.column, {})[name.body] = bar
     return bars
 
 
-def _load_factor_bar(factor: float, shear: float, bar: float) -> float:
-    """Return the error bar of a load factor, which is inverse to a shear stress; may be inf."""
-    return factor * bar / (shear - bar) if bar < shear else math.inf
+@dataclass(frozen=True)
+class Assessment:
+    """Error bars of one contact, and a note if they are wider than the tolerance.
+
+    Attributes
+    ----------
+    error_bars : mapping of str to float
+        See `State`; empty if too few meshes were solved.
+    missed : str
+        The error bar that is too wide, and what to do; empty if all are within the tolerance.
+    """
+
+    error_bars: Mapping[str, Any]
+    missed: str
+
+
+def assess(contact: State, samples: Sequence[Sample | None], peak: bool) -> Assessment:
+    """Estimate the error bars of a contact from its samples on coarser meshes.
+
+    Parameters
+    ----------
+    contact : State
+        Contact on the finest mesh.
+    samples : sequence of Sample or None
+        Samples on this and coarser meshes, the finest last; None for a mesh that was not solved.
+    peak : bool
+        Whether the peak contact pressure must be within the tolerance as well.
+    """
+    solved = [sample for sample in samples[-Levels.needed :] if sample is not None]
+    if len(solved) < Levels.needed:
+        note = f"error bars need {Levels.needed} meshes, and only {len(solved)} could be solved"
+        return Assessment({}, _add_advice(contact.scene, note))
+    relative = relative_error_bars(*solved)
+    worst, name = worst_error_bar(relative, peak)
+    bars = (
+        error_bars(relative, solved[-1]) | deviations_from_prescribed(contact) | {"relative": worst}
+    )
+    if worst <= required(contact.scene.accuracy, "accuracy").tolerance:
+        return Assessment(bars, "")
+    if math.isinf(worst):
+        note = f"{name} grows with every finer mesh and may have no limit: round sharp edges"
+        return Assessment(bars, note)
+    note = f"{name} has a relative error bar of {worst:.1e}"
+    return Assessment(bars, _add_advice(contact.scene, note))
+
+
+def worst_error_bar(relative: Mapping[Name, float], peak: bool) -> tuple[float, str]:
+    """Return the widest relative error bar among the quantities that decide the mesh, and its name.
+
+    `peak` includes the peak pressure.
+    """
+    # Quantities that must be within the tolerance; for unworn bodies the peak pressure as well.
+    governing = ("P", "Qx", "Qy", "Mz", "xi_x", "xi_y", "wear_max")
+    names = (*governing, "p_max") if peak else governing
+    return max((relative[name], name) for name in names)
+
+
+def describe_missed_accuracy(history: History, scene: Scene) -> str:
+    """Describe the last stored revolution with too wide error bars; empty if there is none.
+
+    Parameters
+    ----------
+    history : History
+        History of this scene, complete or not.
+    scene : Scene
+        Scene with [accuracy].
+    """
+    if "relative_error" not in history.columns:
+        return ""
+    missed, saved = "", scene.schedule
+    tolerance = required(scene.accuracy, "accuracy").tolerance
+    for revolution, worst in zip(history["revolution"], history["relative_error"], strict=True):
+        # Not "greater": the error bar is nan if coarser meshes could not be solved.
+        if int(revolution) in saved and not worst <= tolerance:
+            bar = "no error bars" if math.isnan(worst) else f"a relative error bar of {worst:.1e}"
+            missed = f"revolution {revolution:.0f} has {bar}"
+    return missed and _add_advice(scene, missed)
+
+
+def _add_advice(scene: Scene, note: str) -> str:
+    """Return a note followed by advice how to reach the requested accuracy."""
+    accuracy = required(scene.accuracy, "accuracy")
+    return (
+        f"{note}; accuracy.tolerance is {accuracy.tolerance:.1e}, and accuracy.elements "
+        f"allows no more than {accuracy.elements} elements: raise one of them"
+    )

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tractive_sam.compute import memory
+from tractive_sam.run import memory
 
 
 @pytest.fixture
