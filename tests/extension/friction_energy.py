@@ -20,6 +20,7 @@ class FrictionEnergy(ts.Observer):
     energy: np.ndarray | None = None  # so far, shape (n_x, n_y), mJ/mm2
 
     name = "friction_energy"
+    kept = ("place", "rate", "energy")  # to resume
     columns = (
         ts.Quantity("energy_max", "mJ/mm2", "largest energy of friction per area"),
         ts.Quantity("energy_profile", "mJ/mm", "energy of friction per width", dims=("y",)),
@@ -37,15 +38,6 @@ class FrictionEnergy(ts.Observer):
         mean = 0.5 * (_widened(self.rate, rate.shape) + rate)
         energy = _widened(self.energy, rate.shape) + distance * mean
         return replace(self, place=step.place, rate=rate, energy=energy)
-
-    @property
-    def state(self):
-        return {"place": np.array([self.place]), "rate": self.rate, "energy": self.energy}
-
-    def restore(self, step, stored):
-        known = stored.state_of(self)
-        place, rate, energy = (known[name] for name in ("place", "rate", "energy"))
-        return replace(self, place=float(place[0]), rate=rate, energy=energy)
 
     def record(self, model, recorded):
         profile = self.energy.sum(axis=0) * model.grid.dx

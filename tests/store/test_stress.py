@@ -80,6 +80,17 @@ def test_wider_mesh(path):
     assert history.stress("A", "y=0", 10).components["xx"].shape == (5, 3)
 
 
+def test_a_table_is_a_dataset_of_xarray(stressed):
+    kept = History.of_records([with_stress(r) for r in records(5, every=2)], STRESSED, mesh())
+    for history in (open_history(stressed), kept):
+        data = history.tables["stress/A/y=0"][1].to_xarray()
+        assert set(data) == set(STRESS)
+        assert data.von_mises.dims == ("x", "depth")
+        assert data.von_mises.attrs["units"] == "MPa"
+        np.testing.assert_array_equal(data.depth, [0.0, 0.1, 0.3])
+        assert history.tables["fields"][0].to_xarray().pressure.dims == ("x", "y")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
 def test_xarray(stressed, engine):

@@ -174,9 +174,8 @@ class HistoryData:
         for path, rows in self.tables.items():
             body, _, plane = path.removeprefix(start).partition("/")
             if path.startswith(start) and body in BODIES:
-                stresses[body, plane] = View(
-                    len(rows), partial(_read_stress, rows, body, plane, block)
-                )
+                read = partial(PlaneStress.from_table, rows, body, plane, block)
+                stresses[body, plane] = View(len(rows), read)
         return stresses
 
     @cached_property
@@ -184,14 +183,13 @@ class HistoryData:
         """Fatigue of each body: a sequence with one `BodyFatigue` a stored record."""
         table, start = self.scene.fatigue, "fatigue/"
         k = None if table is None else table.shear_yield_stress
-        shear_yield = math.nan if k is None else k
-        return {
-            path.removeprefix(start): View(
-                len(rows), partial(_read_fatigue, rows, path.removeprefix(start), shear_yield)
-            )
-            for path, rows in self.tables.items()
-            if path.startswith(start)
-        }
+        cycles: dict[str, Rows[BodyFatigue]] = {}
+        for path, rows in self.tables.items():
+            if path.startswith(start):
+                body, shear_yield = path.removeprefix(start), math.nan if k is None else k
+                read = partial(BodyFatigue.from_table, rows, body, shear_yield)
+                cycles[body] = View(len(rows), read)
+        return cycles
 
     def of_dims(self, *dims: str) -> dict[str, Quantity]:
         """Return the columns with just these dimensions, as "body"; without any, scalars."""
@@ -334,18 +332,6 @@ class HistoryData:
             listed = f"counted from 0: {', '.join(names)}" if names else "add [[duty]]"
             raise LookupError(f"no block {which}; there are {len(names)}, {listed}")
         return k
-
-
-def _read_stress(
-    rows: TableRows, body: str, plane: str, block: int | None, row: int
-) -> PlaneStress:
-    """Return the stress on a plane in a stored record."""
-    return PlaneStress.from_table(rows[row], body, plane, block)
-
-
-def _read_fatigue(rows: TableRows, body: str, shear_yield: float, row: int) -> BodyFatigue:
-    """Return the fatigue of a body in a stored record."""
-    return BodyFatigue.from_table(rows[row], body, shear_yield)
 
 
 def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray]) -> State:

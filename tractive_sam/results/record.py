@@ -123,11 +123,6 @@ class Record:
         return find_by_role(self.columns.values(), COORDINATE)
 
     @property
-    def axes(self) -> dict[str, Variable]:
-        """Labels and nodes along the dimensions of the columns, except dimensions of the mesh."""
-        return column_axes(self.columns, self.values)
-
-    @property
     def at(self) -> float:
         """Value of the coordinate in this record, as its revolution or distance."""
         return self.values[self.coordinate.name]

@@ -18,7 +18,7 @@ from tractive_sam.mechanics import (
     von_mises,
 )
 from tractive_sam.results.quantity import Quantity, index_by_name
-from tractive_sam.results.table import MESH_AXES, Table, Variable
+from tractive_sam.results.table import MESH_AXES, Rows, Table, Variable
 from tractive_sam.scene import Plane
 
 COMPONENTS = ("xx", "yy", "zz", "xy", "xz", "yz")
@@ -108,9 +108,10 @@ class PlaneStress(ShortArrays):
 
     @classmethod
     def from_table(
-        cls, table: Table, body: str, plane: str, block: int | None = None
+        cls, rows: Rows[Table], body: str, plane: str, block: int | None, row: int
     ) -> "PlaneStress":
-        """Return the stress in a table."""
+        """Return the stress of a record in a sequence of tables."""
+        table = rows[row]
         axes = {name: axis.data for name, axis in table.axes.items()}
         components = {name: table[name] for name in COMPONENTS}
         position = table.attributes["position"]
@@ -269,8 +270,9 @@ class BodyFatigue(ShortArrays):
         return Table(variables, used, {"criterion": self.criterion})
 
     @classmethod
-    def from_table(cls, table: Table, body: str, shear_yield: float) -> Self:
-        """Return the fatigue in a table; a table of a file has no criterion."""
+    def from_table(cls, rows: Rows[Table], body: str, shear_yield: float, row: int) -> Self:
+        """Return the fatigue of a record in a sequence of tables; those of a file lack the law."""
+        table = rows[row]
         names = ("y", "depth", "zeta", *FATIGUE_FIELDS)
         arrays = {name: table[name] if name in table else _empty() for name in names}
         criterion = table.attributes.get("criterion")

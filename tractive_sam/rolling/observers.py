@@ -90,15 +90,6 @@ class LargestStress(Observer):
         """Return the observer with the contacts of a later step."""
         return LargestStress(step.contacts, model)
 
-    def restore(self, step: Any, stored: Any) -> "LargestStress":
-        """Return the observer unchanged: it stores nothing.
-
-        It does not depend on earlier steps.
-
-        Parameters as in `Observer.restore`.
-        """
-        return self
-
     def describe(self, model: Model) -> Iterator[Row]:
         """Yield the rows (label, text) that `explain` prints for the observer."""
         name = model.laws.criterion.long_name
@@ -194,10 +185,6 @@ class ElasticFields(Observer):
 
     def after(self, step: Any, model: Model) -> Self:
         """Return the observer with the contacts of a later step instead of the earlier ones."""
-        return replace(self, contacts=step.contacts, weights=step.weights)
-
-    def restore(self, step: Any, stored: Any) -> Self:
-        """Return the observer with the contacts of the step; nothing else is stored."""
         return replace(self, contacts=step.contacts, weights=step.weights)
 
     def record(self, model: Model, recorded: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -433,7 +420,7 @@ class StressHistory(Observer):
         The scene in numbers.
     """
 
-    name, key = "stress_history", "fatigue"
+    name, key, kept = "stress_history", "fatigue", ("places", "loads")
 
     places: tuple[float, ...] = ()
     loads: tuple[Fields, ...] = ()
@@ -486,13 +473,6 @@ class StressHistory(Observer):
         loads = [[widen_field(field, grid.elements) for field in load] for load in self.loads]
         return {"places": np.array(self.places), "loads": np.array(loads)}
 
-    def restore(self, step: Any, stored: Any) -> "StressHistory":
-        """Return the observer with the stored distances and loads of the cycle, to resume from."""
-        state = stored.state_of(self)
-        loads = tuple(tuple(load) for load in state["loads"])
-        places = tuple(state["places"].tolist())
-        return replace(self, places=places, loads=loads, contact=step.contact)
-
     @property
     def cycles(self) -> tuple[BodyFatigue, ...]:
         """Fatigue of the bodies by the load cycle so far, stored with the fields."""
@@ -544,9 +524,10 @@ class StressHistory(Observer):
     @cached_property
     def _fatigue(self) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
         """Fatigue of each body so far, and x of the material that is loaded most."""
-        contact, model = self._contact, self.model
-        if model is None:
+        model = self.model
+        if model is None:  # restored: its next step adds the model
             return {}
+        contact = self._contact
         table, schedule = required(model.scene.transient, "transient"), model.scene.schedule
         contacts = []
         for load in self.loads:

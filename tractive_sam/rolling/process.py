@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import ceil, isfinite
-from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar, cast
 
 import numpy as np
 
@@ -60,6 +60,7 @@ class Observer(ABC):
     ...     "Largest pressure so far."
     ...     name = "peak"
     ...     columns = (ts.Quantity("p_peak", "MPa", "largest pressure so far"),)
+    ...     kept = ("largest",)
     ...     largest: float = 0.0
     ...     def begin(self, step, model):
     ...         return self.after(step, model)
@@ -67,11 +68,6 @@ class Observer(ABC):
     ...         return replace(self, largest=max(self.largest, step.contact.p_max))
     ...     def record(self, model, recorded):
     ...         return {"p_peak": self.largest}
-    ...     @property
-    ...     def state(self):
-    ...         return {"largest": np.array([self.largest])}
-    ...     def restore(self, step, stored):
-    ...         return replace(self, largest=float(stored.state_of(self)["largest"][0]))
     >>> history = ts.roll(discs, observers=[Peak()])
     >>> bool(history["p_peak"][-1] == history["p_max"].max())
     True
@@ -81,6 +77,8 @@ class Observer(ABC):
     """Name in `Step.observed`; the names of its stored state begin with it."""
     key: ClassVar[str] = ""
     """Table of the scene that adds it; empty if a scene names it in [[observer]]."""
+    kept: ClassVar[tuple[str, ...]] = ()
+    """Attributes that a results file keeps, to resume: numbers, arrays, or tuples of these."""
     unsolved: ClassVar[bool] = False
     """Whether it also follows steps with contacts that were not solved."""
 
@@ -135,9 +133,10 @@ class Observer(ABC):
             Model of the process, on the mesh of the step.
         """
 
-    @abstractmethod
     def restore(self, step: Any, stored: Any) -> Self:
         """Return the observer as it was after a stored step, to resume from.
+
+        By default the attributes `kept` have their stored values.
 
         Parameters
         ----------
@@ -151,11 +150,17 @@ class Observer(ABC):
         LookupError
             If an array or a column is missing, with its name.
         """
+        if not self.kept:
+            return self
+        arrays, observer = stored.state_of(self), cast(Any, self)
+        return replace(
+            observer, **{name: _like(getattr(self, name), arrays[name]) for name in self.kept}
+        )
 
     @property
     def state(self) -> Mapping[str, np.ndarray]:
-        """Arrays, by name, from which `restore` makes the observer again; none by default."""
-        return {}
+        """Arrays, by name, from which `restore` makes the observer again; by default `kept`."""
+        return {name: np.atleast_1d(getattr(self, name)) for name in self.kept}
 
     def complete(self, contact: State, block: int) -> State:
         """Return the contact of a block with the observer's results; unchanged by default.
@@ -213,6 +218,13 @@ class Observer(ABC):
     def remark(self, model: Model) -> str:
         """Return text to append to the message of a history, "; ..."; empty by default."""
         return ""
+
+
+def _like(initial: Any, stored: np.ndarray) -> Any:
+    """Return a stored array in the type of an attribute: a number, a tuple, else the array."""
+    if isinstance(initial, tuple):
+        return tuple(stored.tolist()) if stored.ndim == 1 else tuple(stored)
+    return type(initial)(stored[0]) if isinstance(initial, int | float) else stored
 
 
 GROWTHS = 16

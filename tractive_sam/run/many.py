@@ -135,9 +135,8 @@ class _CaseTable:
         """Return all results as an xarray Dataset over the axes; nan where not solved."""
         dims = [axis.name for axis in self.axes]
         variables: dict[str, Any] = {
-            name: (dims, values, {"units": quantity.unit, "long_name": quantity.long_name})
+            name: (dims, values, self.quantities[name].attributes)
             for name, values in self.numbers.items()
-            for quantity in (self.quantities[name],)
         }
         solved = self.texts["status"] == Status.CONVERGED.value
         variables["converged"] = (dims, solved.astype(bool))
@@ -155,11 +154,6 @@ class _CaseTable:
             variables["jacobian"] = ([*dims, *first.dims], values)
             coordinates |= {str(name): first[name].values for name in first.dims}
         return xarray.Dataset(variables, coordinates, {"title": title})
-
-
-def _attributes(quantity: Quantity) -> dict[str, str]:
-    """Return the attributes of a Dataset variable (unit, description) from a quantity."""
-    return {"units": quantity.unit, "long_name": quantity.long_name}
 
 
 def _as_array(values: tuple[Any, ...]) -> np.ndarray:

@@ -173,13 +173,6 @@ class ErrorBars(Observer):
         """Return the observer with a new last step; its previous samples become `earlier`."""
         return replace(self, earlier=self.fine, earlier_shortfall=self.shortfall, step=step)
 
-    def restore(self, step: Any, stored: Any) -> "ErrorBars":
-        """Return the observer unchanged: nothing is stored, as the coarser meshes are rolled again.
-
-        Parameters as in `Observer.restore`.
-        """
-        return self
-
     def complete(self, contact: State, block: int) -> State:
         """Return the contact with its error bars; unchanged if there are no coarser runs."""
         if not self.middle:

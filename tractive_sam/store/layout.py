@@ -68,6 +68,7 @@ from tractive_sam.results import (
     describe_laws,
     dump_laws,
     find_by_role,
+    index_by_name,
     storable_fields,
 )
 from tractive_sam.results import columns as columns_of
@@ -174,8 +175,7 @@ def create_rows(
 
 def describe_dataset(dataset: h5py.Dataset, quantity: Quantity, along: str = "") -> h5py.Dataset:
     """Store the unit and description of a quantity in a new dataset, and return the dataset."""
-    texts = {"units": quantity.unit, "long_name": quantity.long_name}
-    texts |= {"coordinates": along} if along else {}
+    texts = quantity.attributes | ({"coordinates": along} if along else {})
     # h5py's low-level interface is faster: a file has hundreds of these attributes.
     kind = h5py.h5t.py_create(h5py.string_dtype(), logical=True)
     scalar = h5py.h5s.create(h5py.h5s.SCALAR)
@@ -300,11 +300,6 @@ USER = "own"
 ROW = Quantity("record", "1", "row of /history")
 
 
-def package_columns() -> dict[str, Quantity]:
-    """Return the columns that the package defines, by name."""
-    return {column.name: column for column in COLUMNS}
-
-
 def create_layout(
     file: h5py.File,
     scene: Scene,
@@ -347,7 +342,7 @@ def create_layout(
         for name, quantity in columns_of(scene, (coordinate,)).items()
         if quantity.role in ("", COORDINATE)
     }
-    create_table(file, "history", coordinate)
+    create_table(file, "history", coordinate, Table({}))
     _require_axis(file, file["history"], "y")
     _add_columns(file, fixed_columns, column_axes(fixed_columns, {}))
     if names := [block_label(scene, k) for k in range(len(scene.duty))]:
@@ -415,7 +410,7 @@ def add_tables(file: h5py.File, records: Iterable[Record]) -> None:
     created: set[str] = set()
     for record in records:
         if not record.columns.keys() <= created:
-            _add_columns(file, record.columns, record.axes)
+            _add_columns(file, record.columns, column_axes(record.columns, record.values))
             created |= record.columns.keys()
         for path, table in record.tables.items():
             missing = [name for name in table.variables if f"{path}/{name}" not in file]
@@ -427,9 +422,7 @@ def add_tables(file: h5py.File, records: Iterable[Record]) -> None:
                 _add_user_defined(file[path], quantities)
 
 
-def create_table(
-    file: h5py.File, path: str, coordinate: Quantity, table: Table | None = None
-) -> None:
+def create_table(file: h5py.File, path: str, coordinate: Quantity, table: Table) -> None:
     """Create the group of a table, and the datasets that it lacks, one row a record."""
     group = file.require_group(path)
     filters = COMPRESSED if path.partition("/")[0] in ("fields", "fatigue") else {}
@@ -437,16 +430,15 @@ def create_table(
         create_scale(group, "record", np.empty(0, int), ROW)
         if path != "history":
             create_rows(group, coordinate.name, coordinate, (group["record"],))
-    for name, value in ({} if table is None else table.attributes).items():
+    for name, value in table.attributes.items():
         if isinstance(value, float):
             group.attrs[name] = value
-    for name, axis in ({} if table is None else table.axes).items():
+    for name, axis in table.axes.items():
         _require_axis(file, group, name, axis)
-    for name, variable in ({} if table is None else table.variables).items():
+    for name, variable in table.variables.items():
         if name not in group:
             axes = (_require_axis(file, group, dim) for dim in variable.dims)
-            scales = (group["record"], *axes)
-            along = coordinate.name
+            scales, along = (group["record"], *axes), coordinate.name
             create_rows(group, name, variable.quantity, scales, coordinate=along, **filters)
 
 
@@ -495,14 +487,13 @@ def _add_columns(
     create_table(file, "history", coordinate, Table(variables, used))
     # A process may compute a column that the package reads from contacts of other scenes; a
     # coordinate may be a column of the package without being the coordinate of the scene.
-    package = package_columns()
+    package = index_by_name(COLUMNS)
     user_defined = [
         column
         for column in missing
         if column.name not in package
         or (column.of is None) > (package[column.name].of is None)
-        or column.role == COORDINATE
+        or (column.role == COORDINATE and column != REVOLUTION)
     ]
-    user_defined = [column for column in user_defined if column != REVOLUTION]
     if user_defined:
         _add_user_defined(history, user_defined)

@@ -46,7 +46,7 @@ from tractive_sam.store import layout, tables
 from tractive_sam.store.errors import ResultsError
 from tractive_sam.store.layout import read_inputs
 from tractive_sam.store.opening import ResultsFile, open_results
-from tractive_sam.store.tables import StoredTable
+from tractive_sam.store.tables import StoredRows
 
 
 def _update_scene_text(text: str) -> str:
@@ -263,7 +263,7 @@ def _read_laws(file: ResultsFile) -> dict[str, LawRecord]:
 
 def _read_tables(
     file: ResultsFile, scene: Scene, fields: Mapping[str, Quantity], coordinate: str
-) -> dict[str, StoredTable]:
+) -> dict[str, StoredRows]:
     """Return the fields, stress and fatigue by path, read when accessed."""
     blocks = [f"stress/block-{k}" for k in range(len(scene.duty))]
     shifts = {path: block.shift_y for path, block in zip(blocks, scene.duty, strict=True)}
@@ -282,7 +282,7 @@ def _read_tables(
             quantities = {name: quantities[name] for name in stored}
         file.check(f"{path}/{coordinate}", (length,))
         shift = shifts.get("/".join(path.split("/")[:2]), 0.0)
-        tables[path] = StoredTable.check(file, path, quantities, length, shift)
+        tables[path] = StoredRows.check(file, path, quantities, length, shift)
     return tables
 
 

@@ -186,7 +186,7 @@ def _widen_rows(
 
 
 @dataclass(frozen=True)
-class StoredTable:
+class StoredRows:
     """Tables of one path in a results file, one a record, read when accessed.
 
     Attributes
@@ -217,7 +217,7 @@ class StoredTable:
         quantities: Mapping[str, Quantity],
         length: int,
         shift: float = 0.0,
-    ) -> "StoredTable":
+    ) -> "StoredRows":
         """Return the table of a path; raise a DamagedError for datasets of other shapes.
 
         Parameters

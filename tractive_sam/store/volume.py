@@ -237,7 +237,7 @@ def _create_arrays(
             shuffle=True,
             fletcher32=True,
         )
-        arrays[name].attrs.update({"units": quantity.unit, "long_name": quantity.long_name})
+        arrays[name].attrs.update(quantity.attributes)
     first = arrays[VON_MISES.name if VON_MISES.name in arrays else "pressure"]
     first.attrs["Attribute"] = np.bytes_("Scalars")  # ParaView shows this array first
     return arrays

@@ -411,11 +411,7 @@ class StudyResults:
         }
         records = [row.record(revolution) for row in self.rows]
         variables: dict[str, tuple[Any, ...]] = {
-            name: (
-                dims,
-                _column(name, records).reshape(shape),
-                {"units": quantity.unit, "long_name": quantity.long_name},
-            )
+            name: (dims, _column(name, records).reshape(shape), quantity.attributes)
             for name, quantity in self.quantities.items()
         }
         for name in ("status", "message"):
