@@ -1,5 +1,7 @@
 """Tasks: cases and chains of neighbouring ones, which a worker computes and stores."""
 
+from __future__ import annotations
+
 import os
 import socket
 from collections.abc import Callable, Container, Iterable, Sequence
@@ -12,9 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from tractive_sam import interrupt
+from tractive_sam import interrupt, run
 from tractive_sam.results import BODIES, History
-from tractive_sam.run import SequentialRuns, neighbouring_places, roll
 from tractive_sam.scene import Scene
 from tractive_sam.store import (
     DamagedError,
@@ -99,7 +100,9 @@ Chain = tuple[Task, ...]
 
 def neighbour_order(shape: tuple[int, ...]) -> np.ndarray:
     """Return the position of each case in an order in which neighbours follow one another."""
-    places = np.array([np.ravel_multi_index(place, shape) for place in neighbouring_places(shape)])
+    places = np.array(
+        [np.ravel_multi_index(place, shape) for place in run.neighbouring_places(shape)]
+    )
     return np.argsort(places)
 
 
@@ -169,14 +172,14 @@ def run_chain(scenes: Sequence[Scene]) -> list[CaseOutcome]:
     scenes : sequence of Scene
         The scenes.
     """
-    neighbours, outcomes = SequentialRuns(), []
+    neighbours, outcomes = run.SequentialRuns(), []
     for scene in scenes:
         interrupt.raise_if_interrupted()
         outcomes.append(run_neighbour(scene, neighbours))
     return outcomes
 
 
-def run_neighbour(scene: Scene, neighbours: SequentialRuns) -> CaseOutcome:
+def run_neighbour(scene: Scene, neighbours: run.SequentialRuns) -> CaseOutcome:
     """Compute a scene in memory from the last solution; return the outcome, also of an error."""
     return _outcome(lambda: _history_outcome(neighbours.roll(scene), versions()["tractive-sam"]))
 
@@ -217,7 +220,7 @@ def _compute(scene: Scene, file: Path) -> CaseOutcome:
         history = open_history(file)
         if history.finished and history.scene == scene:
             return _history_outcome(history)
-    return _history_outcome(roll(scene, file, resume=True, progress=False))
+    return _history_outcome(run.roll(scene, file, resume=True, progress=False))
 
 
 def _history_outcome(history: History, version: str = "") -> CaseOutcome:
