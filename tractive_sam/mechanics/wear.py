@@ -4,7 +4,6 @@ The measured laws use published coefficients, each set with its source, the publ
 `per_mass` and `per_section` convert, and the range of the tests. Scenes name these sets.
 """
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -16,6 +15,7 @@ from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
 from tractive_sam.mechanics.friction import FrictionLaw
 from tractive_sam.mechanics.law import Law
+from tractive_sam.mechanics.wear_sets import Regimes
 
 
 def sweep_wear(entering, rate, dx):
@@ -64,85 +64,6 @@ def chart(speed, pressure, borders, limit, coefficients):
     """
     regimes = pressure > limit, speed < borders[0], speed <= borders[1]
     return np.select(regimes, (coefficients[3], *coefficients[:2]), coefficients[2])
-
-
-@dataclass(frozen=True)
-class Turns:
-    """Turns of the bodies A and B per counted revolution, and the wear that they accumulate.
-
-    Each body has its share of the wear depth of a pass, and this material returns to the contact
-    after a turn of the body. With different circumferences it returns in another phase each time;
-    the entering depth is the average over the phases: per counted revolution a body accumulates its
-    share of as many passes as it turns.
-
-    Parameters
-    ----------
-    share : mapping of str to float
-        Shares of the bodies "A" and "B" in the wear depth; their sum is one.
-    per_count : mapping of str to float
-        Turns of each body per counted revolution.
-    """
-
-    share: Mapping[str, float]
-    per_count: Mapping[str, float]
-
-    @classmethod
-    def equal(cls, share: Mapping[str, float]) -> "Turns":
-        """Return one turn of each body per counted revolution (the assumption of the paper)."""
-        return cls(share, {"A": 1.0, "B": 1.0})
-
-    @classmethod
-    def from_radii(cls, share: Mapping[str, float], radius_A: float, radius_B: float) -> "Turns":
-        """Return the turns of bodies that roll without slip, per turn of A, or of B if A is flat.
-
-        Parameters
-        ----------
-        share : mapping of str to float
-            See `Turns`.
-        radius_A, radius_B : float
-            Radii in the rolling direction, mm: inf for flat, negative for concave. Two flat bodies
-            have equal turns.
-        """
-        counted = abs(radius_A if math.isfinite(radius_A) else radius_B)
-        if math.isinf(counted):
-            return cls.equal(share)
-        return cls(share, {"A": counted / abs(radius_A), "B": counted / abs(radius_B)})
-
-    @property
-    def gain(self) -> float:
-        """Growth of the wear depth per counted revolution over the depth worn in one pass."""
-        return 1.0 + sum(self.share[body] * (self.per_count[body] - 1.0) for body in "AB")
-
-    def share_of_entering(self, body: str) -> float:
-        """Return the share (0 to 1) of a body in the depth that enters; 0 for a flat body."""
-        return self.share[body] * self.per_count[body] / self.gain
-
-    def next_entering(self, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the wear depth that enters the next revolution, mm, for both bodies together.
-
-        Parameters
-        ----------
-        entering, leaving : ndarray, shape (n_y,)
-            Depth of both bodies together before and behind the contact, mm.
-        """
-        return leaving + (self.gain - 1.0) * (leaving - entering)
-
-    def mean_depth(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the mean wear depth of a body over its circumference after a revolution, mm.
-
-        Both bodies roll an equal distance: their volumes are proportional to their shares. 0 for a
-        flat body. Parameters as in `next_entering`.
-        """
-        return self.share_of_entering(body) * self.next_entering(entering, leaving)
-
-    def depth_behind(self, body: str, entering: np.ndarray, leaving: np.ndarray) -> np.ndarray:
-        """Return the wear depth of a body just behind the contact, mm.
-
-        A flat body passes the contact only once: its depth is the wear of a single pass.
-        Parameters as in `next_entering`.
-        """
-        returning = self.per_count[body] / self.gain
-        return self.share[body] * (leaving + (returning - 1.0) * entering)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -454,101 +375,6 @@ class ArchardByWork(WearLaw):
             return self
         return replace(self, friction=friction)
 
-
-@dataclass(frozen=True)
-class Regimes:
-    """A wear rate, piecewise linear in the frictional work; a call returns rates and slopes.
-
-    Attributes
-    ----------
-    starts, values, slopes : tuple of float
-        Start of each regime, ascending from 0, the rate at the start, and the slope.
-    tested : float
-        Upper end of the tested range; inf if unknown.
-    source : str
-        Source of the numbers.
-
-    Examples
-    --------
-    >>> from tractive_sam.mechanics import USFD
-    >>> USFD["r8t-uic60"].at(50.0)
-    55.0
-    """
-
-    starts: tuple[float, ...]
-    values: tuple[float, ...]
-    slopes: tuple[float, ...]
-    tested: float = np.inf
-    source: str = ""
-    recorded_name = "tractive_sam.mechanics.wear_sets.Regimes"
-
-    @classmethod
-    def through(cls, points: tuple[tuple[float, float], ...]) -> "Regimes":
-        """Return the piecewise linear rate through the origin and points (work, rate)."""
-        work, rate = np.array(points, float).T
-        if work[0] > 0.0:
-            work, rate = np.append(0.0, work), np.append(0.0, rate)
-        slopes = np.diff(rate) / np.diff(work)
-        starts, values = work[:-1], rate[:-1]
-        return cls(
-            tuple(starts.tolist()), tuple(values.tolist()), tuple(slopes.tolist()), float(work[-1])
-        )
-
-    def at(self, work: float) -> float:
-        """Return the wear rate at one value of the frictional work."""
-        return float(self(np.array([float(work)]))[0][0])
-
-    def __call__(self, work: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return rate and slope: values_k + slopes_k (W - starts_k), k the last with starts_k <= W.
-
-        Returns
-        -------
-        rate, slope : ndarray
-            Both of the shape of `work`.
-        """
-        starts, values, slopes = map(np.array, (self.starts, self.values, self.slopes))
-        k = np.maximum(np.searchsorted(starts, work, side="right") - 1, 0)
-        return values[k] + slopes[k] * (work - starts[k]), slopes[k]
-
-
-USFD = {
-    "r8t-uic60": Regimes(
-        (0.0, 10.4, 77.2),
-        (0.0, 55.0, 55.0),
-        (5.3, 0.0, 61.9),
-        120.0,
-        "Braghin, Lewis, Dwyer-Joyce & Bruni 2006, Wear 261, 1253-1264: wheel R8T on rail UIC60 "
-        "900A, twin discs",
-    )
-}
-"""Worn mass of a wheel per rolling distance and area, µg/(m mm²), over T-gamma/A, N/mm². The tests
-(Lewis & Dwyer-Joyce 2004, Proc. IMechE J 218, 467-478) cover up to 20 % slip at 1500 MPa; the
-published 728 W of heat are 120 N/mm² there."""
-
-BRR = {
-    "pearce-sherratt": Regimes(
-        (0.0, 100.0, 200.0),
-        (0.0, 25.0, 84.0),
-        (0.25, 0.0, 1.19),
-        np.inf,
-        "Pearce & Sherratt 1991, Wear 144, 343-351: wheel on rail, British Rail Research",
-    )
-}
-"""Worn cross section of a wheel per rolling distance, times its diameter D, mm² mm/km, over
-T-gamma, N: 0.25 T-gamma below 100 N, 25 up to 200 N, 1.19 T-gamma - 154 above, with a jump from 25
-to 84. Values as commonly quoted; not compared with the paper."""
-
-JENDEL = {
-    name: (k, "Jendel 2002, Wear 253, 89-99: wheel on rail, dry; the range of each regime " + place)
-    for name, k, place in (
-        ("middle", (5.5e-4, 35e-4, 5.5e-4, 350e-4), "in its middle"),
-        ("low", (1e-4, 30e-4, 1e-4, 300e-4), "at its lower end"),
-        ("high", (10e-4, 40e-4, 10e-4, 400e-4), "at its upper end"),
-    )
-}
-"""Coefficients k of Archard's law, V = k P s/H: slow, between both speeds, fast, high pressure.
-Published as ranges: 1-10, 30-40, 1-10 and 300-400, times 1e-4. Values as commonly quoted; not
-compared with the paper."""
 
 JENDEL_BORDERS, JENDEL_LIMIT = (200.0, 700.0), 0.8
 """Sliding speeds between the regimes, mm/s, and the pressure over hardness above which the last
