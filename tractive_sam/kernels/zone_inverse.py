@@ -31,9 +31,10 @@ def prepare_zones(
     nodes, table : ndarray, shapes (m,) and (2, m)
         Equidistant logarithms of the local term gamma, and the weights of the damped inverse and
         of the row for them.
-    weights : ndarray, shape (6, nx, ny)
-        Set in contact: direction of slip (2), factor of the row, weight of the sum from the leading
-        edge, and both weights of a slipping element.
+    weights : ndarray, shape (7, nx, ny)
+        Set to the tangent t of slip (2), factors of the row where elements stick and along t, the
+        weight of the sum from the leading edge, and both weights of a slipping element; each is
+        zero elsewhere.
     places : ndarray of int, shape (2, m)
         Set to the indices of the elements at borders.
     border : ndarray, shape (5, m)
@@ -47,6 +48,8 @@ def prepare_zones(
     for i in range(nx):
         for j in range(ny):
             w = stiffness[i, j]
+            for c in range(7):
+                weights[c, i, j] = 0.0
             if state[i, j] == STICK:
                 behind[j] += 1.0
                 weights[2, i, j] = trace * (1.0 + w) / (trace + 0.5 * w)
@@ -72,33 +75,29 @@ def prepare_zones(
                 place = min(max(place, 0.0), last - 1e-9)
                 q = int(place)
                 part = place - q
-                weights[0, i, j], weights[1, i, j], weights[2, i, j] = n0[j], n1[j], factor
-                weights[4, i, j] = scale * ((1.0 - part) * table[0, q] + part * table[0, q + 1])
+                weights[0, i, j], weights[1, i, j], weights[3, i, j] = -n1[j], n0[j], factor
+                weights[5, i, j] = scale * ((1.0 - part) * table[0, q] + part * table[0, q + 1])
                 local = scale * ((1.0 - part) * table[1, q] + part * table[1, q + 1])
-                weights[5, i, j] = local * factor
+                weights[6, i, j] = local * factor
     for i in range(nx - 1, -1, -1):
         for j in range(ny):
             ahead[j] = 0.0 if state[i, j] == OPEN else ahead[j] + 1.0
             if state[i, j] == STICK:
                 near = max(0.0, 1.0 / sqrt(ahead[j] - 0.5) - 1.0 / sqrt(reach))
-                weights[3, i, j] = 1.0 + leading * near
+                weights[4, i, j] = 1.0 + leading * near
     return count
 
 
 @compiled
-def weight_rows(state, weights, places, border, count, row, out):
+def weight_rows(weights, places, border, count, row, out):
     """Set `out` to the rows that both inverses take: weighted at borders, in slip along t only."""
-    nx, ny = state.shape
+    _, nx, ny = row.shape
     for i in range(nx):
         for j in range(ny):
-            out[0, i, j] = out[1, i, j] = 0.0
-            factor = weights[2, i, j]
-            if state[i, j] == STICK:
-                out[0, i, j], out[1, i, j] = factor * row[0, i, j], factor * row[1, i, j]
-            elif state[i, j] == SLIP:
-                t0, t1 = -weights[1, i, j], weights[0, i, j]
-                along = factor * (t0 * row[0, i, j] + t1 * row[1, i, j])
-                out[0, i, j], out[1, i, j] = t0 * along, t1 * along
+            t0, t1, r0, r1 = weights[0, i, j], weights[1, i, j], row[0, i, j], row[1, i, j]
+            along = weights[3, i, j] * (t0 * r0 + t1 * r1)
+            out[0, i, j] = weights[2, i, j] * r0 + t0 * along
+            out[1, i, j] = weights[2, i, j] * r1 + t1 * along
     one = weights.dtype.type(1)
     for b in range(count):
         i, j = places[0, b], places[1, b]
@@ -109,33 +108,28 @@ def weight_rows(state, weights, places, border, count, row, out):
 
 
 @compiled
-def combine_zones(state, weights, places, border, count, row, smooth, damped, out):
+def combine_zones(weights, places, border, count, row, smooth, damped, out):
     """Set `out` to tractions: sums of `smooth` from the leading edge, `damped` in slip.
 
     The part of a slipping element along its direction, and all of an open one, is the row.
     """
-    nx, ny = state.shape
+    _, nx, ny = row.shape
+    one, zero = weights.dtype.type(1), weights.dtype.type(0)
     sum0, sum1 = np.zeros(ny, out.dtype), np.zeros(ny, out.dtype)
     for i in range(nx - 1, -1, -1):
         for j in range(ny):
-            r0, r1 = row[0, i, j], row[1, i, j]
-            if state[i, j] == STICK:
-                sum0[j] += weights[3, i, j] * smooth[0, i, j]
-                sum1[j] += weights[3, i, j] * smooth[1, i, j]
-                out[0, i, j], out[1, i, j] = sum0[j], sum1[j]
-            elif state[i, j] == SLIP:
-                t0, t1 = -weights[1, i, j], weights[0, i, j]
-                tau = weights[4, i, j] * (t0 * damped[0, i, j] + t1 * damped[1, i, j])
-                tau += weights[5, i, j] * (t0 * r0 + t1 * r1)
-                beyond = t1 * r0 - t0 * r1
-                sum0[j], sum1[j] = tau * t0, tau * t1
-                out[0, i, j], out[1, i, j] = sum0[j] + beyond * t1, sum1[j] - beyond * t0
-            else:
-                sum0[j] = sum1[j] = 0.0
-                out[0, i, j], out[1, i, j] = r0, r1
+            t0, t1, r0, r1 = weights[0, i, j], weights[1, i, j], row[0, i, j], row[1, i, j]
+            leading, along = weights[4, i, j], t0 * r0 + t1 * r1
+            tau = weights[5, i, j] * (t0 * damped[0, i, j] + t1 * damped[1, i, j])
+            tau += weights[6, i, j] * along
+            sticks = one if leading > zero else zero
+            sum0[j] = sticks * sum0[j] + leading * smooth[0, i, j] + tau * t0
+            sum1[j] = sticks * sum1[j] + leading * smooth[1, i, j] + tau * t1
+            out[0, i, j] = sum0[j] + (one - sticks) * (r0 - along * t0)
+            out[1, i, j] = sum1[j] + (one - sticks) * (r1 - along * t1)
     for b in range(count):
         i, j = places[0, b], places[1, b]
         more = border[0, b] * out[0, i, j] + border[1, b] * out[1, i, j]
-        more *= border[4, b] - weights.dtype.type(1)
+        more *= border[4, b] - one
         out[0, i, j] += border[2, b] * more
         out[1, i, j] += border[3, b] * more

@@ -17,6 +17,7 @@ the spectrum of D.
 """
 
 from collections.abc import Callable
+from functools import cache
 from typing import ClassVar
 
 import numpy as np
@@ -73,10 +74,10 @@ class ZoneInverse:
     def at(self, law: Linearisation, stiffness: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         """Return the preconditioner of a linearised law; see `Kinematics.approximate_inverse`."""
         state = law.state
-        prepared: dict[np.dtype, tuple[np.ndarray, np.ndarray, np.ndarray, int]] = {}
 
+        @cache
         def prepare(kind: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-            weights, border = np.empty((6, *state.shape), kind), np.empty((5, state.size), kind)
+            weights, border = np.empty((7, *state.shape), kind), np.empty((5, state.size), kind)
             places = np.empty((2, state.size), np.int32)
             count = prepare_zones(
                 *(state, law.direction, law.kappa, stiffness, self._trace, self._edge),
@@ -85,11 +86,9 @@ class ZoneInverse:
             return weights, places, border, count
 
         def solve(rows: np.ndarray) -> np.ndarray:
-            if rows.dtype not in prepared:
-                prepared[rows.dtype] = prepare(rows.dtype)
-            zones, weighted, out = prepared[rows.dtype], np.empty_like(rows), np.empty_like(rows)
-            weight_rows(state, *zones, rows, weighted)
-            combine_zones(state, *zones, rows, self._smooth(weighted), self._damped(weighted), out)
+            zones, weighted, out = prepare(rows.dtype), np.empty_like(rows), np.empty_like(rows)
+            weight_rows(*zones, rows, weighted)
+            combine_zones(*zones, rows, self._smooth(weighted), self._damped(weighted), out)
             return out
 
         return solve
