@@ -37,7 +37,7 @@ def rolled(monkeypatch):
         files.append(path)
         return roll(scene, path, **options)
 
-    monkeypatch.setattr(worker, "roll", spy)
+    monkeypatch.setattr(worker.run, "roll", spy)
     return files
 
 
@@ -198,14 +198,14 @@ def test_case_that_raises_is_reported(tmp_path, monkeypatch):
             raise RuntimeError("no space left")
         return roll(scene, path, **options)
 
-    monkeypatch.setattr(worker, "roll", broken)
+    monkeypatch.setattr(worker.run, "roll", broken)
     results = study(small(MU), tmp_path, workers=0)
     assert [row.status for row in results.rows] == ["complete", "failed"]
     assert results.rows[1].message == "RuntimeError: no space left"
     (reported,) = tmp_path.glob("*.txt")
     for kept in ("in broken", version("tractive-sam"), socket.gethostname()):
         assert kept in reported.read_text()
-    monkeypatch.setattr(worker, "roll", roll)
+    monkeypatch.setattr(worker.run, "roll", roll)
     assert study(small(MU), tmp_path, workers=0).complete
     assert not list(tmp_path.glob("*.txt"))
 
