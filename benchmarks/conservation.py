@@ -114,7 +114,31 @@ def measure_processes() -> list[dict[str, object]]:
         error = error_of(history.block(k).energy_balance)
         add(f"worn profiles, {block.name}", "energy", error, 1e-6)
     add("worn profiles", "wear", error_of(history.wear_balance), 1e-3)
+    for title, y in (("tread", 0.0), ("flange", 6.5)):
+        for points in (20, 5, 2, 1):
+            error = error_of(wear_profiles(y, points).wear_balance)
+            add(f"worn {title}, {points} points per mm", "wear", error, 1e-3)
     return rows
+
+
+def wear_profiles(y: float, points: int, revolutions: int = 500) -> ts.History:
+    """Wear profiles that are read at a number of points per mm; at y = 6.5 mm, on the flange."""
+    with TemporaryDirectory() as folder:
+        profiles = {}
+        for kind, name in (("wheel", "S1002"), ("rail", "60E1")):
+            profile = builtin_profile(name)
+            path = Path(folder) / f"{kind}.txt"
+            np.savetxt(path, profile.at(np.arange(0.37 / points, profile.s[-1], 1.0 / points)))
+            profiles[kind] = {"profile": str(path)}
+        scene = ts.Scene(
+            body={"A": STEEL, "B": STEEL},
+            friction={"mu": 0.3},
+            wheelset={"y": y, "load": 60e3},
+            wear={"coefficient": 2e-5, "revolutions": revolutions},
+            grid={"elements": [21, 25]},
+            **profiles,
+        )
+        return ts.roll(scene, progress=False)
 
 
 def random_profile(generator: np.random.Generator, kind: str, name: str, folder: Path) -> str:
