@@ -72,11 +72,12 @@ def powers() -> None:
     scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False, curve=0))
     before = power_of(SCENE, 0.463, 0.0) / measured
     after = result.dataset["predicted"].values / measured
+    noise = 0.05 * result.dataset["predicted"].values  # of the prediction, as in the fit
     mu = np.linspace(0.43, 0.50, 15)
     layers = np.linspace(1.0e-6, 2.6e-6, 17)
     chi2 = np.array(
         [
-            [np.square((power_of(SCENE, m, c) / measured - 1.0) / 0.05).sum() for c in layers]
+            [np.square((power_of(SCENE, m, c) - measured) / noise).sum() for c in layers]
             for m in mu
         ]
     )
