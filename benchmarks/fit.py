@@ -76,10 +76,7 @@ def powers() -> None:
     mu = np.linspace(0.43, 0.50, 15)
     layers = np.linspace(1.0e-6, 2.6e-6, 17)
     chi2 = np.array(
-        [
-            [np.square((power_of(SCENE, m, c) - measured) / noise).sum() for c in layers]
-            for m in mu
-        ]
+        [[np.square((power_of(SCENE, m, c) - measured) / noise).sum() for c in layers] for m in mu]
     )
     # Between the points of the grid chi-square is a cubic spline; it is rough by the mesh.
     axes = [np.linspace(values[0], values[-1], 401) for values in (mu, layers)]
