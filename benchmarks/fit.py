@@ -17,12 +17,12 @@ import warnings
 from time import process_time
 
 import numpy as np
-from experiment import HEAT, SCENE, SLIP, SPEED, TRACK
 from scipy.interpolate import RectBivariateSpline
 from timing import show, write
 
 import tractive_sam as ts
 from tractive_sam.fitting import log_posterior
+from tractive_sam.validation.experiment import HEAT, SCENE, SLIP, SPEED, TRACK
 
 warnings.simplefilter("ignore", ts.SceneWarning)  # coarse meshes and 20 % of slip are meant
 
@@ -67,7 +67,7 @@ def power_of(scene: ts.Scene, mu: float, layer: float) -> np.ndarray:
 
 def powers() -> None:
     """Fit friction and layer to the measured powers, and compare with a grid of chi-square."""
-    measured = HEAT * 1e3 / (SPEED * TRACK)
+    measured = np.array(HEAT, float) * 1e3 / (SPEED * TRACK)
     result = ts.fit(creep(SCENE, measured, curve=0))
     scattered = ts.fit(creep(SCENE, measured, scatter=True, mesh_check=False, curve=0))
     before = power_of(SCENE, 0.463, 0.0) / measured
@@ -209,7 +209,7 @@ def repeats() -> None:
 
 def cost() -> None:
     """Count contacts of a creep curve with and without exact derivatives, and runs of a test."""
-    measured = HEAT * 1e3 / (SPEED * TRACK)
+    measured = np.array(HEAT, float) * 1e3 / (SPEED * TRACK)
     design = creep(SCENE, measured, mesh_check=False, curve=0)
     rows = [_cost("creep curve, mu exact", ts.fit(design))]
     # A strength that is never reached has no exact derivative.
