@@ -49,6 +49,12 @@ def _strict_numpy():
         yield
 
 
+@pytest.fixture(autouse=True)
+def _no_allowed_laws(monkeypatch):
+    """Let each test begin without laws that another test allowed: a permission is of the process."""
+    monkeypatch.setattr("tractive_sam.schema.named_law._ALLOWED", set())
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _formulas_parsed_once():
     """Let all figures share their parsed formulas, which take a third of the time for a figure.

@@ -267,7 +267,6 @@ def received(tmp_path, monkeypatch):
     for name in ("__init__", "__main__"):
         (folder / "received" / f"{name}.py").write_text(source)
     monkeypatch.syspath_prepend(folder)
-    monkeypatch.setattr(named_law, "_ALLOWED", set())
     yield mark
     sys.modules.pop("received", None)
 
