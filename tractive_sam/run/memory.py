@@ -12,7 +12,7 @@ from tractive_sam.operators import layer_cache
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of, process_type
 from tractive_sam.schema import Fault, SceneError, required
-from tractive_sam.solvers import NEARBY
+from tractive_sam.solvers import COUPLED, FIXED_PRESSURE, NEARBY
 
 resource: ModuleType | None
 try:
@@ -91,8 +91,9 @@ FIELD_COPIES = 3.5
 """Memory used while the stress of one plane is computed and written, in addition to all planes,
 over the numbers of that plane (measured on `spheres` with 40,000 depths)."""
 
-_COARSE_VECTORS = 0.75 * NEARBY.krylov * NEARBY.gmres_from
-"""Numbers, for each field, of the Krylov space of the coarser mesh on which a large one starts."""
+KRYLOV_VECTORS = 30.0
+"""Vectors that a Krylov space in single precision takes, with all else of an iterate, in doubles
+(measured on `spin` with 200 to 400 elements along a side)."""
 
 FITS = 0.9
 """Fraction of the free memory that a proposed size takes."""
@@ -111,9 +112,10 @@ def contact_bytes(model: Model) -> float:
     # all vectors of a system, the responses to them and their orthonormal basis.
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     spectra = padded * (1.5 * (9 if fields == 3 else 3) + 3.75 * fields + 5)
-    vectors = 3.0 * NEARBY.krylov * elements
-    if elements >= NEARBY.gmres_from:
-        vectors = 25.0 * elements + _COARSE_VECTORS
+    krylov, gmres_from = _krylov_limits(model)
+    vectors = 3.0 * krylov * elements
+    if elements >= gmres_from:
+        vectors = KRYLOV_VECTORS * elements + _coarse_vectors(model)
     process, schedule = process_of(model), model.scene.schedule
     # Of the patches of a wheel, plans and tables remain; measured on `wheel-rail`.
     patches = 1 if schedule.in_sequence else 1 + _count_records(model)
@@ -123,6 +125,22 @@ def contact_bytes(model: Model) -> float:
     block = 8.0 * (patches * (spectra + vectors * fields) + rectangles)
     observed = sum(observer.bytes_needed(model) for observer in process.following)
     return block * len(model.blocks) + observed
+
+
+def _krylov_limits(model: Model) -> tuple[int, float]:
+    """Return the most vectors of a Krylov space, and the elements from which it is reduced.
+
+    Only what follows on a contact begins near its solution.
+    """
+    follows = model.scene.schedule.in_sequence and _count_records(model) > 1
+    alone = COUPLED if fields_per_operator(model) == 3 else FIXED_PRESSURE
+    method = NEARBY if follows else alone
+    return method.krylov, method.gmres_from
+
+
+def _coarse_vectors(model: Model) -> float:
+    """Return the numbers, for each field, of the coarser mesh on which a large one starts."""
+    return 0.75 * math.prod(_krylov_limits(model))
 
 
 def _count_records(model: Model) -> int:
@@ -165,9 +183,9 @@ def scene_bytes(model: Model) -> float:
     # The programs that find the contacts of profiles of wheel and rail.
     profiles = 0.0 if model.scene.wheelset is None else 30.0 * 2**20
     # The search for the largest stress: spectra of the tractions and of surface displacements, and
-    # the stress at the surface. A part of them takes the place of vectors of the solver.
+    # the stress at the surface; measured on `spheres` with 200 to 400 elements along a side.
     subsurface, elements = model.scene.subsurface, math.prod(model.grid.elements)
-    search = 0.0 if subsurface is None else 8.0 * 17 * elements
+    search = 0.0 if subsurface is None else 8.0 * 34 * elements
     of_stress = search + stress_bytes(model) + fatigue_bytes(model)
     return contact_bytes(model) + of_stress + profiles
 
@@ -222,7 +240,7 @@ def _check_mesh(model: Model, needed: float) -> None:
         return
     nx, ny = model.grid.elements
     # What does not depend on the mesh, as far as it leaves half of the memory to the rest.
-    fixed = min(0.5 * FITS * free, 8.0 * fields_per_operator(model) * _COARSE_VECTORS)
+    fixed = min(0.5 * FITS * free, 8.0 * fields_per_operator(model) * _coarse_vectors(model))
     share = (FITS * free - fixed) / (needed - fixed)
     per_side = share ** (1.0 / sum(n > 1 for n in (nx, ny)))
     fits = " x ".join(str(max(1, int(per_side * n))) for n in (nx, ny))

@@ -6,6 +6,8 @@ from .falling_friction import FromRest as FromRest
 from .falling_friction import steepness as steepness
 from .krylov import ConjugateGradients as ConjugateGradients
 from .krylov import gmres as gmres
+from .ladder import COUPLED as COUPLED
+from .ladder import FIXED_PRESSURE as FIXED_PRESSURE
 from .ladder import METHODS as METHODS
 from .ladder import NEARBY as NEARBY
 from .ladder import PRESSURE_ONLY as PRESSURE_ONLY
