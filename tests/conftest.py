@@ -51,7 +51,7 @@ def _strict_numpy():
 
 @pytest.fixture(autouse=True)
 def _no_allowed_laws(monkeypatch):
-    """Let each test begin without laws that another test allowed: a permission is of the process."""
+    """Let each test begin without laws that another test allowed for this process."""
     monkeypatch.setattr("tractive_sam.schema.named_law._ALLOWED", set())
 
 

@@ -24,7 +24,7 @@ def test_outputs_are_complete_or_unchanged_after_a_failed_call(tmp_path):
     paths = os.pathsep.join([str(HERE.parent), *filter(None, sys.path)])
     outputs = "csv", "netcdf", "export", "resume", "overwrite"  # each another writer
     run = subprocess.run(
-        [sys.executable, "-m", "tests.disk_faults", tmp_path, *outputs, "--tries=4"],
+        [sys.executable, "-m", "tests.disk_faults", tmp_path, *outputs, "--tries=2"],
         env=os.environ | {"PYTHONPATH": paths, "LD_PRELOAD": str(library), "OMP_NUM_THREADS": "1"},
         capture_output=True,
         text=True,

@@ -38,7 +38,7 @@ ANYTHING = st.one_of(
 )
 CHANGES = st.dictionaries(st.sampled_from(ENTRIES), ANYTHING, min_size=1, max_size=3)
 quick = settings(
-    max_examples=30,
+    max_examples=20,
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
 

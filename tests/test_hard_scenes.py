@@ -82,7 +82,7 @@ def _turned(amount, angle):
     return amount * math.cos(angle), amount * math.sin(angle)
 
 
-few = settings(max_examples=25)
+few = settings(max_examples=12)
 
 
 def residual(contact):

@@ -236,6 +236,7 @@ def test_a_fit_refuses_another_content_and_names_the_file(kind, tmp_path):
         "data": [data],
         "mesh_check": False,
         "iterations": 1,
+        "curve": 0,
     }
     tables["intervals"] = "linear"
     design, path = {"fit": tables}, tmp_path / "fit.nc"

@@ -59,7 +59,7 @@ def test_wear_needs_its_tables(call, folder):
 
 @pytest.mark.slow
 def test_worn_profiles_have_figures_and_a_report(call, folder):
-    settings = ("--set", "wear.revolutions=50000", *SMALL)
+    settings = ("--set", "wear.revolutions=5000", *SMALL)
     assert call("explain", "wheel-wear", *settings).exit_code == 0
     assert call("run", "wheel-wear", *settings, "-o", "a.h5").exit_code == 0
     shown = json.loads(call("show", "a.h5", "--json").stdout)
@@ -70,7 +70,7 @@ def test_worn_profiles_have_figures_and_a_report(call, folder):
     assert {"wheel-rail-profiles.png", "worn-sections.png"} <= figures
     assert call("report", "a.h5", "-o", "a.html").exit_code == 0
     assert call("wear", "a.h5", "-o", "worn").exit_code == 0
-    assert (folder / "worn" / "wheel-50000.prw").exists()
+    assert (folder / "worn" / "wheel-5000.prw").exists()
     assert call("run", "wheel-wear", *settings, "-o", "a.h5", "--resume").exit_code == 0
 
 

@@ -237,18 +237,19 @@ def test_processes_find_the_same(rig, fitted, tmp_path, monkeypatch):
     assert np.isfinite(found.dataset["predicted"]).all()
 
 
+@pytest.mark.slow
 def test_a_fit_that_was_killed_ends_bit_by_bit_as_another(tmp_path):
     """Finite differences see the initial guess of a contact: it must not depend on the past."""
-    scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]", "friction.layer=1e-5"])
+    scene = ts.Scene.builtin("spheres").with_set(["grid.elements=[11, 11]", "friction.layer=1e-5"])
     values = {"creepage.longitudinal": [-1e-3, -4e-3, -8e-3], "Qx_over_P": [0.16, 0.28, 0.3]}
     data = {"values": values, "vary": "creepage.longitudinal", "observe": "Qx_over_P"}
     free, path = ["friction.mu", "friction.layer"], tmp_path / "fit.nc"
-    design = read_design(
-        {"scene": scene, "free": free, "data": [data | {"noise": 0.05}], "mesh_check": False}
-    )
+    data = [data | {"noise": 0.05}]
+    tables = {"scene": scene, "free": free, "data": data, "mesh_check": False, "curve": 0}
+    design = read_design(tables)
     whole = ts.fit(design, path).dataset
     answers = read_answers(design, path, overwrite=False, files={})
-    for kept in (1, len(answers) // 2, len(answers) - 1):
+    for kept in (1, len(answers) // 2):
         done = Evaluations(InProcess(), dict([*answers.items()][:kept]))
         write_fit(path, _unfinished(design, done))
         resumed = ts.fit(design, path).dataset

@@ -45,7 +45,8 @@ def test_falling_friction_law_returns_from_data_without_noise(spheres):
     scene = spheres.replace(**{"creepage.speed": 1e4, "friction": law})
     data = creep_data(scene, {}, noise=0.02)
     start = starts(friction__static=0.45, friction__kinetic=0.22, friction__half_speed=25.0)
-    found = ts.fit({"scene": scene, "free": [*truth], "parameter": start, "data": [data]})
+    design = {"scene": scene, "free": [*truth], "parameter": start, "data": [data]}
+    found = ts.fit(design | {"mesh_check": False, "curve": 0})
     assert np.abs(errors(found, truth)).max() < EXACT
 
 
@@ -60,7 +61,8 @@ def test_wear_of_both_bodies_returns_from_masses_and_a_profile(discs):
         {"values": profile, "observe": "wear_profile", "body": "B", "noise": {"absolute": 1e-5}},
     ]
     start = starts(wear__coefficient__A=1e-4, wear__coefficient__B=1.5e-4)
-    found = ts.fit({"scene": discs, "free": [*truth], "parameter": start, "data": sets})
+    design = {"scene": discs, "free": [*truth], "parameter": start, "data": sets}
+    found = ts.fit(design | {"mesh_check": False, "curve": 0})
     assert np.abs(errors(found, truth)).max() < EXACT
     assert found.positions["fit.data[1] offset"] == pytest.approx(0.05, abs=1e-6)
     assert found.rolls <= 40  # both sets share each roll
@@ -79,7 +81,8 @@ def test_exponent_of_a_wear_law_returns_from_data_without_noise(discs):
         history = ts.roll(scene.replace(**entry), progress=False)
         sets.append(worn_data(history, "A", (60, 100)) | {"set": entry})
     start = starts(wear__factor=2e-9, wear__exponent=1.1)
-    found = ts.fit({"scene": scene, "free": [*truth], "parameter": start, "data": sets})
+    design = {"scene": scene, "free": [*truth], "parameter": start, "data": sets}
+    found = ts.fit(design | {"mesh_check": False, "curve": 0})
     assert np.abs(errors(found, truth)).max() < EXACT
 
 
@@ -165,7 +168,7 @@ def test_a_prior_decides_what_data_do_not(spheres):
     prior = {"key": "load.normal", "prior": [0.4, 0.01]}
     found = ts.fit(
         {"scene": spheres, "free": ["friction.mu", "load.normal"], "data": [data],
-         "parameter": [prior]}
+         "parameter": [prior], "mesh_check": False, "curve": 0}
     )  # fmt: skip
     assert found.values["load.normal"] == pytest.approx(0.4, rel=1e-3)
     assert found.sd["load.normal"] == pytest.approx(0.01, rel=0.01)

@@ -226,7 +226,7 @@ def test_intervals_hold_as_often_as_they_say(monkeypatch):
     """See the benchmark: few repeats of some rows, one of each kind of noise and setting."""
     monkeypatch.syspath_prepend(Path(__file__).parents[2] / "benchmarks")
     benchmark = import_module("fit_coverage")
-    repeats, cases = 60, benchmark.cases()
+    repeats, cases = 25, benchmark.cases()
     shares = [
         row["covered %"] / 100.0
         for seed, case in enumerate((*cases[8:12], *cases[12::4]))

@@ -31,7 +31,7 @@ def touches_border(picture):
 @pytest.mark.parametrize("kind", SCENES)
 def test_no_figure_of_a_history_touches_its_border(kind, tmp_path):
     history = ts.roll(SCENES[kind])
-    paths = plot.save_all(history, tmp_path, dpi=80)
+    paths = plot.save_all(history, tmp_path, dpi=60)
     assert paths
     assert not [path.stem for path in paths if touches_border(path)]
 

@@ -117,6 +117,7 @@ def test_no_node_gains_material(worn):
     assert (np.diff(worn.rail_depth, axis=0) >= 0.0).all()
 
 
+@pytest.mark.slow
 def test_wear_is_where_the_contacts_are(worn, scene):
     y = scene.rail.curve.at(worn.new["rail"].s)[:, 0]
     inside = y[worn.rail_depth[-1] > 0.1 * worn.rail_depth[-1].max()]
@@ -128,9 +129,10 @@ def test_wear_is_where_the_contacts_are(worn, scene):
 @pytest.mark.slow
 def test_the_tolerance_bounds_the_error_of_the_depth(scene):
     """The largest depth is within tolerance and error bar of its value by small steps."""
-    one = scene.replace(duty=None, **{"wheelset.y": 3.0, "wheelset.yaw": 2.0})
-    exact = ts.roll(one.with_set(["wear.tolerance=0.001"]))
-    for tolerance in (0.03, 0.01):
+    position = {"wheelset.y": 3.0, "wheelset.yaw": 2.0, "wear.revolutions": 30000}
+    one = scene.replace(duty=None, **position)
+    exact = ts.roll(one.with_set(["wear.tolerance=0.002"]))
+    for tolerance in (0.05, 0.02):
         history = ts.roll(one.with_set([f"wear.tolerance={tolerance}"]))
         assert len(history) < len(exact)
         error = abs(history["wear_max"][-1] - exact["wear_max"][-1])
@@ -141,12 +143,14 @@ def test_the_tolerance_bounds_the_error_of_the_depth(scene):
 
 @pytest.mark.slow
 def test_a_step_depth_limits_the_steps(scene):
-    one = scene.with_set(["wear.revolutions=20000", "wear.tolerance=0.1", "wear.step_depth=5e-4"])
+    one = scene.with_set(["wear.revolutions=5000", "wear.tolerance=0.1", "wear.step_depth=5e-4"])
     depth = ts.roll(one)["wheel_wear"].max(axis=1)
+    assert depth[-1] > 5e-4
     # The rate at the place of the largest depth falls within a step.
     assert np.diff(depth).max() <= 1.05 * 5e-4
 
 
+@pytest.mark.slow
 def test_profiles_stay_smooth(worn):
     """The implicit step damps waves of a few elements: no patch of the tread becomes concave."""
     wheel = worn.wheel()
@@ -154,6 +158,7 @@ def test_profiles_stay_smooth(worn):
     assert np.abs(wheel.curvature(wheel.s[tread])).max() < 0.1
 
 
+@pytest.mark.slow
 def test_wear_returns_the_files_that_a_scene_reads(worn, scene, tmp_path):
     files = worn.write(tmp_path)
     wheel, rail = read_profile(files[0], "wheel"), read_profile(files[1], "rail")
@@ -186,7 +191,8 @@ def test_an_interrupted_run_resumes_exactly(tmp_path):
     scene = ts.Scene.builtin("wheel-wear").with_set(
         ["grid.elements=[15, 15]", "wear.tolerance=0.1", "wheelset.pitch=rolling-radius"]
     )
-    scene, path = scene.with_set(["wear.revolutions=400000"]), tmp_path / "a.h5"
+    duty = [block.entries() for block in scene.duty[:2]]
+    scene, path = scene.replace(duty=duty, **{"wear.revolutions": 90000}), tmp_path / "a.h5"
     records = []
 
     def stop(record):

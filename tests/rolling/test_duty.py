@@ -120,16 +120,15 @@ def test_depth_of_a_line_in_full_slip(stepping):
 def test_the_order_of_blocks_matters_as_much_as_a_cycle_wears():
     """The difference of both orders over the depth falls in proportion to the intensity."""
     found = []
-    for intensity, cycles in ((8e-6, 6), (4e-6, 12), (2e-6, 24)):
+    for intensity, cycles in ((8e-6, 6), (4e-6, 12)):
         profiles = []
         for order in ((HEAVY, ASIDE), (ASIDE, HEAVY)):
             changes = LETTER | {"wear.intensity": intensity, "wear.revolutions": 3 * cycles}
             profiles.append(rolled(*order, **changes)["wear_profile"][-1])
         one, other = profiles
         found.append(np.abs(one - other).max() / one.max())
-    ratios = np.divide(found[:-1], found[1:])
     # Linear, to the next order in the wear of a cycle, a tenth of the total here at most.
-    np.testing.assert_allclose(ratios, 2.0, rtol=0.1)
+    assert found[0] / found[1] == pytest.approx(2.0, rel=0.1)
 
 
 @pytest.mark.slow

@@ -235,9 +235,9 @@ def test_the_end_of_a_branch_leads_to_the_next_solution():
 @pytest.mark.parametrize("slip", ["auto", "upwind"])
 @pytest.mark.parametrize("start", ["rest", "sliding"])
 def test_a_long_course_of_falling_friction_is_solved(start, slip):
-    """The published course: 5 mm at a constant creepage, after steady rolling at a smaller one."""
+    """The first 2 mm of a published course, after steady rolling at a smaller creepage."""
     creepages = [-0.9999e-3, -1e-3, -1e-3]
-    course = {"distance": [0.0, 0.0, 5.0], "start": "steady", DRIVE: creepages}
+    course = {"distance": [0.0, 0.0, 2.0], "start": "steady", DRIVE: creepages}
     here = cylinder(**{"friction.start": start, "solver.slip": slip}).replace(transient=course)
     rows = ts.Laws.of(here).replace(elasticity=Row(*here.materials.values()))
     assert ts.roll(here, laws=rows).status == "done"
