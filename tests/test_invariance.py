@@ -16,7 +16,7 @@ KINDS = (
     *("wear", "adaptive", "duty", "fatigue", "transient", "shift"),
 )
 
-SLOW = ("duty", "fatigue", "heat", "shift")
+SLOW = ("adaptive", "duty", "fatigue", "heat", "shift", "wear")
 
 
 @pytest.fixture

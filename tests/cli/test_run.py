@@ -155,6 +155,7 @@ def test_memory_that_does_not_suffice_for_a_record(call, monkeypatch):
     assert "coarser [grid]" in result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scene", ["spheres", "twin-discs"])
 def test_a_contact_is_kept_if_the_memory_does_not_suffice_for_its_stress(call, monkeypatch, scene):
     """What was computed is stored, and resumed to the results of an uninterrupted run."""

@@ -28,7 +28,7 @@ def test_locus_writes_a_table_and_figures(call, folder):
     ("arguments", "text"),
     [
         (("spheres",), "wheelset"),
-        (("wheel-rail", "--amplitude", 7), "amplitude"),
+        (("wheel-rail", "--amplitude", 7, "--positions", 5), "amplitude"),
         (("wheel-rail", "--reach", 90), "contact"),
         (("wheel-rail", "--set", "wheel.profile=S1003"), "S1002"),
     ],
@@ -102,6 +102,7 @@ def test_a_figure_that_fails_does_not_end_a_command(call, folder, monkeypatch):
     assert names == {"l.csv", "l-points.png", "l-conicity.png"}
 
 
+@pytest.mark.slow
 def test_figures_need_no_backend(folder):
     code = "from tractive_sam.cli.program import run_program; run_program()"
     arguments = ["locus", "wheel-rail", "-o", "l.csv", "--reach", "4", "--positions", "3"]

@@ -79,6 +79,7 @@ def test_forces_beyond_the_top_of_the_traction_curve_are_with_their_maximum():
         ts.solve(locomotive(**{"load.force_x": 33.5e3}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 def test_the_top_is_reported_of_either_sign(sign):
     scene = locomotive(**{"load.force_x": sign * 33.9e3, "grid.elements": (25, 23)})
@@ -178,6 +179,7 @@ def solved_from_both_sides(slip, half_speed, creepage):
     return zip(*out, strict=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("creepage", [-0.8e-4, -1.6e-4, -2.4e-4])
 @pytest.mark.parametrize("half_speed", [2.0, 5.0, 20.0])
 @pytest.mark.parametrize("slip", ["upwind", "auto"])

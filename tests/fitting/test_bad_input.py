@@ -233,6 +233,7 @@ def test_a_noise_out_of_range_is_reported(spheres):
     assert "noise" in fault.key
 
 
+@pytest.mark.slow
 def test_a_value_near_zero_with_relative_noise_does_not_end_a_fit(spheres):
     tiny = creep_data(spheres, {"friction.mu": 0.35})
     tiny["values"]["Qx_over_P"][0] = 1e-300

@@ -138,6 +138,7 @@ def test_columns_are_complete(locus):
     assert {array.shape for array in columns.values()} == {locus.y.shape}
 
 
+@pytest.mark.slow
 def test_fast_movements_are_no_jumps(wheel, rail):
     """The contact moves through the root by up to 30 times the displacement, and jumps once."""
     positions = np.arange(6.15, 6.41, 0.05)

@@ -9,7 +9,7 @@ import tractive_sam as ts
 from tractive_sam.rail import RailSections, builtin_profile, find_patches, write_profile
 
 STEEL = {"shear": 82e3, "poisson": 0.28}
-X = np.arange(-40.0, 41.0, 10.0)
+X = np.arange(-40.0, 41.0, 20.0)
 E_STAR = 82e3 / (1.0 - 0.28)
 
 

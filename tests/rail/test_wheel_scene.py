@@ -134,6 +134,7 @@ def test_progress_is_shown(capsys):
     assert capsys.readouterr()
 
 
+@pytest.mark.slow
 def test_solve_returns_the_patch_with_most_load():
     one = scene(4.92, yaw=11.8)
     contact, history = ts.solve(one), ts.roll(one)
@@ -195,6 +196,7 @@ def test_wheels_roll_on_user_defined_bodies():
     assert history["p_max"] * 5e-5 == pytest.approx(history["approach"], rel=0.02)
 
 
+@pytest.mark.slow
 def test_each_patch_has_its_fatigue(tmp_path):
     """The root has the smaller contact and the larger pressure."""
     tables = {**TABLES, "grid": {"elements": [15, 15]}, "fatigue": FATIGUE}
@@ -296,6 +298,7 @@ def test_a_given_speed_keeps_the_motion():
     assert contact.xi_x == pytest.approx(one.creepage.longitudinal)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("y", "yaw"), [(0.0, 0.0), (0.5, 0.0), (2.0, 1.0)])
 def test_no_moment_drives_a_free_axle(y, yaw):
     """The moments of both wheels, computed separately, add up to zero at one common pitch."""
@@ -318,6 +321,7 @@ def test_a_wheelset_on_its_rolling_radius_has_no_longitudinal_creepage():
     assert one.wheel_rail.pitch == pytest.approx(460.0 / patch.rolling_radius - 1.0)
 
 
+@pytest.mark.slow
 def test_results_are_stored_and_resumed(tmp_path):
     one, path = scene(4.92, yaw=11.8), tmp_path / "a.h5"
     history = ts.roll(one, path)
@@ -381,6 +385,7 @@ def test_positions_of_the_manchester_benchmark(name):
         assert abs(values[3]) == pytest.approx(abs(Qx), rel=tolerance)
 
 
+@pytest.mark.slow
 def test_forces_change_little_over_small_displacements():
     """If no patch appears, 0.05 mm change pressure and approach by a few per cent."""
     found = [ts.solve(scene(y, grid={"elements": [25, 31]})) for y in (2.9, 2.95, 3.0, 3.05)]

@@ -195,7 +195,7 @@ def test_the_error_includes_what_the_order_changes_of_the_stress():
             (6, 344.0, 0.00143, 0.00066, -8),
         )
     ]
-    worn = {"coefficient": {"A": 2.74e-3, "B": 1.614e-3}, "revolutions": 48, "save": [0, 48]}
+    worn = {"coefficient": {"A": 2.74e-3, "B": 1.614e-3}, "revolutions": 80, "save": [0, 80]}
     fatigue = DISCS["fatigue"] | {"exponent": 8.9}
     bodies = {"A": STEEL | {"radius_y": 42.1}, "B": STEEL | {"radius_y": 26.0}}
     scene = discs(blocks, body=bodies, wear=worn, fatigue=fatigue, friction={"mu": 0.19})

@@ -127,6 +127,7 @@ def test_the_residual_is_the_larger_of_both_problems_own(bodies, tolerance):
     assert residual(contact) == pytest.approx(contact.residual, rel=1e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-5])
 def test_tractions_that_are_tiny_against_the_pressure_are_solved_for(tolerance):
     rough = steady("spheres", *NEARLY_ALIKE, f"solver.tolerance={tolerance}", elements=41)

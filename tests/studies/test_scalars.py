@@ -60,6 +60,7 @@ def test_numbers_are_those_of_each_scene_only(tmp_path):
         agree(row.last, wanted)
 
 
+@pytest.mark.slow
 def test_scenes_of_any_process_may_keep_scalars(tmp_path):
     """Wheel and rail: a contact of several patches, which no neighbour starts."""
     axis = {"key": "wheelset.y", "values": [0.5, 1.0]}

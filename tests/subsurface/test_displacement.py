@@ -124,6 +124,7 @@ def test_wrong_arguments_are_refused(body, depth):
             ts.roll(DISSIMILAR.replace(observer=[RECORDS | {"depth": depth}]))
 
 
+@pytest.mark.slow
 def test_a_scene_records_them(tmp_path):
     named = [RECORDS | {"depth": 0.5}]
     wear = {"coefficient": 1e-2, "revolutions": 2, "stepping": "every-revolution"}

@@ -259,6 +259,7 @@ def test_files_next_to_an_axis_are_sought_from_the_folder_of_the_design(tmp_path
     assert ts.TableDesign.resolve_files(tmp_path, {"axis": 5}) == {"axis": 5}  # reported later
 
 
+@pytest.mark.slow
 def test_positions_of_a_wheelset_are_axes():
     tables = ts.Scene.builtin("wheel-rail").entries() | {"wheelset": {"y": 1.0, "normal_load": 8e4}}
     axes = [{"key": "wheelset.y", "values": [1.0, 1.5]}, {"key": "wheelset.yaw", "values": [0, 5]}]
