@@ -90,6 +90,7 @@ def test_a_rail_on_a_ramp_is_touched_ahead(rails):
     assert follows.creepages()[1] == pytest.approx(0.0, abs=2e-5)
 
 
+@pytest.mark.slow
 def test_position_and_marks_follow_the_track(rails):
     """A rail that moves sideways, seen 20 mm further on, has moved by that much."""
     marks = (0.0, 30.0, 999.0)
@@ -103,6 +104,7 @@ def test_position_and_marks_follow_the_track(rails):
     assert "x = 40 mm" in description
 
 
+@pytest.mark.slow
 def test_a_mark_that_a_section_lacks_is_a_plain_point_there(tmp_path):
     """Sections of one profile are one rail, whatever marks some of them do not have."""
     write_profile(builtin_profile("60E1"), tmp_path / "a.prr", "rail")
