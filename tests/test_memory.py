@@ -109,7 +109,7 @@ RUNS = {
     "spin": ("spin", ["grid.elements=[200, 200]"]),
     "dissimilar bodies": ("spheres-dissimilar", FINE),
     "line contact": ("cylinders", []),
-    "wear": ("twin-discs", ["wear.revolutions=20", *FINE]),
+    "wear": ("twin-discs", ["wear.revolutions=300", *FINE]),
     "transient": ("fretting", ["grid.elements=[128, 128]"]),
     "heat": ("hot-discs", []),
     "fatigue": ("spheres", FATIGUE),
