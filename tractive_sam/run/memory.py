@@ -130,11 +130,11 @@ def contact_bytes(model: Model) -> float:
 def _krylov_limits(model: Model) -> tuple[int, float]:
     """Return the most vectors of a Krylov space, and the elements from which it is reduced.
 
-    Only what follows on a contact begins near its solution.
+    The first contact is solved from rest, and each further one from the contact before it.
     """
-    follows = model.scene.schedule.in_sequence and _count_records(model) > 1
-    alone = COUPLED if fields_per_operator(model) == 3 else FIXED_PRESSURE
-    method = NEARBY if follows else alone
+    from_rest = COUPLED if fields_per_operator(model) == 3 else FIXED_PRESSURE
+    is_sequence = model.scene.schedule.in_sequence and _count_records(model) > 1
+    method = NEARBY if is_sequence else from_rest
     return method.krylov, method.gmres_from
 
 
