@@ -127,7 +127,7 @@ def programs(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="Linux alone tells it")
+@pytest.mark.skipif(sys.platform != "linux", reason="Linux reports the peak memory")
 @pytest.mark.parametrize("kind", RUNS)
 def test_a_run_takes_the_memory_that_is_said(kind, programs, tmp_path):
     name, settings = RUNS[kind]
