@@ -40,9 +40,9 @@ import numpy as np
 from tractive_sam.contact.heat import friction_at_temperature, temperature_change
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.steady import dimensionless_start
+from tractive_sam.extra_packages import xarray
 from tractive_sam.extras import check_extra
 from tractive_sam.mechanics import Coulomb, FallingCoulomb
-from tractive_sam.optional import xarray
 from tractive_sam.results import COLUMNS, State, index_by_name
 from tractive_sam.schema import required, warn
 from tractive_sam.solvers import Iterate, Problem, System, gmres, needed

@@ -11,13 +11,13 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from tractive_sam.extra_packages import xarray
 from tractive_sam.extras import check_extra
 from tractive_sam.fitting.case import Answer
 from tractive_sam.fitting.design import Fit, FitDesign
 from tractive_sam.fitting.estimate import Estimate
 from tractive_sam.fitting.problem import FitProblem
 from tractive_sam.fitting.results import DONE, FitResult, Gain, Intervals
-from tractive_sam.optional import xarray
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.run import describe_differences
 from tractive_sam.scene import describe_changes, hashes_of

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.description import html_columns, html_table, text_table
+from tractive_sam.extra_packages import xarray
 from tractive_sam.fitting.design import FitDesign, changes_of
-from tractive_sam.optional import xarray
 from tractive_sam.safe_text import Html, as_html, fill
 from tractive_sam.scene import Scene
 

@@ -77,16 +77,17 @@ def contact_points(scene: Scene, locus: ContactLocus, apart: float = 12.0) -> Fi
     assert scene.wheel is not None
     assert scene.rail is not None
     wheel, rail, centre = scene.wheel.curve, scene.rail.curve, scene.wheel_rail.wheel.datum
-    _draw_profile(axes, wheel.moved(0.0, (centre, 0.0)), lift=apart)
-    _draw_profile(axes, rail)
+    moved = wheel.moved(0.0, (centre, 0.0))
+    _draw_profile(axes, moved, lift=apart, label=f"wheel, raised by {apart:g} mm")
+    _draw_profile(axes, rail, label="rail")
     for k, y in enumerate(locus.y):
         (wheel_y, wheel_z), (rail_y, rail_z) = locus.wheel[0, k], locus.rail[0, k]
         axes.plot([centre + wheel_y, rail_y], [apart - wheel_z, -rail_z], "-", color=LOOK.grey)
         if k in (0, len(locus.y) // 2, len(locus.y) - 1):
             axes.annotate(f"{y:.3g}", (rail_y, -rail_z), (0, -5), textcoords="offset points",
                           ha="center", va="top", fontsize=7)  # fmt: skip
-    height = f"height (mm), wheel raised by {apart:g} mm"
-    axes.set(xlabel="lateral position (mm)", ylabel=height, aspect="equal")
+    axes.set(xlabel="lateral position (mm)", ylabel="height (mm)", aspect="equal")
+    axes.legend(loc="lower right")
     return figure
 
 

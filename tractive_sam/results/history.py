@@ -13,9 +13,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from tractive_sam.description import text_table
+from tractive_sam.extra_packages import pandas, xarray
 from tractive_sam.extras import check_extra
 from tractive_sam.lazy_names import renamed_attributes
-from tractive_sam.optional import pandas, xarray
 from tractive_sam.output_file import make_folder, write_table
 from tractive_sam.rail import Profile, write_profile
 from tractive_sam.results.column_table import STRESSES

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from tractive_sam.description import ShortArrays, html_table, text_table
+from tractive_sam.extra_packages import xarray
 from tractive_sam.kernels.contact_edge import edge_place
 from tractive_sam.mechanics import Frame
-from tractive_sam.optional import xarray
 from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.safe_text import Html
 from tractive_sam.scene import Scene

@@ -11,8 +11,8 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
+from tractive_sam.extra_packages import xarray
 from tractive_sam.extras import check_extra
-from tractive_sam.optional import xarray
 from tractive_sam.results.grid import Grid, widen_field
 from tractive_sam.results.quantity import Quantity
 

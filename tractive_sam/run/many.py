@@ -18,8 +18,8 @@ from tractive_sam.contact import (
     jacobian_of,
     solve_on_fitted_mesh,
 )
+from tractive_sam.extra_packages import xarray
 from tractive_sam.extras import check_extra
-from tractive_sam.optional import xarray
 from tractive_sam.results import History, Quantity, State, Status, columns
 from tractive_sam.rolling import process_of, start_passage
 from tractive_sam.run import inputs, memory

@@ -36,8 +36,8 @@ import numpy as np
 
 from tractive_sam import interrupt
 from tractive_sam.description import html_table, text_table
+from tractive_sam.extra_packages import xarray
 from tractive_sam.extras import check_extra
-from tractive_sam.optional import xarray
 from tractive_sam.output_file import OutputError, describe_os_error, is_disk_failure, write_file
 from tractive_sam.results import BODIES, COLUMNS, History, Quantity, index_by_name
 from tractive_sam.safe_text import Html, csv_cell

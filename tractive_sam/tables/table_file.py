@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from tractive_sam.extra_packages import xarray
 from tractive_sam.lookup import CONTACT, NAMES, CreepTable, Hermite, check_axis_name
-from tractive_sam.optional import xarray
 from tractive_sam.store import TABLE_FORMAT, DamagedError, read_creep_table, versions, write_netcdf
 
 
