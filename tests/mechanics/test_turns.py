@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.mechanics.wear import Turns
+from tractive_sam.mechanics.turns import Turns
 
 SHARE = {"A": 0.3, "B": 0.7}
 WORN = np.array([0.0, 1e-6, 3e-6])
