@@ -163,7 +163,7 @@ def test_a_folder_that_cannot_be_made(tmp_path):
 
 def one_figure(work):
     yield Statement("Fig. 0", "a", "b", Verdict.OPEN)
-    yield Picture("fig-00", plot.creep_force_curve({"one": ([0.5], [0.8])}), "Fig. 0. A curve.")
+    yield Picture("fig-00", lambda: plot.creep_force_curve({"one": ([0.5], [0.8])}), "Fig. 0.")
 
 
 def interrupted(work):
@@ -184,6 +184,19 @@ def test_an_earlier_run_is_replaced(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         reproduce(tmp_path)
     assert not page.exists()
+
+
+def test_a_figure_that_fails_is_omitted(tmp_path, monkeypatch):
+    def chapter(work):
+        yield Picture("fig-fails", lambda: 1 / 0, "Fig. 1.")
+        yield from one_figure(work)
+
+    module = import_module("tractive_sam.paper.reproduction")
+    monkeypatch.setattr(module, "CHAPTERS", (Chapter("One", "Fig. 0", chapter),))
+    with pytest.warns(UserWarning, match="fig-fails is omitted"):
+        page = reproduce(tmp_path)
+    assert [file.stem for file in (tmp_path / "figures").iterdir()] == ["fig-00"]
+    assert "fig-fails" not in page.read_text("utf-8")
 
 
 def test_chapters_and_formats():

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -77,7 +78,7 @@ def _isotropic(work: Work) -> Iterator[Finding]:
     yield _compare_meshes(work)
     yield Picture(
         "fig-06a",
-        plot.creep_force_curve({"computed": (xi, Q_x)}),
+        partial(plot.creep_force_curve, {"computed": (xi, Q_x)}),
         f"Fig. 6(a). Creep-force curve of two equal spheres, {work.size.spheres} × "
         f"{work.size.spheres} elements.",
     )
@@ -166,7 +167,7 @@ def _orthotropic(work: Work) -> Iterator[Finding]:
     series["$Q_y$, 45°"] = xi, curves[45.0].forces[1]
     yield Picture(
         "fig-06b",
-        plot.creep_force_curve(series, theory=False),
+        partial(plot.creep_force_curve, series, theory=False),
         "Fig. 6(b). Creep-force curves with orthotropic friction for three angles β; µ stands for "
         "µ_1. Q_y is zero for 0° and 90°.",
     )

@@ -4,6 +4,7 @@ Their wear depth is compared with the global incremental wear model (Fig. 15, Ta
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 
 import numpy as np
 
@@ -82,12 +83,12 @@ def wear_depth_findings(work: Work, good: float = 0.1) -> Iterator[Finding]:
     N = np.arange(course.depth.size)
     yield Picture(
         "fig-15",
-        plot.compare({"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
+        partial(plot.compare, {"computed": history}, "wear_max", {"GIWM": (N, course.depth)}),
         "Fig. 15. Largest wear depth of both discs together.",
     )
     yield Picture(
         "fig-15-half-width",
-        plot.compare({"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
+        partial(plot.compare, {"computed": history}, "half_width_y", {"GIWM": (N, course.b)}),
         "Table 1. Half width across the rolling direction, computed and by GIWM.",
     )
 
@@ -353,7 +354,7 @@ def _compare_angles(histories: Histories) -> Iterator[Picture]:
     ):
         yield Picture(
             f"figs-09-14-{name.replace('_', '-')}",
-            plot.compare(named, name),
+            partial(plot.compare, named, name),
             f"Figs. 9-14. {what} over the revolutions.",
         )
 
@@ -373,7 +374,9 @@ def _draw_each_angle(histories: Histories) -> Iterator[Picture]:
     )
     for name, draw, caption in draws:
         for angle, history in histories.items():
-            yield Picture(f"{name}-{angle:.0f}", draw(history), f"{caption}, β = {angle:g}°.")
+            yield Picture(
+                f"{name}-{angle:.0f}", partial(draw, history), f"{caption}, β = {angle:g}°."
+            )
 
 
 def _section_at(revolution: int) -> Callable:

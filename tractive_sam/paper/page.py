@@ -187,15 +187,20 @@ class Picture:
     ----------
     name : str
         Name of its file, without the ending.
-    figure : Figure
-        The figure.
+    draw : callable
+        Draws the figure.
     caption : str
         Caption, which begins with the figure of the paper.
     """
 
     name: str
-    figure: "plot.Figure"
+    draw: Callable[[], "plot.Figure"]
     caption: str
+
+    @cached_property
+    def figure(self) -> "plot.Figure":
+        """Return the figure."""
+        return self.draw()
 
     @cached_property
     def svg(self) -> bytes:

@@ -8,7 +8,7 @@ from os import PathLike
 from pathlib import Path
 from time import perf_counter
 
-from tractive_sam.output_file import make_folder, write_file
+from tractive_sam.output_file import make_folder, omit_failing_figure, write_file
 from tractive_sam.paper import creep_force, discs, spheres
 from tractive_sam.paper.page import (
     FULL,
@@ -99,8 +99,11 @@ def _store_findings(
     for finding in findings:
         if isinstance(finding, Picture):
             report(f"figure {finding.name}")
-            _save(finding, figures, format)
-        elif isinstance(finding, Statement):
+            with omit_failing_figure(finding.name):
+                _save(finding, figures, format)
+                yield finding
+            continue
+        if isinstance(finding, Statement):
             statements.append(finding)
         yield finding
 

@@ -5,6 +5,7 @@ Figs. 5 (isotropic), 7 and 8 (orthotropic at three angles).
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -54,15 +55,19 @@ def sphere_findings(work: Work) -> Iterator[Finding]:
     )
     yield _zones(contact)
     yield from _maxima(contact)
-    yield Picture("fig-05b", plot.traction_sections(contact), "Fig. 5(b). Tractions on body A.")
-    yield Picture("fig-05c", plot.pressure(contact), "Fig. 5(c). Pressure.")
     yield Picture(
-        "fig-05d", plot.traction(contact), "Fig. 5(d). Traction; dashed: the stick-slip boundary."
+        "fig-05b", partial(plot.traction_sections, contact), "Fig. 5(b). Tractions on body A."
+    )
+    yield Picture("fig-05c", partial(plot.pressure, contact), "Fig. 5(c). Pressure.")
+    yield Picture(
+        "fig-05d",
+        partial(plot.traction, contact),
+        "Fig. 5(d). Traction; dashed: the stick-slip boundary.",
     )
     for letter, (plane, name) in zip("ef", PLANES.items(), strict=True):
         yield Picture(
             f"fig-05{letter}",
-            plot.von_mises_sections(contact, plane),
+            partial(plot.von_mises_sections, contact, plane),
             f"Fig. 5({letter}). Equivalent stress of both bodies on {name}.",
         )
 
@@ -219,12 +224,14 @@ def orthotropic_findings(work: Work) -> Iterator[Finding]:
         (plot.traction_sections, "fig-07-sections", "Fig. 7. Components of the traction"),
     ):
         for angle, contact in contacts.items():
-            yield Picture(f"{name}-{angle:.0f}", draw(contact), f"{caption}, β = {angle:g}°.")
+            yield Picture(
+                f"{name}-{angle:.0f}", partial(draw, contact), f"{caption}, β = {angle:g}°."
+            )
     for plane, name in (("y=0", "xz"), ("x=0", "yz")):
         for angle, contact in contacts.items():
             yield Picture(
                 f"fig-08-{name}-{angle:.0f}",
-                plot.von_mises_section(contact, "A", plane),
+                partial(plot.von_mises_section, contact, "A", plane),
                 f"Fig. 8. Equivalent stress in body A, {name} plane, β = {angle:g}°.",
             )
 

@@ -52,7 +52,8 @@ def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str,
     unused = []
     for remark in table.remarks:
         units = find_length_units(remark.value)
-        if units and not table.names and remark.states("unit of values"):
+        is_above = remark.line < table.lines[0]
+        if units and is_above and not table.names and remark.states("unit of values"):
             stated["unit"] = units[0]
         elif units and (size := remark.states("size")):
             stated[remark.key] = float(size[1]) * LENGTHS[units[0]]
