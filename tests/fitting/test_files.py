@@ -251,7 +251,7 @@ def test_a_fit_that_was_killed_ends_bit_by_bit_as_another(tmp_path):
     answers = read_answers(design, path, overwrite=False, files={})
     for kept in (1, len(answers) // 2):
         done = Evaluations(InProcess(), dict([*answers.items()][:kept]))
-        write_fit(path, _unfinished(design, done))
+        write_fit(path, _unfinished(design, done, {}))
         resumed = ts.fit(design, path).dataset
         for name in ("value", "low", "high", "sd", "predicted", "answer", "answer_numbers"):
             np.testing.assert_array_equal(resumed[name], whole[name])
