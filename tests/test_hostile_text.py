@@ -366,6 +366,7 @@ def test_tables(original, tmp_path, text):
     called("show", path, "--json")
 
 
+@pytest.mark.filterwarnings("ignore::tractive_sam.SceneWarning")  # headings that are not used
 @pytest.mark.parametrize("text", HOSTILE)
 def test_columns_of_text(tmp_path, text):
     """Cells of gaps and load histories: what is wrong is named without commanding a terminal."""

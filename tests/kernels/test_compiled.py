@@ -169,8 +169,11 @@ with event.install_listener("numba:compile", Listener()):
 print(json.dumps(found))
 """
 
-TWICE = {"tractive_sam.kernels.linear_algebra.symmetric_2x2"}
-"""Kernels of more than one kind of numbers: real and complex coefficients."""
+TWICE = {
+    f"tractive_sam.kernels.linear_algebra.{name}"
+    for name in ("symmetric_2x2", "mirrored", "pack_half", "unpack_half")
+}
+"""Kernels of several kinds of numbers: real and complex, of single and double precision."""
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")

@@ -48,6 +48,7 @@ def put(group, name, shape, kind, folder):
         group.create_dataset(name, shape, float, external=raw)
 
 
+@pytest.mark.filterwarnings("ignore::tractive_sam.SceneWarning")  # arrays that are not read
 @pytest.mark.parametrize("name", ["x", "y", "separation"])
 @pytest.mark.parametrize("kind", LINKS)
 def test_gap_reads_no_other_file(tmp_path, kind, name):

@@ -59,7 +59,7 @@ def gated(scene, path, **options):
     return roll(scene, path, **options)
 
 
-worker.roll = gated
+worker.run.roll = gated
 """
 
 

@@ -283,7 +283,8 @@ class _Iteration:
         gap = self.problem.gap + lift
         if self.under_load:
             # The approach is the one that the elements in contact have on average.
-            total, touching = self.lattice.sum, self.pressure > 0.0
+            xp, total = self.backend.xp, self.lattice.sum
+            touching = xp.astype(self.pressure > 0.0, self.pressure.dtype)
             self.approach = total(gap * touching) / total(touching)
         self.gap = gap - self.approach
 
