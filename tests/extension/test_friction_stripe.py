@@ -114,7 +114,7 @@ def test_a_stripe_moves_with_its_place_on_finer_meshes():
     assert forces[1] < 0.9 * ts.solve(SCENE).Qx
 
 
-@pytest.mark.parametrize("body", [SPHERE, {**SPHERE, "shear": 3e4, "poisson": 0.4}])
+@pytest.mark.parametrize("body", [SPHERE, SPHERE | {"shear": 3e4, "poisson": 0.4}])
 def test_a_strength_caps_the_traction(body):
     """Also between dissimilar bodies: their pressure and tractions are found together."""
     scene = SCENE.replace(**{"body.B": body, "creepage.longitudinal": -5e-3})
