@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.special import ellipe, ellipk
+from scipy.special import ellipe, ellipk, elliprd
 
 import tractive_sam as ts
 from tractive_sam.reference import HertzContact, HertzLine
@@ -30,6 +30,12 @@ def hertz_of(scene: ts.Scene) -> HertzContact | HertzLine:
     hertz = scene.hertz
     assert hertz is not None
     return hertz
+
+
+def radii_of_ellipse(a: float, b: float, p0: float, modulus: float) -> tuple[float, float]:
+    """Return the combined radii of a Hertz contact with semi-axes a and b, pressure p0 and E*."""
+    scale = 2.0 * p0 * a * b / (3.0 * modulus)
+    return 1.0 / (scale * elliprd(0.0, b * b, a * a)), 1.0 / (scale * elliprd(0.0, a * a, b * b))
 
 
 def on_elements(scene: ts.Scene, across: int, **changes: Any) -> ts.Scene:

@@ -7,12 +7,18 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import elliprd
 
 import tractive_sam as ts
 from tractive_sam.operators import SurfaceHeat
 from tractive_sam.results import Grid
-from tractive_sam.validation.closed_forms import FLAT, LINE, MESH, hertz_of, on_elements
+from tractive_sam.validation.closed_forms import (
+    FLAT,
+    LINE,
+    MESH,
+    hertz_of,
+    on_elements,
+    radii_of_ellipse,
+)
 from tractive_sam.validation.comparison import Comparison, PublishedSet, compare
 
 ORTHOGONAL = {"criterion": "orthogonal-shear", "limit": 1.0, "bodies": ["A"]}
@@ -21,9 +27,7 @@ ORTHOGONAL = {"criterion": "orthogonal-shear", "limit": 1.0, "bodies": ["A"]}
 def frictionless_ellipse(a: float, b: float, across: int) -> ts.Scene:
     """Return a scene of a frictionless contact with the semi-axes a and b, and p0 = 1000 MPa."""
     modulus, p0 = 1e5, 1000.0
-    scale = p0 * a * b / (3.0 * modulus)
-    curvatures = (2.0 * scale * elliprd(0.0, u * u, v * v) for u, v in ((b, a), (a, b)))
-    radii = dict(zip(("radius_x", "radius_y"), (1.0 / c for c in curvatures), strict=True))
+    radii = dict(zip(("radius_x", "radius_y"), radii_of_ellipse(a, b, p0, modulus), strict=True))
     body = {"young": 2.0 * modulus, "poisson": 0.0}
     load = {"normal": 2.0 / 3.0 * math.pi * a * b * p0}
     scene = ts.Scene(body={"A": body | radii, "B": body | FLAT}, load=load)

@@ -12,7 +12,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.special import elliprd
 
 import tractive_sam as ts
 from tractive_sam.mechanics import HalfSpaces
@@ -25,6 +24,7 @@ from tractive_sam.validation.closed_forms import (
     STEEL,
     free_rolling,
     hertz_of,
+    radii_of_ellipse,
 )
 from tractive_sam.validation.comparison import Comparison, PublishedSet, compare
 
@@ -45,8 +45,7 @@ def kalker(ratio: float) -> Iterator[Comparison]:
 def _coefficients(a_over_b: float, poisson: float, across: int) -> tuple[float, ...]:
     """Return C11, C22, C23 and C33 on a mesh, corrected for the area of its contact; G = 1."""
     a, b, p0 = 1.0, 1.0 / a_over_b, 1e-3
-    scale = p0 * a * b * (1.0 - poisson) / 3.0
-    radius_x, radius_y = (0.5 / (scale * elliprd(0.0, u * u, v * v)) for u, v in ((b, a), (a, b)))
+    radius_x, radius_y = radii_of_ellipse(a, b, p0, 1.0 / (1.0 - poisson))
     body = {"shear": 1.0, "poisson": poisson, "radius_x": 2 * radius_x, "radius_y": 2 * radius_y}
     grid = {"half_length": (1.1 * a, 1.1 * b), "elements": (int(1.1 * across),) * 2}
     scene = ts.Scene(
