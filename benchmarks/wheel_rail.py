@@ -172,6 +172,38 @@ def measure_times() -> list[dict[str, object]]:
     ]
 
 
+def compare_pitches() -> list[dict[str, object]]:
+    """Return what a free pitch costs: convolutions with the pitch of rolling, and with a free one.
+
+    A free pitch is solved with both wheels, except in the middle of the track. The prescribed one
+    is solved for each of the wheels that the free one needs.
+    """
+    rows: list[dict[str, object]] = []
+    for y, yaw in ((0.0, 0.0), (2.0, 0.0), (-4.0, 3.0), (4.5, 5.0), (-5.3, -2.0)):
+        counts = []
+        scene = ts.Scene.builtin("wheel-rail").replace(
+            **{"grid.elements": (25, 31), "grid.half_length": None},
+            **{"wheelset.y": y, "wheelset.yaw": yaw},
+        )
+        sides = ("right",) if y == yaw == 0.0 else ("right", "left")
+        # The left wheel here is at the place of the left wheel of the free axle.
+        for pitch, of_pitch in (("rolling-radius", sides), ("free", ("right",))):
+            changed = (
+                scene.replace(**{"wheelset.pitch": pitch, "wheelset.side": side})
+                for side in of_pitch
+            )
+            counts.append(sum(ts.roll(one)["convolutions"].sum() for one in changed))
+        rows.append(
+            {"y": y, "yaw": yaw, "wheels": len(sides)}
+            | {
+                "prescribed": counts[0],
+                "free": counts[1],
+                "free / prescribed": counts[1] / counts[0],
+            }
+        )
+    return rows
+
+
 if __name__ == "__main__":
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ts.SceneWarning)
@@ -183,6 +215,9 @@ if __name__ == "__main__":
         patches = compare_two_patches()
         spins = vary_central_position()
         times = measure_times()
+        pitches = compare_pitches()
+    write("wheel_rail_pitch", pitches)
+    show("Convolutions of a free pitch", pitches)
     write("wheel_rail", rows)
     write("wheel_rail_patches", patches)
     write("wheel_rail_spin", spins)

@@ -140,6 +140,19 @@ def wheel_rail_spin() -> str:
     return format_columns(read_rows("wheel_rail_spin.csv"), columns)
 
 
+def wheel_rail_pitch() -> str:
+    """Return the convolutions of a prescribed and of a free pitch."""
+    columns = {
+        "y, mm": ("y", number(".1f")),
+        "yaw, mrad": ("yaw", number(".0f")),
+        "wheels": ("wheels", str),
+        "prescribed": ("prescribed", number(".0f")),
+        "free": ("free", number(".0f")),
+        "ratio": ("free / prescribed", number(".2f")),
+    }
+    return format_columns(read_rows("wheel_rail_pitch.csv"), columns)
+
+
 def normal() -> str:
     """Return time and error of the normal problem."""
     columns = {
@@ -959,6 +972,7 @@ TABLES = {
         wheel_rail_patches,
         wheel_rail_crossing,
         wheel_rail_spin,
+        wheel_rail_pitch,
         conservation,
         conservation_wheels,
         spheres,

@@ -11,7 +11,7 @@ where the wheelset stands in the middle of the track, it is the mirror image.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -34,6 +34,92 @@ Solve = Callable[[Model, State | None], State]
 """Solves a patch at a depth of the wheel, from the contact at another depth."""
 
 
+@dataclass
+class LoadedWheel:
+    """Wheel that is lowered until its patches carry its load, beginning at its last depth.
+
+    It uses the secant method for the load to the power 2/3, which for a Hertz contact is linear in
+    the depth of the wheel.
+
+    Attributes
+    ----------
+    model : Model
+        Model of a scene with a wheel.
+    solve : callable
+        Solves a patch at a depth.
+    starts : sequence of State or None
+        Similar contacts in the first patches, then those at the last depth.
+    load_error : float
+        Relative error of the load that the last contacts carry.
+    """
+
+    model: Model
+    solve: Solve
+    starts: Sequence[State | None] = ()
+    load_error: float = np.inf
+    _depth: float | None = None
+    _slope: float | None = None
+
+    def share_load(
+        self, tolerance: float, max_steps: int = 12, pitch: float | None = None
+    ) -> tuple[State, ...]:
+        """Solve all patches at a depth at which they carry the load; see `share_load`.
+
+        A `pitch` replaces that of the model.
+        """
+        model = self.model if pitch is None else self.model.at_pitch(pitch)
+        wheelset = required(model.scene.wheelset, "wheelset")
+        patches = required(model.wheel_rail, "wheel").patches
+        by_normal = wheelset.load is None
+        load = required(wheelset.load or wheelset.normal_load, "wheelset.load")
+        models, cost = [model.of_patch(patch) for patch in patches], Cost()
+        last = [*self.starts, *(None for _ in patches)][: len(patches)]
+        depth, previous = self._depth, (0.0, 0.0)
+        if depth is None:
+            hertz = model.scene.hertz
+            unworn = None if hertz is None else hertz.approach
+            approach = required(unworn, "body") if last[0] is None else last[0].approach
+            depth = approach / np.cos(patches[0].angle)
+        for step in range(max_steps):
+            contacts = [
+                self.solve(local.of_patch(patch, depth), before)
+                for local, patch, before in zip(models, patches, last, strict=True)
+            ]
+            cost = sum((contact.cost for contact in contacts), cost)
+            carried = sum(
+                supported_load(contact, patch, by_normal)
+                for contact, patch in zip(contacts, patches, strict=True)
+            )
+            self.load_error = abs(carried / load - 1.0)
+            unsolved = {contact.status for contact in contacts if not contact.converged}
+            # At a smaller depth the contact may be within the mesh, at a larger one resolved by it.
+            too_deep = unsolved == {Status.OFF_GRID} and carried > (1.0 + tolerance) * load
+            too_flat = unsolved == {Status.NOT_RESOLVED} and carried < (1.0 - tolerance) * load
+            if unsolved and not (too_deep or too_flat):
+                break
+            last = [contact if contact.touching.any() else None for contact in contacts]
+            power = max(carried, 0.0) ** (2.0 / 3.0)
+            if step or self._slope is None:
+                self._slope = (power - previous[1]) / (depth - previous[0])
+            previous = depth, power
+            depth += (load ** (2.0 / 3.0) - power) / self._slope
+            # The next pitch begins at the depth that follows from this one.
+            self.starts, self._depth = last, depth
+            if not (unsolved or self.load_error > tolerance):
+                break
+        return (contacts[0].with_cost(cost), *contacts[1:])
+
+    def share_load_on_fitted_mesh(self, tolerance: float, pitch: float) -> tuple[State, ...]:
+        """Solve all patches as `share_load`, on a mesh that is enlarged to contain them."""
+        contacts = self.share_load(tolerance, pitch=pitch)
+        for _ in range(GROWTHS):
+            if (larger := enlarge_for(self.model, contacts)) is self.model:
+                break
+            self.model, self.starts = larger, ()
+            contacts = self.share_load(tolerance, pitch=pitch)
+        return contacts
+
+
 def share_load(
     model: Model,
     solve: Solve,
@@ -43,8 +129,7 @@ def share_load(
 ) -> tuple[State, ...]:
     """Solve all patches of a wheel at the depth at which they together carry its load.
 
-    It uses the secant method for the load to the power 2/3, which for a Hertz contact is linear in
-    the depth of the wheel. The first patch has the cost of all.
+    The first patch has the cost of all.
 
     Parameters
     ----------
@@ -65,44 +150,12 @@ def share_load(
     tuple of State
         The patches in the order of `WheelRail.patches`; one that is open has no pressure.
     """
-    wheelset = required(model.scene.wheelset, "wheelset")
-    patches = required(model.wheel_rail, "wheel").patches
-    by_normal = wheelset.load is None
-    load = required(wheelset.load or wheelset.normal_load, "wheelset.load")
-    models, cost = [model.of_patch(patch) for patch in patches], Cost()
-    hertz = model.scene.hertz
-    unworn = None if hertz is None else hertz.approach
-    last = [*starts, *(None for _ in patches)][: len(patches)]
-    approach = required(unworn, "body") if last[0] is None else last[0].approach
-    depth, previous = approach / np.cos(patches[0].angle), (0.0, 0.0)
-    for _ in range(max_steps):
-        contacts = [
-            solve(local.of_patch(patch, depth), before)
-            for local, patch, before in zip(models, patches, last, strict=True)
-        ]
-        cost = sum((contact.cost for contact in contacts), cost)
-        carried = sum(
-            supported_load(contact, patch, by_normal)
-            for contact, patch in zip(contacts, patches, strict=True)
-        )
-        unsolved = {contact.status for contact in contacts if not contact.converged}
-        # At a smaller depth the contact may be within the mesh, at a larger one resolved by it.
-        too_deep = unsolved == {Status.OFF_GRID} and carried > (1.0 + tolerance) * load
-        too_flat = unsolved == {Status.NOT_RESOLVED} and carried < (1.0 - tolerance) * load
-        settled = not (unsolved or abs(carried - load) > tolerance * load)
-        if settled or (unsolved and not (too_deep or too_flat)):
-            break
-        power = max(carried, 0.0) ** (2.0 / 3.0)
-        slope = (power - previous[1]) / (depth - previous[0])
-        previous = depth, power
-        depth += (load ** (2.0 / 3.0) - power) / slope
-        last = [contact if contact.touching.any() else None for contact in contacts]
-    return (contacts[0].with_cost(cost), *contacts[1:])
+    return LoadedWheel(model, solve, starts).share_load(tolerance, max_steps)
 
 
 def find_pitch(
     model: Model,
-    solve_wheel: Callable[[Model, Sequence[State | None]], tuple[State, ...]],
+    solve: Solve,
     starts: Sequence[State | None],
     tolerance: float,
     max_steps: int = 30,
@@ -110,28 +163,31 @@ def find_pitch(
     """Solve the patches of a wheel at the pitch at which no moment acts on its axle.
 
     The moment rises or falls with the pitch throughout. The method is the secant method within the
-    interval that contains the root; its first step is that of sticking contacts.
+    interval that contains the root; its first step is that of sticking contacts. Before the last
+    pitches, the load needs to be as exact as the moment alone.
 
     Parameters
     ----------
     model : Model
         Model of a scene with a wheel whose pitch is free.
-    solve_wheel : callable
-        Solves the patches of a wheel at the pitch of its model, from similar contacts.
+    solve : callable
+        Solves a patch.
     starts : sequence of State or None
         Similar contacts in the first patches; their pitch is the first one.
     tolerance : float
-        Error of the moment over load times radius times the friction of full sliding.
+        Error of the moment over load times radius times the friction of full sliding, and relative
+        error of the loads.
     max_steps : int
         Largest number of pitches; the contacts at the last one are returned in any case.
     """
     geometry = required(model.wheel_rail, "wheel")
     wheelset = required(model.scene.wheelset, "wheelset")
     are_mirrored = wheelset.y == wheelset.yaw == 0.0 and wheelset.roll in ("free", 0.0)
-    wheels = [model]
+    wheels = [LoadedWheel(model, solve, starts)]
     if not are_mirrored:
-        wheels.append(Model(model.scene.opposite_wheel, wheel_rail=geometry.opposite))
-    pitch, starts_of = geometry.pitch, [starts, ()]
+        opposite = Model(model.scene.opposite_wheel, wheel_rail=geometry.opposite)
+        wheels.append(LoadedWheel(opposite, solve))
+    pitch = geometry.pitch
     if starts and starts[0] is not None:
         pitch = geometry.patches[0].pitch_at(starts[0].xi_x)
     radius, (long, wide) = geometry.wheel.radius, geometry.patches[0].half_length
@@ -139,40 +195,43 @@ def find_pitch(
     slope = 1.5 * model.scene.material.E_star * long * wide * radius * len(wheels)
     largest = required(model.scene.normal_load, "load") * radius * len(wheels)
     largest *= max(required(model.scene.friction, "friction").mu)
-    below, above, cost = -np.inf, np.inf, Cost()
-    before: tuple[float, float] | None = None
+    below, above, cost, rough = -np.inf, np.inf, Cost(), 1e-3
+    before: tuple[float, float, float] | None = None
     for _ in range(max_steps):
-        moment, solved = 0.0, []
-        for k, wheel in enumerate(wheels):
-            contacts = solve_wheel(wheel.at_pitch(pitch), starts_of[k])
-            for _ in range(GROWTHS if k else 0):  # the caller enlarges the mesh of the first wheel
-                if (wheel := enlarge_for(wheels[k], contacts)) is wheels[k]:
-                    break
-                wheels[k] = wheel
-                contacts = solve_wheel(wheel.at_pitch(pitch), ())
-            patches = required(wheel.wheel_rail, "wheel").patches
+        moment = 0.0
+        solved: list[tuple[State, ...]] = []
+        for wheel in wheels:
+            # The caller enlarges the mesh of the first wheel.
+            lower = wheel.share_load_on_fitted_mesh if solved else wheel.share_load
+            contacts = lower(max(tolerance, rough), pitch=pitch)
+            cost = cost + contacts[0].cost
+            solved.append(contacts)
+            if not all(contact.converged for contact in contacts):
+                break
+            patches = required(wheel.model.wheel_rail, "wheel").patches
             pairs = [*zip(contacts, patches, strict=True)]
             moment += sum(p.moment_about_axle((c.Qx, c.Qy), c.Mz) for c, p in pairs)
-            cost = cost + contacts[0].cost
-            starts_of[k] = [contact if contact.touching.any() else None for contact in contacts]
-            solved.append(contacts)
-        if any(not contact.converged for contact in solved[0]):
-            break
-        other = next((c for contacts in solved[1:] for c in contacts if not c.converged), None)
-        if other is not None:
+        other = next((contact for contact in solved[-1] if not contact.converged), None)
+        if other is not None and len(solved) > 1:
             note = f"the other wheel, which determines wheelset.pitch: {other.message}"
             status = Status.NOT_RESOLVED if other.status is Status.OFF_GRID else other.status
             solved[0] = tuple(replace(c, status=status, note=note) for c in solved[0])
+        if other is not None:
             break
-        if abs(moment) <= tolerance * largest:
+        load_error = max(wheel.load_error for wheel in wheels)
+        if max(abs(moment) / largest, load_error) <= tolerance:
             break
-        below, above = (pitch, above) if moment < 0.0 else (below, pitch)
-        if before is not None and moment != before[1]:
+        # Tractions change with the load by at most this moment, which says nothing of the pitch.
+        by_load = load_error * largest
+        if abs(moment) > by_load:
+            below, above = (pitch, above) if moment < 0.0 else (below, pitch)
+        if before is not None and abs(moment - before[1]) > max(by_load, before[2]):
             slope = max((moment - before[1]) / (pitch - before[0]), 1e-3 * slope)
-        before, step = (pitch, moment), -moment / slope
+        before, step = (pitch, moment, by_load), -moment / slope
         if not below < pitch + step < above:
             step = 0.5 * (below + above) - pitch
         pitch += step
+        rough = min(rough, 0.01 * abs(moment) / largest)
     return (solved[0][0].with_cost(cost), *solved[0][1:])
 
 
@@ -260,12 +319,7 @@ def solve_patches(
         return equilibrium(patch, depth, start, tolerance, patch.patch is model.patch)
 
     if model.finds_pitch:
-        return find_pitch(
-            model,
-            lambda wheel, starts: share_load(wheel, solve, starts, load_tolerance),
-            (start,),
-            load_tolerance,
-        )
+        return find_pitch(model, solve, (start,), load_tolerance)
     return share_load(model, solve, (start,), load_tolerance)
 
 
