@@ -38,6 +38,8 @@ open_history, report, export_surface, export_volume
 **Stress and fatigue** stress_at, stress_maximum, stress_on_plane, stress_on_planes, stress_path,
 stress_volume, fatigue
 
+**Any file** open_any, Document
+
 **Many scenes** Study, StudyResults, open_study; CreepTable, TableDesign, open_table, write_fmu
 
 **Fits** fit, FitDesign, FitResult, open_fit, FitError

@@ -6,6 +6,8 @@ from . import solvers as solvers
 from . import studies as studies
 from . import subsurface as subsurface
 from .contact.laws import Laws as Laws
+from .documents import Document as Document
+from .documents import open_any as open_any
 from .fitting import FitDesign as FitDesign
 from .fitting import FitError as FitError
 from .fitting import FitResult as FitResult

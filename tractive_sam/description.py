@@ -7,7 +7,7 @@ quantity also describes it.
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
@@ -56,6 +56,55 @@ class Description(tuple[Section, ...]):
             fill(template, title=section.title, rows=html_table(dict(section.rows)))
             for section in self
         )
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """Table of texts, for a terminal and for a notebook.
+
+    Attributes
+    ----------
+    rows : sequence of sequence of str
+        The cells of each row.
+    headings : tuple of str
+        The heading of each column, with its unit in a second line; none for labels and texts.
+    numbers : frozenset of int
+        The columns of numbers, which are aligned at the right.
+    caption : str
+        A line below the table, or an empty text.
+    """
+
+    rows: Sequence[Sequence[str]]
+    headings: tuple[str, ...] = ()
+    numbers: frozenset[int] = frozenset()
+    caption: str = ""
+
+    @classmethod
+    def from_labels(cls, rows: Mapping[str, str]) -> "TextTable":
+        """Return the table of labels and their texts."""
+        return cls([*rows.items()])
+
+    @classmethod
+    def from_dicts(cls, rows: Sequence[Mapping[str, str]]) -> "TextTable":
+        """Return the table of rows of texts by heading; its first column contains no numbers."""
+        headings = tuple(rows[0]) if rows else ()
+        numbers = frozenset(range(1, len(headings)))
+        return cls([[*row.values()] for row in rows], headings, numbers)
+
+    def to_html(self) -> Html:
+        """Return the table as HTML."""
+        if not (self.headings or self.numbers):
+            return html_table({label: text for label, text in self.rows})  # noqa: C416 - typed
+        cells: list[tuple[str, Sequence[str]]] = [("th", self.headings)] if self.headings else []
+        cells += (("td", row) for row in self.rows)
+        lines = (
+            fill(
+                "<tr>$cells</tr>\n",
+                cells=[fill(f"<{tag}>$text</{tag}>", text=text) for text in row],
+            )
+            for tag, row in cells
+        )
+        return fill("<table>$lines</table>", lines=lines)
 
 
 class ShortArrays:
@@ -120,6 +169,15 @@ def format_number(value: float, error_bar: float = 0.0) -> str:
             return f"{value:.{decimals}f} ± {error_bar:.{decimals}f}"
         return f"{value:.4g} ± {error_bar:.2g}"
     return f"{value:.0f}" if float(value).is_integer() and abs(value) < 1e9 else f"{value:.4g}"
+
+
+def without_nan(value: Any) -> Any:
+    """Return nested dictionaries and lists with None instead of nan and inf, as JSON needs."""
+    if isinstance(value, dict):
+        return {key: without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [without_nan(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def format_duration(seconds: float) -> str:
@@ -234,13 +292,7 @@ def text_table(heading: str, rows: Mapping[str, str] | Iterable[tuple[str, str]]
 
 def html_columns(rows: Iterable[Mapping[str, str]]) -> Html:
     """Return rows of text, by the heading of their column, as an HTML table."""
-    rows = list(rows)
-    cells = [("th", [*rows[0]]), *(("td", [*row.values()]) for row in rows)]
-    lines = (
-        fill("<tr>$cells</tr>\n", cells=[fill(f"<{tag}>$text</{tag}>", text=text) for text in row])
-        for tag, row in cells
-    )
-    return fill("<table>$lines</table>", lines=lines)
+    return TextTable.from_dicts(list(rows)).to_html()
 
 
 def html_table(rows: Mapping[str, str], picture: Html = Html()) -> Html:  # noqa: B008 - immutable

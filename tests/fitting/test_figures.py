@@ -26,12 +26,12 @@ def test_model_is_computed_between_measured_points(found, spheres):
     # each contact is solved to the tolerance of the scene, from another first guess
     assert predicted[0] == pytest.approx(expected.Qx / expected.P, rel=1e-6)
     assert deviation.min() > 0.0
-    (axes, _) = next(fit_figures(found))[2].axes
+    (axes, _) = next(fit_figures(found)).draw().axes
     assert axes.lines[0].get_xdata().size == 4 + x.size
 
 
 def test_profile_likelihood_reaches_its_limit(found):
-    names = [name for name, _, _ in fit_figures(found)]
+    names = [drawing.name for drawing in fit_figures(found)]
     assert names == ["data0-Qx_over_P", "likelihood-friction.mu"]
     values, rise = found.dataset["likelihood"].values[:, 1:].T
     for end in found.interval("friction.mu"):
@@ -56,7 +56,7 @@ def test_error_bars_of_a_factor_are_equally_long_on_a_logarithmic_axis(spheres):
     noise = {"factor": 2.0}
     data = creep_data(spheres, {"friction.mu": 0.35}, noise=noise)
     design = {"scene": spheres, "free": ["friction.mu"], "data": [data], "mesh_check": False}
-    (_, _, figure), *_ = fit_figures(ts.fit(design | {"curve": 0}))
+    figure = next(fit_figures(ts.fit(design | {"curve": 0}))).draw()
     (bars,) = figure.axes[0].containers
     ends = np.array([segment[:, 1] for segment in bars[2][0].get_segments()])
     values = data["values"]["Qx_over_P"]

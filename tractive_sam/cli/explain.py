@@ -1,7 +1,6 @@
 """Commands ``explain``, ``keys`` and ``scenes``: what is modelled, every key, built-in scenes."""
 
 from collections.abc import Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -18,6 +17,7 @@ from tractive_sam.cli.output import (
     report_warnings,
 )
 from tractive_sam.cli.scene_input import (
+    STANDARD_INPUT,
     Allow,
     SceneName,
     Settings,
@@ -42,26 +42,20 @@ def explain(
     workers
         Number of processes that run a study; by default, one for each core.
     """
-    from tractive_sam.fitting import FitDesign, explain_fit, is_fit_design
-    from tractive_sam.run import explain as explanation
-    from tractive_sam.studies import is_study
-    from tractive_sam.tables import is_design, is_table
+    from tractive_sam.documents import SceneRequest, StudyRequest, find_kind
 
-    with report_warnings():
-        if is_table(scene) or is_design(scene):
-            title, sections = _describe_table(scene, settings)
-        elif is_fit_design(scene):
-            _refuse_settings(scene, settings, "a fit; write the setting into its scene")
-            fit = FitDesign.from_toml(scene)
-            title, sections = fit.fit.title, explain_fit(fit)
-        elif is_study(scene):
-            title, sections = _describe_study(Path(scene), settings, workers)
-            _mention_tables(scene)
-        else:
-            requested = read_scene(scene, settings)
-            with report_compiling():
-                title, sections = requested.title, explanation.explain(requested)
-    print_description(title, sections)
+    kind = find_kind(scene)
+    is_scene = scene == STANDARD_INPUT or kind is SceneRequest
+    if settings and not is_scene:
+        cure = "write the setting into the file"
+        raise invalid_exit(f"--set changes a scene only, and {scene} is {kind.noun}; {cure}")
+    with report_warnings(), report_compiling():
+        content = read_scene(scene, settings) if is_scene else kind.read(scene)
+        document = kind(scene, content)
+        sections = document.explain(workers)
+        for note in document.notes() if isinstance(document, StudyRequest) else ():
+            print_note(note)
+    print_description(document.title, sections)
 
 
 def print_description(title: str, sections: Iterable[Any]) -> None:
@@ -75,47 +69,6 @@ def print_description(title: str, sections: Iterable[Any]) -> None:
         for label, text in section.rows:
             table.add_row(f"  {label}", text)
         out.print(table)
-
-
-def _describe_table(file: str, settings: list[str] | None) -> tuple[str, Iterable[Any]]:
-    """Return title and description of a creep-force table, or of the design of one."""
-    from tractive_sam import tables
-
-    _refuse_settings(file, settings, "a table of creep forces")
-    if tables.is_table(file):
-        table = tables.open_table(file)
-        return table.title, tables.explain_table(table)
-    design = tables.TableDesign.from_toml(file)
-    return design.title, tables.explain_design(design)
-
-
-def _describe_study(
-    file: Path, settings: list[str] | None, workers: int | None
-) -> tuple[str, Iterable[Any]]:
-    """Return title and description of a study: its cases, memory and time."""
-    from tractive_sam.compute import cores
-    from tractive_sam.studies import Study, explain_study
-
-    _refuse_settings(file, settings, "a study; write the setting into the file: set = [...]")
-    study = Study.from_toml(file)
-    return study.title, explain_study(study, workers or cores())
-
-
-def _refuse_settings(file: str | Path, settings: list[str] | None, kind: str) -> None:
-    """End with an error if `--set` is given for a file that is not a scene."""
-    if settings:
-        raise invalid_exit(f"--set changes a scene only, and {file} is {kind}")
-
-
-def _mention_tables(study: str) -> None:
-    """Print a note if a study file could also be the design of a creep-force table."""
-    from tractive_sam.schema import SceneError
-    from tractive_sam.tables import TableDesign
-
-    with suppress(SceneError):
-        TableDesign.from_toml(study)
-        cure = "for a table of creep forces write its tolerance into the file: tolerance = 0.02"
-        print_note(f"{study} is read as a study; {cure}")
 
 
 _Table = Annotated[str | None, typer.Argument(metavar="TABLE", autocompletion=complete_tables)]

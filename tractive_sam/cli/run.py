@@ -12,13 +12,10 @@ from tractive_sam.cli.output import (
     console,
     incomplete_exit,
     invalid_exit,
-    last_record,
-    load_table,
-    main_results,
     print_line,
     print_message,
     print_note,
-    record_table,
+    print_table,
     refuse,
     report_compiling,
     report_interrupt,
@@ -27,6 +24,7 @@ from tractive_sam.cli.output import (
 )
 from tractive_sam.cli.scene_input import STANDARD_INPUT, Allow, SceneName, Settings, read_scene
 from tractive_sam.cli.show import Dpi, Format, Width
+from tractive_sam.description import TextTable
 
 Resume = Annotated[
     bool,
@@ -115,18 +113,27 @@ def _compute(
 
 def _print_results(history: "ts.History", verbose: bool, printed: set[str]) -> None:
     """Print the last record (or all patches), the load, and notes; `verbose` for all quantities."""
-    from tractive_sam.results import caveats, describe_balances
+    from tractive_sam.results import (
+        caveats,
+        describe_balances,
+        last_record,
+        main_results,
+        record_table,
+    )
+    from tractive_sam.scene import describe_load
 
     if not (history.finished or history.status == "inaccurate"):
         print_message(("not a solution: ", "bold red"), "the computation ended at the last record")
     if len(history):
+        tables = []
         if not history.scene.schedule.in_sequence:  # all patches of a wheel
-            console().print(record_table(history))
+            tables.append(record_table(history))
         if verbose:
-            console().print(last_record(history, solver=True))
+            tables.append(last_record(history, solver=True))
         elif history.scene.schedule.in_sequence:
-            console().print(main_results(history))
-        console().print(load_table(history))
+            tables.append(main_results(history))
+        for table in (*tables, TextTable.from_labels(describe_load(history.scene))):
+            print_table(table)
     for text in describe_balances(history, only_if_open=True).values():
         print_note(text)
     for text in (f"{name}: {text}" for name, text in caveats(history).items()):

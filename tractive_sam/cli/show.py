@@ -8,26 +8,19 @@ from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
 import typer
-from rich import box
-from rich.table import Table
 
 import tractive_sam as ts
-from tractive_sam.cli.explain import print_description
-from tractive_sam.cli.fit import plot_fit, show_fit, write_fit_report
 from tractive_sam.cli.output import (
     console,
     incomplete_exit,
     invalid_exit,
-    last_record,
     print_line,
     print_message,
     print_note,
-    record_table,
+    print_table,
     refuse,
     report_interrupt,
     report_warnings,
-    run_table,
-    select_columns,
 )
 from tractive_sam.cli.scene_input import RESULTS, Allow, Settings, read_scene
 from tractive_sam.safe_text import csv_cell
@@ -56,56 +49,35 @@ def show(
     if file.suffix == ".nc" and not file.is_file():
         cure = "tractive-sam fit and tractive-sam table write result files"
         raise invalid_exit(f"{file} does not exist; {cure}")
-    if show_fit(file, as_json, as_csv):
-        return
-    from tractive_sam.tables import is_table
-
-    if is_table(file):
-        _show_table(file, as_json, as_csv)
-        return
-    from tractive_sam.store import open_history
-
-    history = open_history(file)
-    if as_json:
-        print_line(json.dumps(history.to_dict(), allow_nan=False))
-        return
-    if as_csv:
-        _print_csv(history)
-    else:
-        _print_tables(history)
+    document = ts.open_any(file)
+    with refuse(ValueError):
+        if as_json:
+            print_line(json.dumps(document.to_dict(), allow_nan=False))
+        elif as_csv:
+            columns = document.columns()
+            writer = csv.writer(sys.stdout, lineterminator="\n")
+            writer.writerow(map(csv_cell, columns))
+            writer.writerows(map(csv_cell, row) for row in zip(*columns.values(), strict=True))
+        else:
+            print_document(document)
 
 
-def _print_csv(history: "ts.History") -> None:
-    """Print a history as CSV, a line for each record."""
-    columns = history.numbers()
-    writer = csv.writer(sys.stdout, lineterminator="\n")
-    writer.writerow(map(csv_cell, columns))
-    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+def print_document(document: "ts.Document") -> None:
+    """Print the title of a document, its tables with their titles, and its notes."""
+    tables = document.tables()
+    if document.title:
+        console().print(document.title, style="bold")
+    for title, table in tables.items():
+        if len(tables) > 1:
+            console().print(f"\n{title}", style="bold")
+        print_table(table)
+    print_notes(document)
 
 
-def _print_tables(history: "ts.History") -> None:
-    """Print the tables of a history: the run, its records, and all quantities of the last one."""
-    out = console()
-    out.print(run_table(history))
-    if len(history) > 1:
-        out.print(record_table(history))
-    if len(history):
-        out.print(last_record(history))
-
-
-def _show_table(file: Path, as_json: bool, as_csv: bool) -> None:
-    """Print a creep-force table as a description or as JSON; refuse CSV."""
-    from tractive_sam.tables import explain_table, open_table, table_as_dict
-
-    if as_csv:
-        cure = f"tractive-sam table {file} --text FILE.txt writes its nodes"
-        message = f"--csv prints results, and {file} is a table of creep forces; {cure}"
-        raise invalid_exit(message)
-    table = open_table(file)
-    if as_json:
-        print_line(json.dumps(table_as_dict(table), allow_nan=False))
-    else:
-        print_description(table.title, explain_table(table))
+def print_notes(document: "ts.Document") -> None:
+    """Print the notes of a document."""
+    for note in document.notes():
+        print_note(note)
 
 
 Format: TypeAlias = Literal["png", "pdf", "svg"]
@@ -147,10 +119,10 @@ def plot(
     file: Results,
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR")] = None,
     format: Format = "png",
-    units: Literal["hertz", "si-mm"] = "hertz",
+    units: Literal["hertz", "si-mm"] | None = None,
     dpi: Dpi = 200,
     block: Annotated[list[str] | None, typer.Option(metavar="BLOCK")] = None,
-    title: Annotated[bool, typer.Option("--title/--no-title")] = True,
+    title: Annotated[bool | None, typer.Option("--title/--no-title")] = None,
     width: Width = None,
     measured: Measured = None,
     animated: Annotated[bool, typer.Option("--animate")] = False,
@@ -164,39 +136,28 @@ def plot(
     format
         Format of the figures.
     units
-        Divide by the Hertzian half-widths and pressure, or use mm and MPa.
+        Divide by the Hertzian half-widths and pressure, the default, or use mm and MPa.
     block
         Also draw a block of a duty cycle, by its name or its index from 0, into a separate
         folder; all: every block. May be repeated.
     title
-        Draw titles.
+        Draw titles, the default.
     animated
         Also write evolution.gif, an animation of the stored revolutions.
     """
-    if plot_fit(file, output, format, dpi, measured is not None):
-        return
-    from tractive_sam.plot import Measurements, animate, save_all
-    from tractive_sam.store import open_history
-
-    history = open_history(file)
-    with refuse(LookupError):
-        every = range(len(history.block_names))
-        blocks = every if block == ["all"] else [*map(history.place_of, block or ())]
+    options = {
+        "units": units, "blocks": block, "titles": title, "measured": _read_measured(measured),
+        "animate": animated or None,
+    }  # fmt: skip
+    document = ts.open_any(file)
     with refuse(ValueError), report_warnings():
-        points = None if measured is None else Measurements.from_file(measured)
-        folder = output or Path(f"{file.stem}-figures")
-        paths = save_all(
-            history, folder, format, units=units, dpi=dpi, blocks=blocks, titles=title,
-            width=width, measured=points,
+        paths = document.save_figures(
+            output or Path(f"{file.stem}-figures"), format, dpi=dpi, width=width,
+            **{name: option for name, option in options.items() if option is not None},
         )  # fmt: skip
-        if animated:
-            paths.append(animate(history, folder / "evolution.gif"))
-    if not paths:
-        raise invalid_exit(f"{file} contains no record to draw; resume its run")
-    if not history.finished:
-        print_note(f"{file} is {history.status}: {history.message}")
-    if history.block_names and not block:
-        names = ", ".join(history.block_names)
+    _report_incomplete(document)
+    if document.block_names and not block:
+        names = ", ".join(document.block_names)
         print_note(f"--block NAME draws a block of the duty cycle: {names}; --block all draws each")
     for path in paths:
         print_line(path)
@@ -214,22 +175,25 @@ def report(
     output
         The page; an existing page is replaced. By default, FILE.html in the working folder.
     """
-    if write_fit_report(file, output, measured is not None):
-        return
-    from tractive_sam import pages
-    from tractive_sam.plot import Measurements
-    from tractive_sam.store import open_history
-
-    history = open_history(file)
-    if not len(history):
-        raise invalid_exit(f"{file} has no record to show; resume its run")
-    path = output or Path(f"{file.stem}.html")
+    points = _read_measured(measured)
+    document = ts.open_any(file)
     with refuse(ValueError), report_warnings():
-        points = None if measured is None else Measurements.from_file(measured)
-        pages.report(history, path, points)
-    if not history.finished:
-        print_note(f"{file} is {history.status}: {history.message}")
-    print_line(path)
+        options = {} if points is None else {"measured": points}
+        page = document.save_page(output or Path(f"{file.stem}.html"), **options)
+    _report_incomplete(document)
+    print_line(page)
+
+
+def _read_measured(file: Path | None) -> "ts.plot.Measurements | None":
+    """Read a file of measured points, if there is one; end with an error if it is not valid."""
+    with refuse(ValueError):
+        return None if file is None else ts.plot.Measurements.from_file(file)
+
+
+def _report_incomplete(document: "ts.Document") -> None:
+    """Print a note if a document is not complete."""
+    if not document.is_complete:
+        print_note(f"{document.path} is {document.status}: {document.message}")
 
 
 def study_show(
@@ -263,6 +227,7 @@ def study_show(
     format
         Format of the figures.
     """
+    from tractive_sam.documents import StudyDocument
     from tractive_sam.scene import parse_settings
     from tractive_sam.studies import open_study, save_figures
 
@@ -278,64 +243,14 @@ def study_show(
             written.append(netcdf)
         if figures is not None:
             written += save_figures(results, figures, quantities=names, at=fixed, format=format)
+    document = StudyDocument(directory, results)
     if (csv, netcdf, figures) == (None, None, None):
-        console().print(_case_table(results))
-    print_failures(results)
-    report_versions(results)
-    if results.damage_note:
-        print_note(results.damage_note)
-    counts = [f"{count} {status}" for status, count in results.counts.items() if count]
-    print_message(f"{len(results)} cases: {', '.join(counts)}")
+        print_document(document)
+    else:
+        print_notes(document)
+    print_message(document.message)
     for path in written:
         print_line(path)
-
-
-def print_failures(results: "ts.StudyResults", max_lines: int = 10) -> None:
-    """Print the failed cases of a study with their messages, at most `max_lines` of them."""
-    failed = [row for row in results.rows if row.status == "failed"]
-    for row in failed[:max_lines]:
-        print_message((f"{row.case} failed: ", "bold red"), row.message)
-    if len(failed) > max_lines:
-        print_message(f"and {len(failed) - max_lines} more")
-
-
-def report_versions(results: "ts.StudyResults") -> None:
-    """Print a note if several versions of this package computed the cases of a study."""
-    if len(results.versions) > 1:
-        counts = ", ".join(f"{count} by {version}" for version, count in results.versions.items())
-        cure = "to compute them again, remove the files of one version (see study-show --csv)"
-        if results.study.keep == "scalars":
-            cure = "in a new folder this version computes all of them"
-        print_note(f"several versions computed the cases: {counts}; {cure}")
-
-
-def _case_table(results: "ts.StudyResults") -> Table:
-    """Return a terminal table of the cases of a study: changed keys, status and results."""
-    from tractive_sam.description import format_setting
-    from tractive_sam.results import columns
-
-    keys = [key for dimension in results.study.dimensions for key in dimension.columns]
-    scene = results.study.scene
-    shown = [
-        column
-        for column in select_columns(columns(scene))
-        if column.name != "residual" and not (scene.line and "_y" in column.name)
-    ]
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("case", justify="right")
-    for key in keys:
-        table.add_column(key.replace(".", ".\n"), justify="right")
-    table.add_column("status")
-    for column in shown:
-        table.add_column(column.heading, justify="right", no_wrap=True)
-    for row in results.rows:
-        changes = [format_setting(row.case.changes[key]) for key in keys]
-        numbers = [
-            column.format_value(row.last[column.name]) if column.name in row.last else ""
-            for column in shown
-        ]
-        table.add_row(str(row.case.number), *changes, row.status, *numbers)
-    return table
 
 
 def export(

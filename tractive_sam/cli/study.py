@@ -54,7 +54,7 @@ def study(
         run programs through them; by default, they do.
     """
     from tractive_sam import studies
-    from tractive_sam.cli.show import print_failures, report_versions
+    from tractive_sam.documents import StudyDocument
 
     check_workers(scheduler, workers)
     if scheduler is not None and encrypted:
@@ -73,8 +73,8 @@ def study(
                 progress=lambda state: update(state.share, *_describe_progress(state)),
                 say=print_note,
             )
-    print_failures(results)
-    report_versions(results)
+    for note in StudyDocument(output, results).notes():
+        print_note(note)
     complete = f"{results.counts['complete']} of {len(results)} cases complete"
     print_message(f"{output}: {complete}; tractive-sam study-show {output}")
     if not results.complete:

@@ -96,7 +96,7 @@ class FitResult:
         facts |= self._remarks()
         if not self.finished:
             return html_table(facts)
-        _, _, figure = next(fit_figures(self))
+        figure = next(fit_figures(self)).draw()
         tables = as_html(
             fill("<b>$title</b>$table", title=title, table=html_columns(rows))
             for title, rows in self.tables().items()

@@ -1,5 +1,6 @@
 """HTML pages that need no other files and no network."""
 
-from tractive_sam.pages.report import fill_page, report
+from tractive_sam.lazy_names import attach_names
 
-__all__ = ["fill_page", "report"]
+# Names, listed in __init__.pyi, are looked up when first used.
+__getattr__, __dir__, __all__ = attach_names(__name__, __file__)

@@ -58,6 +58,7 @@ from .registry import draw_in_width as draw_in_width
 from .registry import history_figure as history_figure
 from .registry import list_figures as list_figures
 from .registry import save_all as save_all
+from .registry import save_drawings as save_drawings
 from .stress import StressMaximum as StressMaximum
 from .stress import stress_maxima as stress_maxima
 from .stress import von_mises_section as von_mises_section

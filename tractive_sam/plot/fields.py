@@ -8,6 +8,7 @@ functions of x replace the maps of pressure and traction.
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from io import BytesIO
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -656,7 +657,7 @@ def friction(view: ContactView) -> Figure:
 
 
 @apply_style
-def animate(history: History, path: str | Path, rate: float = 2.0) -> Path:
+def animate(history: History, path: str | PathLike[str], rate: float = 2.0) -> Path:
     """Draw pressure and wear, or traction of a [transient], as an animated GIF; return its path.
 
     For a [transient] it shows the traction and the edge of stick at the stored distances.

@@ -9,9 +9,10 @@ import inspect
 import re
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial, wraps
 from importlib import import_module
+from os import PathLike
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any, ParamSpec
@@ -107,7 +108,8 @@ class FigureEntry:
         for arguments in self.each(subject):
             name = self.name.format_map(roles | dict(arguments)) + ending
             name = re.sub(r"[_/\\ ]", "-", name).replace("=", "")
-            yield Drawing(name, self, partial(self.draw, subject, **arguments))
+            draw = partial(self.draw, subject, **arguments)
+            yield Drawing(name, self.caption, draw, self.name)
 
     def _missing(self, subject: ContactView | History) -> list[str]:
         """Return what the figure needs and the history or contact lacks."""
@@ -151,10 +153,12 @@ class Drawing:
     ----------
     name : str
         Name of its file, without ending.
-    entry : FigureEntry
-        Registration of the figure.
+    caption : str
+        Caption of the figure in one sentence.
     draw : callable
         Returns the figure.
+    registered : str
+        Name of a registered figure of histories or contacts; else empty.
 
     Examples
     --------
@@ -164,13 +168,9 @@ class Drawing:
     """
 
     name: str
-    entry: FigureEntry
+    caption: str
     draw: Callable[[], Figure]
-
-    @property
-    def caption(self) -> str:
-        """Caption of the figure in one sentence."""
-        return self.entry.caption
+    registered: str = ""
 
 
 HISTORY_FIGURES: dict[str, FigureEntry] = {}
@@ -315,7 +315,7 @@ DPI = 200
 
 def save_all(
     history: History,
-    directory: str | Path,
+    directory: str | PathLike[str],
     format: str = "png",
     *,
     units: str = "hertz",
@@ -371,24 +371,46 @@ def save_all(
     >>> plot.save_all(flat, "figures", "svg")[0].name
     'pressure.svg'
     """
-    directory = Path(directory)
     chosen = {history.place_of(block): history.block(block) for block in blocks}
     if measured is not None:
         measured.check(history)
-    paths = []
     with change_options(units=units, titles=titles, measured=measured):
-        make_folder(directory)
-        drawings = {drawing.name: drawing for drawing in list_figures(history)}
+        drawings = list_figures(history)
+        shared = {drawing.name for drawing in drawings}
         for k, block in chosen.items():
-            extra = [drawing for drawing in list_figures(block) if drawing.name not in drawings]
-            drawings |= {f"block-{k}/{drawing.name}": drawing for drawing in extra}
-        for name, drawing in drawings.items():
-            interrupt.raise_if_interrupted()
-            path = directory / f"{name}.{format}"
-            make_folder(path.parent)
-            with omit_failing_figure(name):
-                draw_in_width(drawing.draw, width).savefig(path, dpi=dpi or DPI)
-                paths.append(path)
+            extra = (drawing for drawing in list_figures(block) if drawing.name not in shared)
+            drawings += (replace(drawing, name=f"block-{k}/{drawing.name}") for drawing in extra)
+        return save_drawings(drawings, directory, format, dpi=dpi, width=width)
+
+
+def save_drawings(
+    drawings: Iterable[Drawing],
+    directory: str | PathLike[str],
+    format: str = "png",
+    *,
+    dpi: float | None = None,
+    width: float | None = None,
+) -> list[Path]:
+    """Draw figures and save them in a folder; return the paths.
+
+    A figure that cannot be drawn is omitted with a warning.
+
+    Parameters
+    ----------
+    drawings : iterable of Drawing
+        Figures; a name may contain a folder.
+    directory, format, dpi, width
+        See `save_all`.
+    """
+    paths = []
+    make_folder(directory)
+    for drawing in drawings:
+        interrupt.raise_if_interrupted()
+        path = Path(directory) / f"{drawing.name}.{format}"
+        make_folder(path.parent)
+        with omit_failing_figure(drawing.name):
+            draw_in_width(drawing.draw, width).savefig(path, dpi=dpi or DPI)
+            paths.append(path)
     return paths
 
 

@@ -28,6 +28,10 @@ from .history_data import LawRecord as LawRecord
 from .history_data import describe_laws as describe_laws
 from .history_data import dump_laws as dump_laws
 from .history_data import load_laws as load_laws
+from .overview import last_record as last_record
+from .overview import main_results as main_results
+from .overview import record_table as record_table
+from .overview import select_columns as select_columns
 from .quantity import BODIES as BODIES
 from .quantity import COORDINATE as COORDINATE
 from .quantity import DIMS as DIMS

@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from tractive_sam.description import text_table
+from tractive_sam.description import text_table, without_nan
 from tractive_sam.extra_packages import pandas, xarray
 from tractive_sam.extras import check_extra
 from tractive_sam.lazy_names import renamed_attributes
@@ -343,7 +343,7 @@ class History(HistoryData):
         rows |= {"energy_balance": balance.energy.tolist(), "wear_balance": balance.wear.tolist()}
         reference = {"a0": self.a0, "b0": self.b0, "p0": self.p0}
         about = {"status": self.status, "message": self.message} | reference
-        return _without_nan({**about, **rows, **self.totals})
+        return without_nan({**about, **rows, **self.totals})
 
     def numbers(self) -> dict[str, np.ndarray]:
         """Return all columns except profiles as arrays (n,), with names like "worn_mass A".
@@ -419,15 +419,6 @@ class History(HistoryData):
         }
         attributes = {"title": self.title, "status": self.status, "message": self.message}
         return xarray.Dataset(data, coordinates, attributes)
-
-
-def _without_nan(value: Any) -> Any:
-    """Return nested dictionaries and lists with None instead of nan and inf."""
-    if isinstance(value, dict):
-        return {key: _without_nan(item) for key, item in value.items()}
-    if isinstance(value, list):
-        return [_without_nan(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from .design import Values as Values
 from .design import cases as cases
 from .design import is_study as is_study
 from .figures import save_figures as save_figures
+from .figures import study_figures as study_figures
 from .results import STATUSES as STATUSES
 from .results import CaseRow as CaseRow
 from .results import StudyResults as StudyResults

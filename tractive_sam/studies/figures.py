@@ -1,18 +1,25 @@
 """Figures of a study: each quantity over one or two of its axes."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
-from tractive_sam import interrupt
 from tractive_sam.description import format_setting
-from tractive_sam.output_file import make_folder, omit_failing_figure
-from tractive_sam.plot import DPI, Figure, Variable, study_curves, study_map, study_samples
+from tractive_sam.plot import (
+    Drawing,
+    Figure,
+    Variable,
+    save_drawings,
+    study_curves,
+    study_map,
+    study_samples,
+)
 from tractive_sam.results import COLUMNS, Quantity, index_by_name
 from tractive_sam.scene import CreepageCourse, Scene
 from tractive_sam.studies.design import SAMPLE, Study, title_of
@@ -87,26 +94,34 @@ def save_figures(
     ...     print(path.name)
     Qx_over_P-curve.png
     """
-    directory = Path(directory)
+    drawings = study_figures(results, quantities=quantities, at=at)
+    return save_drawings(drawings, directory, format)
+
+
+def study_figures(
+    results: Tabulated, *, quantities: tuple[str, ...] = (), at: Mapping[str, Any] | None = None
+) -> Iterator[Drawing]:
+    """Yield the figures that `save_figures` saves, to be drawn; raise its errors.
+
+    Parameters
+    ----------
+    results, quantities, at
+        See `save_figures`.
+    """
     unknown = [name for name in quantities if name not in results.quantities]
     if unknown:
         available = ", ".join(results.quantities) or "none yet"
         raise ValueError(f"no quantity {', '.join(unknown)}; there are {available}")
     index = _fix_axes(results, at or {})
     names = quantities or [name for name in DEFAULTS if _varies(results, name)]
-    make_folder(directory)
     fixed = {short_key(key, results.study): value for key, value in (at or {}).items()}
     named = ", ".join(f"{key} = {value}" for key, value in fixed.items())
     title = "\n".join(filter(None, (results.study.title or results.study.scene.title, named)))
-    paths = []
     for name in names:
-        with omit_failing_figure(name):
-            for kind, figure in _figures(results, name, index, title):
-                interrupt.raise_if_interrupted()
-                stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
-                figure.savefig(directory / f"{stem}.{format}", dpi=DPI)
-                paths.append(directory / f"{stem}.{format}")
-    return paths
+        for kind, draw in _figures(results, name, index, title):
+            stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
+            caption = f"{results.quantities[name].long_name} of the last record of each case."
+            yield Drawing(stem, caption[0].upper() + caption[1:], draw)
 
 
 def first_figure(results: Tabulated) -> Figure | None:
@@ -115,7 +130,7 @@ def first_figure(results: Tabulated) -> Figure | None:
         index = _fix_axes(results, {})
         names = [name for name in DEFAULTS if name in results.quantities and _varies(results, name)]
         title = results.study.title or results.study.scene.title
-        return next(figure for name in names for _, figure in _figures(results, name, index, title))
+        return next(draw() for name in names for _, draw in _figures(results, name, index, title))
     except (StopIteration, ValueError):  # too few cases as yet, or too many axes
         return None
 
@@ -179,8 +194,10 @@ def _name_parts(fixed: Mapping[str, Any]) -> Iterator[str]:
         yield re.sub(r"[^\w.+-]", "_", f"{key}{value}")
 
 
-def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterator[tuple[str, Any]]:
-    """Yield (kind, figure) of a quantity over one or two axes, or over samples."""
+def _figures(
+    results: Tabulated, name: str, index: tuple, title: str
+) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """Yield (kind, function that draws) of a quantity over one or two axes, or over samples."""
     free = [
         dim for dim, k in zip(results.study.dimensions, index, strict=True) if isinstance(k, slice)
     ]
@@ -190,16 +207,17 @@ def _figures(results: Tabulated, name: str, index: tuple, title: str) -> Iterato
     scene = results.rows[0].case.scene
     if free[0].name == SAMPLE:
         variables = {key: axis_variable(free[0].columns, scene, key) for key in free[0].columns}
-        yield "samples", study_samples(variables, quantity, title=title)
+        yield "samples", partial(study_samples, variables, quantity, title=title)
         return
     if len(free) == 1:
-        yield "curve", study_curves(axis_variable(free[0].columns, scene), quantity, title=title)
+        x = axis_variable(free[0].columns, scene)
+        yield "curve", partial(study_curves, x, quantity, title=title)
         return
     if len(free[0]) < len(free[1]):
         free, quantity = free[::-1], replace(quantity, values=values.T)
     x, over = (axis_variable(dim.columns, scene) for dim in free)
-    yield "curves", study_curves(x, quantity, over, title=title)
-    yield "map", study_map(x, over, quantity, title=title)
+    yield "curves", partial(study_curves, x, quantity, over, title=title)
+    yield "map", partial(study_map, x, over, quantity, title=title)
 
 
 def axis_variable(columns: Mapping[str, tuple], scene: Scene, key: str | None = None) -> Variable:

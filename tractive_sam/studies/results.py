@@ -443,25 +443,49 @@ class StudyResults:
         ValueError
             If a quantity is unknown.
         """
+        columns = self.columns(quantities=quantities, units=units)
+        text = StringIO(newline="")
+        writer = csv.writer(text)
+        writer.writerow(map(csv_cell, columns))
+        for row in zip(*columns.values(), strict=True):
+            writer.writerow(map(csv_cell, row))
+        write_file(path, text.getvalue())
+
+    def columns(
+        self, *, quantities: Sequence[str] = (), units: bool = False
+    ) -> dict[str, list[Any]]:
+        """Return the columns that `save_csv` writes, by heading: a value for each case.
+
+        Parameters
+        ----------
+        quantities, units
+            See `save_csv`.
+
+        Raises
+        ------
+        ValueError
+            If a quantity is unknown.
+        """
         keys = [key for dim in self.study.dimensions for key in dim.columns]
         unknown = [name for name in quantities if name not in self.quantities]
         if unknown:
             available = ", ".join(self.quantities) or "none yet"
             raise ValueError(f"no quantity {', '.join(unknown)}; there are {available}")
         names = list(quantities or self.quantities)
-        headings = [self._heading(name) if units else name for name in names]
-        about_case = [] if quantities else ["status", "message", "file", "version"]
-        text = StringIO(newline="")
-        writer = csv.writer(text)
-        writer.writerow(map(csv_cell, ["case", *keys, *about_case, *headings]))
-        for row in self.rows:
-            changes = [row.case.changes[key] for key in keys]
-            about = [row.status, row.message, row.file.name if row.file else "", row.version]
-            about = about[: len(about_case)]
-            last = [row.last.get(name, "") for name in names]
-            cells = [row.case.number, *changes, *about, *last]
-            writer.writerow([csv_cell(cell) for cell in cells])
-        write_file(path, text.getvalue())
+        rows = self.rows
+        columns: dict[str, list[Any]] = {"case": [row.case.number for row in rows]}
+        columns |= {key: [row.case.changes[key] for row in rows] for key in keys}
+        if not quantities:
+            columns |= {
+                "status": [row.status for row in rows],
+                "message": [row.message for row in rows],
+                "file": [row.file.name if row.file else "" for row in rows],
+                "version": [row.version for row in rows],
+            }
+        for name in names:
+            heading = self._heading(name) if units else name
+            columns[heading] = [row.last.get(name, "") for row in rows]
+        return columns
 
     def _heading(self, name: str) -> str:
         """Return the heading of a column in a CSV file, with its unit."""

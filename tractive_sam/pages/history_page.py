@@ -143,7 +143,7 @@ def _pictures(history: History, width: float = 460.0) -> Html:
     card_template = '<figure class="card"><figcaption>$caption</figcaption>$image</figure>\n'
     cards, names = [], SCRIPT_FIGURES.split()
     for drawing in list_figures(history):
-        if drawing.entry.name not in names:
+        if drawing.registered not in names:
             interrupt.raise_if_interrupted()
             with omit_failing_figure(drawing.name):
                 image = drawing.draw().to_html(width)
