@@ -94,7 +94,7 @@ def test_every_file_is_explained(file, call):
 
 
 @pytest.mark.parametrize("file", WITH_RESULTS)
-def test_every_result_is_shown_drawn_and_reported(file, call, tmp_path):
+def test_every_result_is_shown_plotted_and_reported(file, call, tmp_path):
     shown = call("show", file)
     assert shown.exit_code == 0, shown.stderr
     assert json.loads(call("show", file, "--json").stdout)
