@@ -14,7 +14,7 @@ SUBPACKAGES = {
     "tractive_sam.studies": "Studies",
     "tractive_sam.reference": "Closed forms",
 }
-"""Packages with public names beyond `tractive_sam.__all__`, and their headings."""
+"""Packages with public names beyond those of `tractive_sam`, and their headings."""
 
 HEAD = """\
 Python names
@@ -42,7 +42,7 @@ def page() -> str:
 
 def _summaries(module: ModuleType, prefix: str, listed: set[int]) -> Iterator[str]:
     """Yield the summaries of functions, classes and errors that no earlier package has listed."""
-    names = {name: getattr(module, name) for name in module.__all__}
+    names = {name: getattr(module, name) for name in dir(module)}
     names = {
         name: value for name, value in names.items() if callable(value) and id(value) not in listed
     }

@@ -42,7 +42,7 @@ SLOW = {
 def list_names():
     """Yield each public name that is callable, with its room."""
     for room in ROOMS:
-        for name in import_module(room).__all__:
+        for name in dir(import_module(room)):
             path = f"{room}.{name}"
             marks = [pytest.mark.slow] if path in SLOW else []
             is_of_studies = name in tractive_sam.studies.__all__
@@ -73,7 +73,7 @@ def test_example(room, name, package, tmp_path, monkeypatch):
     for entries in ("HISTORY_FIGURES", "CONTACT_FIGURES"):  # an example may register a figure
         monkeypatch.setattr(registry, entries, dict(getattr(registry, entries)))
     module = import_module(room)
-    known = package | {public: getattr(module, public) for public in module.__all__}
+    known = package | {public: getattr(module, public) for public in dir(module)}
     finder = doctest.DocTestFinder(recurse=False)
     tests = finder.find(getattr(module, name), name, globs=known)
     runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)

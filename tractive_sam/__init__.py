@@ -79,9 +79,8 @@ one; the environment variable OMP_NUM_THREADS bounds them.
 
 # Names, listed in __init__.pyi, are looked up when first used: reading results or printing help
 # need not wait for the compilers and transforms that computing needs. What looks them up is loaded
-# by then as well: the program must handle signals before anything else takes its time.
-import sys
-
+# by then as well: the program must handle signals before anything else takes its time. There is no
+# __all__: with it, help(tractive_sam) would print 14,000 lines, each class in full.
 _RENAMED = {"EachBody": "PerBody", "Layered": "InterfacialLayer"}
 
 
@@ -90,20 +89,19 @@ def __getattr__(name: str):
         from importlib.metadata import version  # noqa: PLC0415
 
         return version("tractive-sam")
-    # pydoc would print 14,000 lines: each class of __all__ in full. Without it, help(tractive_sam)
-    # is the page above, and help(tractive_sam.Scene) the page of one name.
-    in_help = sys._getframe(1).f_globals.get("__name__") == "pydoc"
-    if name.startswith("__") and (name != "__all__" or in_help):
+    if name.startswith("__"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from .lazy_names import attach_names  # noqa: PLC0415
 
-    lookup, _, names = attach_names(__name__, __file__)
+    lookup, _, _ = attach_names(__name__, __file__)
     if name in _RENAMED:
         from .lazy_names import with_renamed  # noqa: PLC0415
 
         lookup = with_renamed(__name__, lookup, _RENAMED)
-    return names if name == "__all__" else lookup(name)
+    return lookup(name)
 
 
 def __dir__() -> list[str]:
-    return __getattr__("__all__")
+    from .lazy_names import attach_names  # noqa: PLC0415
+
+    return attach_names(__name__, __file__)[2]

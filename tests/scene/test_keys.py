@@ -61,7 +61,7 @@ def test_no_such_scene():
 
 
 def tables():
-    named = (getattr(ts, name) for name in ts.__all__)
+    named = (getattr(ts, name) for name in dir(ts))
     return [one for one in named if isinstance(one, type) and issubclass(one, Table)]
 
 

@@ -29,7 +29,7 @@ def main(grace: float = 1.0, objects: int = 10_000) -> None:
         gc.set_threshold(objects)
         from tractive_sam.cli.program import run_program
 
-        _call_with_room(run_program)
+        run_program()
     finally:
         ignore_signals()
         atexit.register(gc.freeze)  # the process frees its memory anyway: saves 0.2 s
@@ -46,24 +46,6 @@ def _record_signals() -> list[int]:
         if number is not None and _signal.getsignal(number) != _signal.SIG_IGN:
             _signal.signal(number, lambda number, _frame: received.append(number))
     return received
-
-
-def _call_with_room(function, slots: int = 2**17) -> None:
-    """Call a function with a frame that leaves 1 MiB of memory for the frames of its calls.
-
-    Python keeps frames in pieces of 16 KiB, or larger ones for a larger frame. A loop whose calls
-    end one piece and begin the next requests memory from the system at every call: importing numba
-    took 0.2 s longer, depending on the number of calls before.
-
-    Parameters
-    ----------
-    function : callable
-        The function, without arguments.
-    slots : int
-        Size of its frame, in pointers; a piece is the next power of two.
-    """
-    code = function.__code__.replace(co_stacksize=slots)
-    type(function)(code, function.__globals__)()
 
 
 def __getattr__(name: str):

@@ -1,7 +1,8 @@
 """pyfftw without its interfaces to other packages, and its plans, stored between processes.
 
 pyfftw imports interfaces to dask and scipy, and with them dask, xarray and pandas if they are
-installed, which takes three times as long as FFTW itself. Here they are loaded when first used.
+installed, which takes three times as long as FFTW itself: 0.42 of the 2.05 CPU s of a warm
+`tractive-sam run spheres`. There is no option, so a stand-in loads them when they are first used.
 Without pyfftw SciPy computes the transforms.
 """
 

@@ -559,7 +559,9 @@ class FitDesign(Document):
     fit: Fit = entry("the fit")
     error_class: ClassVar[type[SceneError]] = FitError
 
-    def __init__(self, /, **entries: Any) -> None:
+    @classmethod
+    def prepare(cls, entries: dict[str, Any]) -> dict[str, Any]:
+        """Read the scene that the table [fit] names; FitError with its faults."""
         table = entries.get("fit")
         if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):
             try:
@@ -568,7 +570,7 @@ class FitDesign(Document):
             except SceneError as error:
                 raise FitError(fault.under("fit.scene") for fault in error.faults) from None
             entries["fit"] = {**table, "scene": inner_scene}
-        super().__init__(**entries)
+        return entries
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,6 @@ error alone is 40 functions of numba), a literal number passed to another kernel
 not contiguous (each is a further specialisation).
 """
 
-import operator
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -23,7 +22,6 @@ from typing import Any, ClassVar
 import numba
 from numba.core.caching import FunctionCache
 from numba.core.compiler import Compiler
-from numba.core.types.functions import BaseFunction
 
 ANY_ORDER = {"reassoc", "contract", "nsz"}
 """`fastmath` of sums that may be added in any order, which allows for vector instructions."""
@@ -62,45 +60,18 @@ def compiled(
 
 
 class _Compiler(Compiler):
-    """Compiler of kernels: numba's, which counts them, and remembers the signatures of operators.
-
-    Several times for each operation of a kernel numba looks for the signature of its operator, by
-    trial; that took a fifth of a compilation.
-    """
+    """Compiler of kernels: numba's, which counts them."""
 
     kernels: ClassVar[set[Any]] = set()
     begun: ClassVar[set[Any]] = set()
     notify: ClassVar[Callable[[int, int], None] | None] = None
-    operators = frozenset(value for value in vars(operator).values() if callable(value))
-    signatures: ClassVar[dict[tuple[Any, ...], Any]] = {}
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function."""
         self.begun.add(function)
         if _Compiler.notify:
             _Compiler.notify(len(self.begun), len(self.kernels))
-        numba_function: Any = BaseFunction
-        before, numba_function.get_call_type = BaseFunction.get_call_type, self.signature
-        try:
-            return super().compile_extra(function)
-        finally:
-            numba_function.get_call_type = before
-
-    @staticmethod
-    def signature(
-        function: Any,
-        context: Any,
-        arguments: Any,
-        keywords: Any,
-        find: Any = BaseFunction.get_call_type,
-    ) -> Any:
-        """Return the signature of a function for types of its arguments."""
-        if keywords or function.typing_key not in _Compiler.operators:
-            return find(function, context, arguments, keywords)
-        signatures, operation = _Compiler.signatures, (function, tuple(arguments))
-        if operation not in signatures:
-            signatures[operation] = find(function, context, arguments, keywords)
-        return signatures[operation]
+        return super().compile_extra(function)
 
 
 class _StoredOverloads(FunctionCache):

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, wraps
+from functools import wraps
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -23,7 +23,6 @@ from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.mathtext import MathTextParser
 from matplotlib.rcsetup import cycler
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
@@ -37,11 +36,6 @@ from tractive_sam.results import BODIES, COLUMNS, History, State, index_by_name
 from tractive_sam.safe_text import Html, fill, printable_text
 from tractive_sam.scene import Scene
 from tractive_sam.text_table import read_table
-
-_parse_math: Any = getattr(MathTextParser, "_parse_cached", None)
-if hasattr(_parse_math, "__wrapped__"):
-    # Matplotlib stores 50 parsed formulas, fewer than the figures of a history contain.
-    MathTextParser._parse_cached = lru_cache(500)(_parse_math.__wrapped__)  # type: ignore[attr-defined]
 
 
 class InsideLayout(ConstrainedLayoutEngine):

@@ -435,18 +435,21 @@ def _ignore_signature(cls: Any, of_library: Any) -> None:
 
 
 def _construct(cls: Any, /, *unnamed: Any, **entries: Any) -> Any:
-    """Construct a table class from keywords, and call its `check_complete`.
+    """Construct a table from keywords: prepare and read them, and call its `check_complete`.
 
-    The class has no `__init__` for this purpose: type checkers take the keys from the fields.
+    Pydantic's `__init__` would stop at the first faults, without the checks of the whole table.
     """
     if unnamed:
         name = cls.__name__
         cure = f"; {name}.from_toml(path) reads a file" if hasattr(cls, "from_toml") else ""
         raise TypeError(f"{name}(...) takes keywords only{cure}")
     try:
-        table = type(BaseModel).__call__(cls, **entries)
+        reading = read_entries(cls, cls.prepare(entries))
+        if reading.faults:
+            raise SceneError(reading.faults)
     except SceneError as error:
         raise cls.error_class(error.faults) from None
+    table = cls.model_construct(_fields_set=set(reading.given), **reading.values)
     table.check_complete()
     return table
 
@@ -477,7 +480,7 @@ class Table(TableBase, metaclass=_TableType):
     internal: ClassVar[frozenset[str]] = frozenset(
         (
             *("check_complete", "checks", "describe_array", "effect", "error_class", "find_field"),
-            *("find_parameter", "internal", "key_advice", "table_class", "unfold"),
+            *("find_parameter", "internal", "key_advice", "prepare", "table_class", "unfold"),
         )
     )
     """Names that the package uses and completion leaves out."""
@@ -486,18 +489,16 @@ class Table(TableBase, metaclass=_TableType):
     error_class: ClassVar[type[SceneError]] = SceneError
     """Class of the errors that report its faults."""
 
-    def __init__(self, /, **entries: Any) -> None:
-        reading = read_entries(type(self), entries)
-        if reading.faults:
-            raise SceneError(reading.faults)
-        self.__setstate__(
-            {
-                "__dict__": reading.values,
-                "__pydantic_fields_set__": set(reading.given),
-                "__pydantic_extra__": None,
-                "__pydantic_private__": None,
-            }
-        )
+    @classmethod
+    def prepare(cls, entries: dict[str, Any]) -> dict[str, Any]:
+        """Return the entries of a new table before they are read; unchanged unless overridden.
+
+        Raises
+        ------
+        SceneError
+            With the faults of entries that cannot be prepared.
+        """
+        return entries
 
     def check_complete(self) -> None:
         """Check the constructed table and issue its warnings; does nothing by default.

@@ -643,13 +643,18 @@ class TableDesign(Document):
     )
     error_class: ClassVar[type[SceneError]] = TableError
 
-    def __init__(self, /, **arguments: Any) -> None:
-        if isinstance(arguments.get("scene"), str):
+    @classmethod
+    def prepare(cls, entries: dict[str, Any]) -> dict[str, Any]:
+        """Read the scene that the entries name."""
+        if isinstance(entries.get("scene"), str):
             try:
-                arguments["scene"] = Scene.from_name(arguments["scene"])
+                entries["scene"] = Scene.from_name(entries["scene"])
             except SceneError as error:
                 raise TableError(_move_faults(error)) from None
-        super().__init__(**arguments)
+        return entries
+
+    def check_complete(self) -> None:
+        """Check the scene at the ends of all axes; TableError with its faults."""
         faults: list[Fault] = []
         for entries in self._each_entry():
             try:
