@@ -340,7 +340,6 @@ def test_a_table_and_its_design_are_reported(tmp_path):
     assert "tolerance" in either.stderr
     for command in (
         ["show", "steel", "--csv"],
-        ["plot", file],
         ["explain", "steel", "--set", "a=1"],
     ):
         assert run(app, command).exit_code == 2, command

@@ -560,7 +560,7 @@ class FitDesign(Document):
     error_class: ClassVar[type[SceneError]] = FitError
 
     @classmethod
-    def prepare(cls, entries: dict[str, Any]) -> dict[str, Any]:
+    def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
         """Read the scene that the table [fit] names; FitError with its faults."""
         table = entries.get("fit")
         if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):

@@ -444,9 +444,10 @@ def _construct(cls: Any, /, *unnamed: Any, **entries: Any) -> Any:
         cure = f"; {name}.from_toml(path) reads a file" if hasattr(cls, "from_toml") else ""
         raise TypeError(f"{name}(...) takes keywords only{cure}")
     try:
-        reading = read_entries(cls, cls.prepare(entries))
-        if reading.faults:
-            raise SceneError(reading.faults)
+        faults: list[Fault] = []
+        reading = read_entries(cls, cls.prepare(entries, faults))
+        if faults := [*faults, *reading.faults]:
+            raise SceneError(faults)
     except SceneError as error:
         raise cls.error_class(error.faults) from None
     table = cls.model_construct(_fields_set=set(reading.given), **reading.values)
@@ -490,15 +491,22 @@ class Table(TableBase, metaclass=_TableType):
     """Class of the errors that report its faults."""
 
     @classmethod
-    def prepare(cls, entries: dict[str, Any]) -> dict[str, Any]:
+    def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
         """Return the entries of a new table before they are read; unchanged unless overridden.
 
-        Raises
-        ------
-        SceneError
-            With the faults of entries that cannot be prepared.
+        Parameters
+        ----------
+        entries : dict
+            The keywords.
+        faults : list of Fault
+            Faults of the table, to which faults of these entries are added.
         """
         return entries
+
+    @classmethod
+    def model_validate(cls, obj: Any, **_options: Any) -> Self:
+        """Construct the table from a mapping of its entries."""
+        return cls(**obj)
 
     def check_complete(self) -> None:
         """Check the constructed table and issue its warnings; does nothing by default.

@@ -428,31 +428,22 @@ class Study(Document):
     )
     error_class: ClassVar[type[SceneError]] = StudyError
 
-    def __init__(
-        self,
-        /,
-        scene: Any = None,
-        set: Iterable[str] = (),
-        without: Iterable[str] = (),
-        **unknown: Any,
-    ) -> None:
-        allowed = (*type(self).model_fields, "set", "without")
-        faults = [
-            Fault(key, shorten(unknown.pop(key)), suggest_name(key, allowed))
-            for key in [*unknown]
+    @classmethod
+    def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
+        """Apply the entries `set` and `without` to the scene."""
+        settings, without = entries.pop("set", ()), entries.pop("without", ())
+        allowed = (*cls.model_fields, "set", "without")
+        faults += (
+            Fault(key, shorten(entries.pop(key)), suggest_name(key, allowed))
+            for key in [*entries]
             if key not in allowed
-        ]
+        )
         try:
-            scene = _apply_settings(scene, set, without)
+            scene = _apply_settings(entries.get("scene"), settings, without)
         except SceneError as error:
             faults += error.faults
             scene = Scene.builtin(builtin_names()[0])  # so that the rest is checked as well
-        try:
-            super().__init__(**unknown | {"scene": scene})
-        except SceneError as error:
-            faults += error.faults
-        if faults:
-            raise StudyError(faults)
+        return entries | {"scene": scene}
 
     def entries(self) -> dict[str, Any]:
         """Return the given entries, with the scene written out and its settings applied.

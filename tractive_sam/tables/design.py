@@ -644,7 +644,7 @@ class TableDesign(Document):
     error_class: ClassVar[type[SceneError]] = TableError
 
     @classmethod
-    def prepare(cls, entries: dict[str, Any]) -> dict[str, Any]:
+    def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
         """Read the scene that the entries name."""
         if isinstance(entries.get("scene"), str):
             try:
