@@ -219,23 +219,22 @@ def show_progress() -> Iterator[Callable[[float, str, str], None]]:
         Function of the share that is done, a description for the progress bar of a terminal, and
         a line that is printed if the standard error is no terminal, unless it is empty.
     """
-    terminal = console(stderr=True)
-    if not terminal.is_terminal:
+    from tractive_sam.run import format_remaining_time, open_bar
+
+    bar, began = open_bar(console(stderr=True)), monotonic()
+    if bar is None:
         yield lambda _share, _description, line: print_message(line) if line else None
         return
-    from rich import progress as bars
 
-    columns = (
-        bars.SpinnerColumn(),
-        bars.TextColumn("{task.description}"),
-        bars.BarColumn(),
-        bars.TimeElapsedColumn(),
-        bars.TextColumn("left"),
-        bars.TimeRemainingColumn(),
-    )
-    with bars.Progress(*columns, console=terminal, transient=True) as bar:
-        task = bar.add_task("starting", total=1.0)
-        yield lambda share, text, _line: bar.update(task, completed=share, description=text)
+    def update(share: float, text: str, _line: str) -> None:
+        left = (monotonic() - began) * (1.0 - share) / share if share else 0.0
+        bar.show(text, share, 1.0, format_remaining_time(left) if left else "")
+
+    try:
+        bar.show("starting", 0.0, 1.0, "")
+        yield update
+    finally:
+        bar.close()
 
 
 @contextmanager

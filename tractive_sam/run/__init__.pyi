@@ -15,6 +15,8 @@ from .pipeline import require_wear as require_wear
 from .pipeline import roll as roll
 from .pipeline import solve as solve
 from .pipeline import wear_profiles as wear_profiles
+from .progress import format_remaining_time as format_remaining_time
+from .progress import open_bar as open_bar
 from .progress import show_roll_progress as show_roll_progress
 from .resume import describe_differences as describe_differences
 from .resume import use_stored_files as use_stored_files

@@ -1,4 +1,4 @@
-"""Show the progress of a roll in a terminal or a notebook."""
+"""Show the progress of a computation in a terminal or a notebook."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -55,7 +55,7 @@ def show_roll_progress(
     if progress is False or (progress is None and not forecast.end):
         yield None
         return
-    bar = _bar(terminal or Console(stderr=True))
+    bar = open_bar(terminal or Console(stderr=True))
     if bar is None:
         yield None
         return
@@ -124,7 +124,7 @@ def show_solving(progress: bool | None = None, terminal: Console | None = None) 
     def show(mesh: tuple[int, int], residual: float) -> None:
         if not (progress or perf_counter() - began > DELAY):
             return
-        if not bars and (bar := _bar(terminal or Console(stderr=True))) is not None:
+        if not bars and (bar := open_bar(terminal or Console(stderr=True))) is not None:
             bars.append(bar)
         for bar in bars:
             bar.show(f"solving, {_solving(mesh, residual)}", 0.0, None, "")
@@ -149,7 +149,7 @@ def format_remaining_time(seconds: float) -> str:
     return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
 
 
-def _bar(terminal: Console) -> Bar | None:
+def open_bar(terminal: Console) -> Bar | None:
     """Return a new bar for the notebook or the terminal; None for other outputs."""
     if _in_notebook():
         return _Notebook()
