@@ -240,12 +240,10 @@ class TextTable:
         TextError
             If several columns have the name.
         """
-        for texts in (self.labels, self.names):
-            if texts.count(name) > 1:
-                raise TextError(f"two columns {name}", "each column name once")
-            if name in texts:
-                return texts.index(name)
-        return None
+        texts = self.labels if name in self.labels else self.names
+        if texts.count(name) > 1:
+            raise TextError(f"two columns {name}", "each column name once")
+        return texts.index(name) if name in texts else None
 
     def column(self, place: int, meaning: str, missing: bool = False) -> np.ndarray:
         """Return the numbers of a column in the unit that its meaning names, shape (rows,).
@@ -306,14 +304,12 @@ class TextTable:
             return values
         i, k = wrong[0]
         cell, column = rows[i][k], k if columns is None else columns[k]
-        place = f"line {self.lines[i]}, {cell!r}"
-        if self.labels and self.labels[column]:
-            place += f" in column {self.labels[column]}"
-        place += f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
+        label = self.labels[column] if self.labels else ""
+        place = f"line {self.lines[i]}, {cell!r}" + (f" in column {label}" if label else "")
         allowed = "a finite number in every cell"
         if re.fullmatch(r"[-+]?\d{1,3}([,.]\d{3})+([,.]\d*)?", cell):
             allowed += ", without separators of thousands"
-        raise TextError(place, allowed)
+        raise TextError(list_first([place] * len(wrong), 1), allowed)
 
     def find_unused(self, units: Collection[str], remarks: Iterable[Remark] | None = None) -> str:
         """Return a note that lists remarks that state something; "" without them.
@@ -383,19 +379,15 @@ class TextTable:
         first = [parse_number(row[0], self.decimal) for row in self.rows]
         if first != [k + (first[0] or 0.0) for k in range(len(first))]:
             return self
-        return replace(
-            self,
-            rows=[row[1:] for row in self.rows],
-            labels=self.labels[1:],
-            names=self.names[1:],
-            units=self.units[1:],
-            remarks=[*self.remarks, Remark(self.lines[0], "the first column holds row numbers")],
-        )
+        remark = Remark(self.lines[0], "the first column holds row numbers")
+        labels, names, units = (texts[1:] for texts in (self.labels, self.names, self.units))
+        table = replace(self, labels=labels, names=names, units=units)
+        return replace(table, rows=[row[1:] for row in self.rows], remarks=[*self.remarks, remark])
 
 
 def list_first(texts: Sequence[str], most: int) -> str:
     """Return at most `most` texts, separated by commas, and the number of the others."""
-    more = f", and {len(texts) - most} more" if len(texts) > most else ""
+    more = f"{',' * (most > 1)} and {len(texts) - most} more" if len(texts) > most else ""
     return ", ".join(texts[:most]) + more
 
 
@@ -459,11 +451,9 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
     separator, decimal, width = _find_dialect(number_like or body)
     rows = [_split(line.text, separator) for line in body]
     first = _find_first_row(body, rows, decimal, width)
-    count = [str(len(rows) - first)]
+    above, count = body[:first], [str(len(rows) - first)]
     if first and rows[first - 1] == count:
-        above, remarks = body[: first - 1], [*remarks, Remark(body[first - 1].line, count[0])]
-    else:
-        above = body[:first]
+        remarks.append(Remark(above.pop().line, *count))
     lines, rows = [line.line for line in body[first:]], rows[first:]
     trailing = separator != " " and all(not row[-1] for row in rows)
     last_line = above[-1].line if above else 0
@@ -480,19 +470,16 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
             raise TextError(value, allowed)
     remarks = [r for r in remarks if r not in used]
     remarks += [Remark(line.line, line.text.strip()) for line in above]
-    if trailing and width > 1 and (not header or len(header[0]) < width):
+    if trailing and width > 1 and len(header) < width:
         rows, width = [row[:-1] for row in rows], width - 1
-    wrong = [(line, len(row)) for line, row in zip(lines, rows, strict=True) if len(row) != width]
+    sizes = zip(lines, map(len, rows), strict=True)
+    wrong = [f"line {line} of {n} cells, not {width}" for line, n in sizes if n != width]
     if wrong:
-        more = f" and {len(wrong) - 1} more" if len(wrong) > 1 else ""
-        value = f"line {wrong[0][0]} of {wrong[0][1]} cells, not {width}{more}"
-        raise TextError(value, "rows of equal length")
+        raise TextError(list_first(wrong, 1), "rows of equal length")
     if _begins_with_count(rows, decimal):
         remarks.append(Remark(lines[0], " ".join(rows[0])))
         rows, lines = rows[1:], lines[1:]
-    named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
-    names, units = zip(*named, strict=True) if named else ((), ())
-    labels = tuple(header[0]) if header else ()
+    labels, names, units = zip(*header, strict=True) if header else ((), (), ())
     table = TextTable(rows, lines, labels, names, units, sorted(remarks), decimal)
     return table._without_row_numbers()
 
@@ -606,18 +593,16 @@ def _find_first_row(
     It is the first row of numbers alone. Rows directly above it that also have other cells belong
     to the table: the first row of a matrix with a word in its corner, or a row with a wrong cell.
     """
-    for kind in ("numbers", "mixed"):
-        fitting = (len(row) == width and _classify(row, decimal) == kind for row in rows)
-        first = next((k for k, fits in enumerate(fitting) if fits), None)
-        if first is not None:
-            break
-    else:
+    kinds = (_classify(row, decimal) if len(row) == width else "" for row in rows)
+    mixed: list[int] = []
+    for k, kind in enumerate(kinds):
+        if kind == "numbers":
+            above = next((n for n in range(k - 1, -1, -1) if n not in mixed or body[n].key), -1)
+            return above + 1
+        mixed += [k] * (kind == "mixed")
+    if not mixed:
         raise TextError("no rows below the header", "a row of numbers for each point")
-    while first and len(rows[first - 1]) == width and not body[first - 1].key:
-        if _classify(rows[first - 1], decimal) != "mixed":
-            break
-        first -= 1
-    return first
+    return mixed[0]
 
 
 def _begins_with_count(rows: Sequence[list[str]], decimal: str) -> bool:
@@ -631,8 +616,8 @@ def _begins_with_count(rows: Sequence[list[str]], decimal: str) -> bool:
 
 def _find_header(
     above: Sequence[Remark], notes: Sequence[Remark], separator: str, width: int, trailing: bool
-) -> tuple[list[list[str]], list[Remark]]:
-    """Return the labels and units of the columns, and the lines that state them; else empty lists.
+) -> tuple[list[tuple[str, str, str]], list[Remark]]:
+    """Return label, name and unit of the columns, and the lines that state them; else empty lists.
 
     Parameters
     ----------
@@ -660,15 +645,15 @@ def _find_header(
                 return labels
         return []
 
-    def read_header(lines: Sequence[Remark]) -> tuple[list[list[str]], list[Remark]]:
+    def read_header(lines: Sequence[Remark]) -> tuple[list[tuple[str, str, str]], list[Remark]]:
         """Return the header in the last line, or in the last two if they state names and units."""
-        labels = [read_labels(line) for line in lines[-2:]]
-        if not labels or not labels[-1]:
-            return [], []
-        is_units = all(_read_unit(cell) is not None for cell in labels[-1] if cell)
-        if is_units and len(labels) > 1 and len(labels[0]) == len(labels[1]):
-            return labels, [*lines[-2:]]
-        return [labels[-1], [""] * len(labels[-1])], [lines[-1]]
+        before, labels = [*([], []), *map(read_labels, lines[-2:])][-2:]
+        is_units = all(_read_unit(cell) is not None for cell in labels if cell)
+        if labels and is_units and len(before) == len(labels):
+            pairs, used = [*zip(before, labels, strict=True)], [*lines[-2:]]
+        else:
+            pairs, used = [(label, "") for label in labels], [*lines[-1:]] if labels else []
+        return [(pair[0], *_parse_label(*pair)) for pair in pairs], used
 
     header, used = read_header(above)
     if header:
@@ -679,8 +664,7 @@ def _find_header(
             value = f"line {above[-1].line}, {above[-1].text.strip()[:40]!r}, of {cells} cells"
             raise TextError(value, f"a header of {width} cells, as many as in the rows")
     header, used = read_header(notes)
-    named = [_parse_label(*cells) for cells in zip(*header, strict=True)]
-    is_named = any(unit or len(name) == 1 or "." in name for name, unit in named)
+    is_named = any(unit or len(name) == 1 or "." in name for _, name, unit in header)
     return (header, used) if is_named else ([], [])
 
 

@@ -122,10 +122,8 @@ class Measured:
         if self.data.profile:
             return "y", self.y
         for key in self.data.vary:
-            column = (
-                self.places if key in COORDINATES else np.array([s[key] for s in self.settings])
-            )
-            return key, column
+            is_place = key in COORDINATES
+            return key, self.places if is_place else np.array([s[key] for s in self.settings])
         return "row", np.arange(len(self.observed), dtype=float)
 
 
@@ -159,15 +157,14 @@ def read_measured(data: Data, key: str) -> Measured:
                 continue
             try:
                 numbers[name] = values = columns.column(place, _meaning(data, name))
-                sizes = np.sort(np.abs(values))
-                if find_marks(values).any() or (
-                    len(sizes) > 2 and sizes[-1] > 1e3 * sizes[-2] > 0.0
-                ):
-                    row = int(np.argmax(np.abs(values)))
-                    text = f"{name} = {values[row]:g} in line {columns.lines[row]}"
-                    warn(f"{source}: {text}, far from the other values: remove such rows")
             except TextError as error:
                 faults.append(Fault(source, error.value, error.allowed))
+                continue
+            sizes = np.sort(np.abs(values))
+            if find_marks(values).any() or (len(sizes) > 2 and sizes[-1] > 1e3 * sizes[-2] > 0.0):
+                row = int(np.argmax(np.abs(values)))
+                text = f"{name} = {values[row]:g} in line {columns.lines[row]}"
+                warn(f"{source}: {text}, far from the other values: remove such rows")
     except TextError as error:
         faults.append(Fault(source, error.value, error.allowed))
     except OSError as error:
@@ -189,14 +186,12 @@ def _table_of(data: Data, key: str) -> TextTable:
         name: [str(value) for value in np.atleast_1d(np.asarray(values, dtype=object))]
         for name, values in data.values.items()
     }
-    lengths = {name: len(values) for name, values in columns.items()}
-    if len(set(lengths.values())) > 1:
-        texts = (f"{n} values of {name}" for name, n in lengths.items())
+    if len({*map(len, columns.values())}) > 1:
+        texts = (f"{len(values)} values of {name}" for name, values in columns.items())
         raise TextError(", ".join(texts), "columns of equal length")
-    rows = [list(row) for row in zip(*columns.values(), strict=True)]
+    rows, names = [*map(list, zip(*columns.values(), strict=True))], tuple(columns)
     if not rows:
         raise TextError("no rows", "a row for each measurement")
-    names = tuple(columns)
     return TextTable(rows, [*range(1, len(rows) + 1)], names, names, ("",) * len(names))
 
 

@@ -173,13 +173,11 @@ def _apply_steps(points: Array, keys: Mapping[str, str]) -> tuple[Array, Array]:
     if _read_number(keys, "rotate"):
         cure = "rotate the points, and set it to 0: programs disagree about its sign"
         raise ValueError(f"rotate = {keys['rotate']}; allowed: 0; {cure}")
-    if (least := _read_number(keys, "point.dist.min")) > 0.0:
-        kept = [0]
-        for k, point in enumerate(points):
-            if math.dist(point, points[kept[-1]]) >= least:
-                kept.append(k)
-        points = points[kept]
-    points = points + np.array([_read_number(keys, f"shift.{axis}") for axis in "yz"])
+    kept, least = [0], _read_number(keys, "point.dist.min")
+    for k in range(1, len(points)):
+        if math.dist(points[k], points[kept[-1]]) >= least:
+            kept.append(k)
+    points = points[kept] + [_read_number(keys, f"shift.{axis}") for axis in "yz"]
     within = np.ones(len(points), dtype=bool)
     for k, axis in enumerate("yz"):
         low, high = (_read_number(keys, f"bound.{axis}.{end}") for end in ("min", "max"))
@@ -225,22 +223,17 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
     elif _is_title(table):
         notes.append(f"the line {' '.join(table.labels)!r} is taken for a title")
     units = {table.units[k] for k in columns if table.units} - {""}
-    units |= {
-        find_length_unit(statements[key]) or statements[key]
-        for key in ("unit", "units", "length unit")
-        if key in statements
-    }
+    stated = {statements[key] for key in ("unit", "units", "length unit") if key in statements}
+    units |= {find_length_unit(text) or text for text in stated}
     if len(units) > 1 and unit is None:
         raise ValueError(f"units {', '.join(sorted(units))}; allowed: one unit, or give unit")
     name = unit or (units.pop() if units else "mm")
     if name not in UNITS:
         raise ValueError(f"unit {name}; allowed: {', '.join(UNITS)}, or give unit")
-    notes += [
-        f"the file states {key.capitalize()} = {statements[key]}: set mirror = true if its y "
-        "points to the track centre"
-        for key in ("rail", "side")
-        if statements.get(key, "").lower().startswith("l")
-    ]
+    for key in ("rail", "side"):
+        if statements.get(key, "").lower().startswith("l"):
+            cure = "set mirror = true if its y points to the track centre"
+            notes.append(f"the file states {key.capitalize()} = {statements[key]}: {cure}")
     return points * UNITS[name], [*notes, *_describe_unused(unused)]
 
 
@@ -275,29 +268,28 @@ def _choose_columns(
     width = len(table.rows[0])
     axes = [("y", "z"), ("x", "y"), ("x", "z")]
     axes += product(("lateral", "y", "x"), ("height", "vertical"))
-    sides = {
-        which: [names.index(f"{axis}{join}{ending}") for axis in pair]
-        for which in ("left", "right")
-        for ending in (which, which[0])
-        for join in ("_", " ", "")
-        for pair in axes
-        if all(f"{axis}{join}{ending}" in names for axis in pair)
+    columns = {
+        ending: [names.index(axis + ending) for axis in pair]
+        for ending in map("".join, product(("_", " ", ""), ("left", "right", "l", "r", "")))
+        for pair in reversed(axes)
+        if {axis + ending for axis in pair} <= {*names}
     }
-    pairs = [pair for pair in axes if {*pair} <= {*names}]
+    whole = columns.pop("", None)
+    sides = {"left" if "l" in ending else "right": found for ending, found in columns.items()}
     if width < 2:
         raise ValueError("one column; allowed: lateral position and height")
-    if not sides and width == 4 and not pairs and _is_two_sided(table):
+    if not sides and width == 4 and not whole and _is_two_sided(table):
         sides = {"left": [0, 1], "right": [2, 3]}
     if sides:
         if side not in sides:
             raise ValueError(f"profiles of two sides; allowed: side = {' or '.join(sides)}")
-        y = table.numbers([columns[0] for columns in sides.values()])
+        y = table.numbers([found[0] for found in sides.values()])
         opposite = len(sides) == 2 and np.corrcoef(y, rowvar=False)[0, 1] < 0.0
         return sides[side], bool(side == "left" and opposite)
     if side is not None:
         raise ValueError(f"side = {side}, and the columns of one profile; allowed: no side")
-    if pairs:
-        return [names.index(name) for name in pairs[0]], False
+    if whole:
+        return whole, False
     if not names and width > 2 and _is_numbered(table):
         return [1, 2], False
     if names and not _is_title(table):
@@ -334,12 +326,10 @@ def _is_numbered(table: TextTable) -> bool:
 def _describe_unused(remarks: Iterable[Remark]) -> list[str]:
     """Return a note that lists the remarks that state something, or no note."""
     texts = [
-        text if len(text) <= 60 else text[:57] + "..."
+        remark.text if len(remark.text) <= 60 else remark.text[:57] + "..."
         for remark in remarks
-        for text in (remark.text,)
-        if not (text.endswith(("=", ":")) or remark.states("description"))
-        if not (remark.key and parse_number(remark.value) == 0.0)
-        if not remark.states("nothing")
+        if not (remark.text.endswith(("=", ":")) or remark.states("description"))
+        if not (remark.key and parse_number(remark.value) == 0.0) and not remark.states("nothing")
     ]
     return [f"entries of the file that are not used: {list_first(texts, 6)}"] if texts else []
 

@@ -1,6 +1,7 @@
 """Profiles through measured points: their direction, their order, their noise, and a spline."""
 
 import math
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -44,10 +45,9 @@ def from_measurement(
         raise ValueError("a coordinate is not finite; allowed: finite numbers")
     _check_size(points, kind)
     steps = np.diff(points, axis=0)
-    lengths = np.hypot(*steps.T)
-    if (lengths == 0.0).any():
-        k = int(np.flatnonzero(lengths == 0.0)[0])
-        raise ValueError(f"points {k + 1} and {k + 2} are equal; allowed: different points")
+    if (equal := np.flatnonzero((steps == 0.0).all(axis=1))).size:
+        places = f"points {equal[0] + 1} and {equal[0] + 2}"
+        raise ValueError(f"{places} are equal; allowed: different points")
     turns = np.abs(np.diff(np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))))
     if turns.max() > 0.6 * np.pi:
         k = int(np.argmax(turns)) + 2
@@ -87,31 +87,26 @@ def check_datum(profile: Profile, tape_line: float, radius: float = 460.0) -> st
     ValueError
         If the origin of the profile is not its tread datum.
     """
-    points = profile.points
+    points, height = profile.points, _check_height(profile, radius)
     top = int(np.argmax(points[:, 1]))
     face = profile.at(np.linspace(0.0, min(0.5, profile.s[-1]), 20), 1)
     has_back = abs(face[:, 0].mean()) < 0.17 * abs(face[:, 1].mean())  # 80 degrees
     if points[top, 1] - np.median(points[:, 1]) < 10.0 or points[top, 0] > points[:, 0].mean():
-        note = "it has no flange, so that its origin, the tread datum, is not checked"
-        return "; ".join(filter(None, (note, _check_height(profile, radius))))
+        notes = "it has no flange, so that its origin, the tread datum, is not checked", height
+        return "; ".join(filter(None, notes))
     back = float(points[: top + 1, 0].min())
     shift = -tape_line - back if has_back else -tape_line + 15.0 - float(points[top, 0])
+    part, place = ("back", back) if has_back else ("flange", points[top, 0])
     if abs(shift) > 20.0:
-        part = (
-            f"back is at y = {back:.4g}" if has_back else f"flange is at y = {points[top, 0]:.4g}"
-        )
         raise ValueError(
-            f"its {part} mm: the origin of a wheel profile is its tread datum, tape_line = "
-            f"{tape_line:g} mm from the back; add {shift:.4g} to all y (XOffset of Miniprof, "
-            "shift.y of SIMPACK, or the column y), or correct tape_line"
+            f"its {part} is at y = {place:.4g} mm: the origin of a wheel profile is its tread "
+            f"datum, tape_line = {tape_line:g} mm from the back; add {shift:.4g} to all y (XOffset "
+            "of Miniprof, shift.y of SIMPACK, or the column y), or correct tape_line"
         )
-    note = ""
-    if has_back and abs(shift) > 1.0:
-        note = (
-            f"its back is at y = {back:.4g} mm, and not {tape_line:g} mm from its origin, the "
-            f"tread datum; set tape_line = {-back:.4g}, or add {shift:.4g} to all y"
-        )
-    return "; ".join(filter(None, (note, _check_height(profile, radius))))
+    note = f"its back is at y = {back:.4g} mm, and not {tape_line:g} mm from its origin, the "
+    note += f"tread datum; set tape_line = {-back:.4g}, or add {shift:.4g} to all y"
+    notes = note if has_back and abs(shift) > 1.0 else "", height
+    return "; ".join(filter(None, notes))
 
 
 def _check_height(profile: Profile, radius: float) -> str:
@@ -155,34 +150,31 @@ def _fit_spline(points: Array, smoothing: float | None, digit: float) -> Profile
     spacing, scatter = float(np.median(np.diff(s))), _estimate_scatter(points, s)
     # Of white noise through a spline; a contact does not see waves shorter than about 0.2 mm.
     slope = scatter * np.pi / (np.sqrt(3.0) * max(spacing, 0.1))
-    profile, note = None, ""
+    note = ""
 
     def pressure() -> str:
         """Return the rms pressure of waves of this slope between steel bodies, as text."""
         return f"{float(f'{0.5 * 1.154e5 * slope:.1e}'):g} MPa"
 
     if smoothing is None and slope > 5e-4:  # 30 MPa
-        through = pressure()
+        note = (
+            f"the points scatter by about {scatter:.2g} mm rms, which changes the peak "
+            f"pressure of steel bodies by about {pressure()}; smoothing = {scatter:.2g} reduces it"
+        )
         if scatter <= 0.6 * digit:  # rounding causes 0.29 of the digit
             smoothing = scatter = max(scatter, 0.29 * digit)
-            profile, slope = _smooth(points, s, smoothing, scatter)
             note = (
                 f"the points scatter by their last digit, {scatter:.2g} mm rms, which would "
-                f"change the peak pressure of steel bodies by about {through}; they are smoothed "
-                f"by this distance, and about {pressure()} are left; set smoothing to another "
+                f"change the peak pressure of steel bodies by about {pressure()}; they are "
+                "smoothed by this distance, and about {left} are left; set smoothing to another "
                 "distance, or to 0 for a spline through the points"
             )
-        else:
-            note = (
-                f"the points scatter by about {scatter:.2g} mm rms, which changes the peak "
-                f"pressure of steel bodies by about {through}; smoothing = {scatter:.2g} reduces it"
-            )
-    elif smoothing:
-        profile, _ = _smooth(points, s, smoothing, scatter)
-    if profile is None:
+    if smoothing:
+        profile, slope = _smooth(points, s, smoothing, scatter)
+    else:
         curve = scipy.interpolate.CubicSpline(s, points)
         profile = Profile.from_nodes(curve(s), curve(s, 1))
-    return Profile(profile.s, profile.points, profile.tangents, (note,) if note else ())
+    return replace(profile, notes=(note.format(left=pressure()),) if note else ())
 
 
 def _estimate_scatter(points: Array, s: Array, shortest: float = 0.2) -> float:
@@ -352,9 +344,7 @@ def _check_crossing(points: Array, most: int = 10**7) -> None:
     longest = max(2.0 * float(np.median(lengths)), float(lengths.sum()) / 20000)
     parts = np.ceil(lengths / longest).astype(int)
     owner = np.repeat(np.arange(len(d)), parts)
-    share = (np.arange(len(owner)) - np.repeat(np.cumsum(parts) - parts, parts) + 0.5) / parts[
-        owner
-    ]
+    share = np.concatenate([(np.arange(n) + 0.5) / n for n in parts])
     tree = scipy.spatial.cKDTree(points[owner] + share[:, None] * d[owner])
     if tree.count_neighbors(tree, longest) > 2 * most:
         raise ValueError(

@@ -185,7 +185,10 @@ def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
     if table is None:
         return tables
     try:
-        history = table if isinstance(table, LoadHistory) else LoadHistory(**_to_mapping(table))
+        if not isinstance(table, LoadHistory | Mapping):
+            allowed = "a table with the keys file and levels"
+            raise SceneError([Fault("file", shorten(table), allowed)])
+        history = table if isinstance(table, LoadHistory) else LoadHistory(**table)
         if blocks is not None:
             if history.rows is not None:
                 return tables
@@ -204,13 +207,6 @@ def add_blocks(tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
         raise SceneError(fault.under("load_history") for fault in faults) from None
     results = {"rows": binned.rows, "error": dict(binned.error), "work_error": binned.work_error}
     return {**tables, "load_history": history.entries() | results, "duty": binned.blocks}
-
-
-def _to_mapping(entries: Any) -> Mapping[Any, Any]:
-    """Return a table [load_history] as a mapping; raise a SceneError if it is no table."""
-    if isinstance(entries, Mapping):
-        return entries
-    raise SceneError([Fault("file", shorten(entries), "a table with the keys file and levels")])
 
 
 def blocks_of(
@@ -296,10 +292,8 @@ def _block(values: dict[str, float], revolutions: int) -> Block:
 
 def _levels(values: np.ndarray, levels: int) -> np.ndarray:
     """Return the index of the level of each value; equal levels divide the range of the values."""
-    low, high = values.min(), values.max()
-    if high == low:
-        return np.zeros(values.size, int)
-    return np.minimum(((values - low) / (high - low) * levels).astype(int), levels - 1)
+    low, width = values.min(), np.ptp(values) or 1.0
+    return np.minimum(((values - low) / width * levels).astype(int), levels - 1)
 
 
 def _work_error(
@@ -362,12 +356,10 @@ def _name_implausible_rows(columns: Mapping[str, np.ndarray], lines: Sequence[st
         ):
             rows = np.flatnonzero(where)
             if rows.size:
-                places = ", ".join(lines[row] for row in rows[:3])
-                more = f" and {rows.size - 3} more" if rows.size > 3 else ""
-                value = f"{name} = {values[rows[0]]:g} in {places}{more}"
+                places = list_first([lines[row] for row in rows.tolist()], 3)
+                value = f"{name} = {values[rows[0]]:g} in {places}"
                 warn(f"load_history: {value}, {text}: remove such rows if they are no loads")
-    if "normal" in columns and columns["normal"].max() < 1.0:
-        largest = float(columns["normal"].max())
+    if (largest := float(columns.get("normal", np.ones(1)).max())) < 1.0:
         warn(f"load_history: all loads are at most {largest:g} N; a header may state normal [kN]")
 
 
@@ -393,8 +385,7 @@ def _columns(
         value, allowed = f"{len(columns)} of {sorted(lengths)} rows", "columns of equal length"
         raise SceneError([Fault("columns", value, allowed)])
     for name, values in columns.items():
-        if not np.isfinite(values).all():
-            row = int(np.argmin(np.isfinite(values)))
+        for row in np.flatnonzero(~np.isfinite(values)):
             value = f"{values[row]} in row {row + 1} of {name}"
             raise SceneError([Fault("columns", value, "finite numbers in every row")])
     return columns, [f"row {k + 1}" for k in range(*lengths)]
@@ -445,21 +436,16 @@ def _read(path: Path) -> tuple[dict[str, np.ndarray], list[str]]:
 def _find_restarts(table: TextTable, times: Iterable[str]) -> str:
     """Name lines at which a second block may begin: after a gap, or where the time falls."""
     comments = {remark.line for remark in table.remarks} - {*table.lines}
-    pairs = [(m, n) for m, n in pairwise(table.lines) if n - m > 1]
-    after_comment = [n for m, n in pairs if {*range(m + 1, n)} <= comments]
-    after_gap = [n for _, n in pairs if n not in after_comment]
-    falls = []
+    kinds: dict[str, list[str]] = {"an empty line": [], "a comment": [], "a fall of the time": []}
+    for m, n in pairwise(table.lines):
+        if n - m > 1:
+            kinds["a comment" if {*range(m + 1, n)} <= comments else "an empty line"] += [str(n)]
     for column in map(table.names.index, times):
         clock = [parse_number(row[column], table.decimal) or 0.0 for row in table.rows]
-        steps = zip(table.lines[1:], pairwise(clock), strict=True)
-        falls += [line for line, (start, end) in steps if end < start]
-    kinds = (
-        (after_gap, "an empty line"),
-        (after_comment, "a comment"),
-        (falls, "a fall of the time"),
-    )
+        falls = np.flatnonzero(np.diff(clock) < 0.0) + 1
+        kinds["a fall of the time"] += [str(table.lines[k]) for k in falls]
     return " and ".join(
-        f"{what} at line {list_first([*map(str, lines)], 3)}"
-        for lines, what in kinds
+        f"{what} at line {list_first(lines, 3)}"
+        for what, lines in kinds.items()
         if lines and len(lines) < max(2, len(table.lines) // 4)
     )

@@ -31,6 +31,7 @@ from tractive_sam.text_table import (
     TextError,
     TextTable,
     find_marks,
+    list_first,
     parse_number,
     read_table,
 )
@@ -124,13 +125,10 @@ def _read(settings: scene.Gap) -> Gap:
         raise
     except TextError as error:
         raise GapError(path, error.value, error.allowed) from None
-    except OSError as error:
-        problem = f"unreadable ({error.strerror or error})"
-        raise GapError(
-            path, problem, "a regular file with numbers for x, y and separation"
-        ) from error
     except Exception as error:  # for damaged files the libraries raise many types of errors
-        raise GapError(path, f"unreadable ({error})", "numbers for x, y and separation") from error
+        problem = f"unreadable ({getattr(error, 'strerror', None) or error})"
+        cure = "a regular file with numbers for x, y and separation"
+        raise GapError(path, problem, cure) from error
     return settings.in_mm(data.x, data.y, data.values, data.units)
 
 
@@ -177,12 +175,10 @@ def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
     steps = [float(np.median(np.diff(axis))) for axis in (data.y, data.x) if axis.size > 2]
     limit = settings.missing_width or 6.0 * max(steps, default=0.0)
     if widest > limit * (1.0 + 1e-9):
-        where = (
-            f"the widest hole is {widest:.4g} wide" if np.isfinite(widest) else "also at an edge"
-        )
-        cure = (
-            f"holes up to {limit:.4g}; gap.missing_width for wider ones, or a map without its edge"
-        )
+        hole = f"the widest hole is {widest:.4g} wide"
+        where = hole if np.isfinite(widest) else "also at an edge"
+        cure = f"holes up to {limit:.4g}; gap.missing_width for wider ones, or a map without its "
+        cure += "edge"
         raise GapError(path, f"{text}; {where}", cure)
     weights = 1.0 / width_across, 1.0 / width_along
     filled = (weights[0] * across + weights[1] * along) / np.maximum(sum(weights), 1e-300)
@@ -196,18 +192,13 @@ def _interpolate_rows(places: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
 
     At the ends of a row, values are 0 and the distance is infinite.
     """
-    filled, width = np.nan_to_num(values), np.full(values.shape, np.inf)
-    count = np.arange(places.size)
-    for row in np.flatnonzero(np.isnan(values).any(axis=1)):
-        valid = np.isfinite(values[row])
-        if not valid.any():
-            continue
-        before = np.maximum.accumulate(np.where(valid, count, -1))
-        after = np.minimum.accumulate(np.where(valid, count, places.size)[::-1])[::-1]
-        inside = ~valid & (before >= 0) & (after < places.size)
-        width[row, inside] = places[after[inside]] - places[before[inside]]
-        filled[row, inside] = np.interp(places[inside], places[valid], values[row, valid])
-    return filled, width
+    count, valid = np.arange(places.size), np.isfinite(values)
+    before = np.maximum.accumulate(np.where(valid, count, 0), axis=1)
+    after = np.minimum.accumulate(np.where(valid, count, count[-1])[:, ::-1], axis=1)[:, ::-1]
+    low, high = (np.take_along_axis(values, k, axis=1) for k in (before, after))
+    width = np.where(np.isfinite(low + high) & ~valid, places[after] - places[before], np.inf)
+    filled = low + (places - places[before]) / width * (high - low)
+    return np.nan_to_num(filled), width
 
 
 def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
@@ -305,7 +296,7 @@ def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     if len(measured) != 1 or "y" not in arrays:
         needed = f"y, one of {', '.join(_HEIGHTS)}, and x except for a profile; or a single array"
         raise GapError(path, f"arrays {', '.join(arrays)}", needed)
-    others = [name for name in arrays if name not in ("x", "y", measured[0])]
+    others = [name for name in arrays if name not in ("x", "y", *measured)]
     scales = [n for n in others if names_scale(n) or "unit" in n.lower()]
     if scales and None in (settings.unit, settings.length_unit):
         cure = "gap.unit and gap.length_unit, and numbers without other scales"
@@ -326,18 +317,13 @@ def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapD
     return _gap_from_matrix(path, settings, np.asarray(array, float))
 
 
-def first_place(places: Sequence[str]) -> str:
-    """Return the first of several faulty places, with the number of others, as text."""
-    return places[0] if len(places) == 1 else f"{places[0]} and {len(places) - 1} more"
-
-
 def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
     """Return values as an array; raise a GapError unless all are finite numbers."""
     array = np.asarray(values, float)
     wrong = np.argwhere(~np.isfinite(array))
     if wrong.size:
         places = [f"{array[tuple(index)]} in {name}{index.tolist()}" for index in wrong]
-        raise GapError(path, first_place(places), "finite numbers")
+        raise GapError(path, list_first(places, 1), "finite numbers")
     return array
 
 
@@ -348,25 +334,23 @@ def _read_text(path: Path, settings: scene.Gap) -> _GapData:
     if table.names:
         return _gap_from_columns(path, settings, table)
     shape = len(table.rows), len(table.rows[0])
-    unit = heading.get("unit", "mm")
+    unit, scale = heading.get("unit", "mm"), LENGTHS[settings.length_unit or "mm"]
     sizes = [heading.get(key, 0.0) for key in ("height", "width")]  # rows: x; columns: y
     if settings.step is None and all(sizes):
         step = sizes[0] / shape[0], sizes[1] / shape[1]
         text = f"a matrix of {shape[0]} x {shape[1]} points, {sizes[0]:g} x {sizes[1]:g} mm by its "
         warn(f"gap: {path.name}: {text}heading: {step[0]:.6g} and {step[1]:.6g} mm between points")
         values = _read_cells(path, settings, table)
-        scale = LENGTHS[settings.length_unit or "mm"]
         return _centre(values, (step[0] / scale, step[1] / scale), ("mm", unit))
     if settings.step is not None:
-        lengths = [LENGTHS[settings.length_unit or "mm"] * step for step in settings.step]
+        lengths = [scale * step for step in settings.step]
         for name, size, n, length in zip("xy", sizes, shape, lengths, strict=True):
             if size and not 0.99 * size <= length * n <= 1.01 * size * n / (n - 1):
                 value = f"{size:g} mm along {name} in its heading, and {n} points"
                 cure = f"gap.step = {size / n:.4g} mm along {name} for rows along x"
                 raise GapError(path, value, cure)
     corner = parse_number(table.rows[0][0], table.decimal)
-    plain = corner is not None and (shape[1] <= len(NAMES) or settings.step is not None)
-    if plain or settings.step is not None:
+    if settings.step is not None or (corner is not None and shape[1] <= len(NAMES)):
         data = _gap_from_matrix(path, settings, _read_cells(path, settings, table))
         return replace(data, units=(data.units[0], unit))
     if corner:
@@ -519,9 +503,8 @@ def _gap_from_points(path: Path, settings: scene.Gap, points: np.ndarray) -> _Ga
     With gap.missing, up to half of the points may be absent.
     """
     if points.ndim != 2 or points.shape[1] != len(NAMES):
-        cure = (
-            "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a matrix"
-        )
+        cure = "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a "
+        cure += "matrix"
         raise GapError(path, f"an array of shape {points.shape}", cure)
     _finite(path, points[:, :2], "array")
     x, i = np.unique(points[:, 0], return_inverse=True)
@@ -535,10 +518,8 @@ def _gap_from_points(path: Path, settings: scene.Gap, points: np.ndarray) -> _Ga
         if filled < len(points):
             k, m = indices[:, counts > 1][:, 0]
             value += f"; x = {x[k]:g}, y = {y[m]:g} occurs {counts.max()} times"
-        cure = (
-            f"each of the {size} points of the grid once; or gap.step = [dx, dy] of a matrix; or "
-        )
-        raise GapError(path, value, cure + 'gap.missing = "interpolate" if few are absent')
+        cure = f"each of the {size} points of the grid once; or gap.step = [dx, dy] of a matrix; "
+        raise GapError(path, value, cure + 'or gap.missing = "interpolate" if few are absent')
     separation = np.full((len(x), len(y)), np.nan)
     separation[i, j] = points[:, 2]
     return _GapData(x, y, separation)
@@ -552,7 +533,7 @@ def _check_grid(path: Path, data: _GapData) -> None:
         falls = np.flatnonzero(np.diff(axis) <= 0.0)
         if falls.size:
             places = [f"{axis[k + 1]:g} after {axis[k]:g}" for k in falls]
-            value = f"{name} that does not increase, {first_place(places)}"
+            value = f"{name} that does not increase, {list_first(places, 1)}"
             raise GapError(path, value, f"increasing {name}")
     shape = (data.x.size, data.y.size)
     if data.values.shape != shape:

@@ -172,8 +172,7 @@ def agree_units(
     bare : str
         Message if units are missing, before the names without one.
     """
-    units = [settings.length_unit or unit for unit in stated[:-1]]
-    units.append(settings.unit or stated[-1])
+    units = [*(settings.length_unit or unit for unit in stated[:-1]), settings.unit or stated[-1]]
     pairs = [*zip(names, units, strict=True)]
     for name, unit in pairs:
         if unit and unit not in LENGTHS:
