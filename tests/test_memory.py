@@ -110,6 +110,11 @@ RUNS = {
     "dissimilar bodies": ("spheres-dissimilar", FINE),
     "line contact": ("cylinders", []),
     "wear": ("twin-discs", ["wear.revolutions=300", *FINE]),
+    "short wear": ("twin-discs", ["wear.revolutions=15", *FINE]),
+    "wear of a wide contact": (
+        "twin-discs-isotropic",
+        ["wear.revolutions=60", "grid.elements=[128, 256]"],
+    ),
     "transient": ("fretting", ["grid.elements=[128, 128]"]),
     "heat": ("hot-discs", []),
     "fatigue": ("spheres", FATIGUE),

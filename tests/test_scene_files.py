@@ -246,3 +246,58 @@ def test_a_fit_refuses_another_content_and_names_the_file(kind, tmp_path):
     with pytest.raises(ResultsError, match=f"{name} has changed"):
         ts.fit(design, path)
     assert ts.fit(design, path, overwrite=True).chi2 != first.chi2
+
+
+def write_loads(path, bump=0.0):
+    rows = [f"{load * (1.0 + bump)},-0.004" for load in (150.0, 200.0, 260.0)]
+    path.write_text("\n".join(["normal,longitudinal", *rows, ""]))
+
+
+@pytest.fixture
+def loaded(tmp_path):
+    """Return twin discs under a measured load history, and its file."""
+    path = tmp_path / "loads.csv"
+    write_loads(path)
+    scene = ts.Scene.builtin("twin-discs").replace(subsurface=None)
+    table = {"file": str(path), "levels": 2}
+    wear = {"wear.revolutions": 6, "wear.save": [0]}
+    return scene.replace(load_history=table, **{"grid.elements": (13, 27)}, **wear), path
+
+
+def test_resuming_refuses_another_load_history_and_names_the_file(loaded, tmp_path):
+    scene, path = loaded
+    results = tmp_path / "run.h5"
+    before = last_peak(roll(scene, results))
+    write_loads(path, 0.1)
+    assert last_peak(roll(scene, results, resume=True)) == before  # the blocks of the scene
+    again = ts.Scene.from_toml_text(scene.replace(duty=None, load_history=None).to_toml())
+    again = again.replace(load_history={"file": str(path), "levels": 2})
+    with pytest.raises(ResultsError, match=r"load_history\.file: .*loads\.csv") as raised:
+        roll(again, results, resume=True)
+    assert "duty" not in str(raised.value)  # blocks follow from the file
+    assert last_peak(roll(again)) != before
+
+
+def test_a_results_file_of_a_load_history_needs_no_other_file(loaded, tmp_path):
+    scene, path = loaded
+    results = tmp_path / "run.h5"
+    before = last_peak(roll(scene, results))
+    path.unlink()
+    opened = ts.open_history(results)
+    assert opened.scene.fingerprint() == scene.fingerprint()
+    assert last_peak(roll(opened.scene, results, resume=True)) == before
+    assert last_peak(roll(opened.scene)) == before
+
+
+def test_a_study_computes_another_load_history(loaded, tmp_path):
+    scene, path = loaded
+    tables = "\n".join(["[load_history]", f"file = '{path}'", "levels = 2", ""])
+    text = scene.replace(duty=None, load_history=None).to_toml() + tables
+    axis = {"key": "friction.mu", "values": [[0.2, 0.2], [0.3, 0.3]]}
+    peaks = []
+    for bump in (0.0, 0.1):
+        write_loads(path, bump)
+        study = ts.Study(scene=ts.Scene.from_toml_text(text), axis=[axis], keep="scalars")
+        rows = ts.study(study, tmp_path / "S", workers=0).rows
+        peaks.append([row.last["P"] for row in rows])
+    np.testing.assert_allclose(np.divide(*peaks), 1.0 / 1.1)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from contextlib import ExitStack, nullcontext
 
 import numpy as np
@@ -13,8 +14,10 @@ from tests.fitting.conftest import creep_data
 from tractive_sam.cli import app
 from tractive_sam.fitting.case import Evaluations, FitCase, InProcess, InWorkers, compute
 from tractive_sam.fitting.fit_file import read_answers, write_fit
+from tractive_sam.fitting.page import save_fit_figures
 from tractive_sam.fitting.results import FitResult
 from tractive_sam.fitting.run import _unfinished, read_design
+from tractive_sam.scene import hash_files
 from tractive_sam.schema import SceneWarning
 
 FIT = """
@@ -91,6 +94,49 @@ def test_figures_and_page_are_written(fitted, tmp_path):
     assert "friction.mu" in page
     assert "Next test" in page
     assert page.count("<img") == 1
+
+
+def fail(*_, **__):
+    raise ValueError("no room for the labels")
+
+
+@pytest.mark.parametrize(
+    ("broken", "name"),
+    [("fitting.page.fitted_curve", "data0-Qx_over_P"), ("plot.Figure.savefig", "data0.*png")],
+)
+def test_a_figure_that_fails_is_omitted(fitted, tmp_path, monkeypatch, broken, name):
+    """The results do not depend on it: plot and report end well, and name what is missing."""
+    monkeypatch.setattr(f"tractive_sam.{broken}", fail)
+    with pytest.warns(UserWarning, match=f"{name} is omitted: no room"):
+        assert save_fit_figures(ts.open_fit(fitted), tmp_path) == []
+    found = run("plot", fitted, "-o", tmp_path / "figures")
+    assert found.exit_code == 0, found.output
+    assert re.search(f"{name} is omitted", found.stderr.replace("\n", " "))
+    if "page" in broken:
+        assert run("report", fitted, "-o", tmp_path / "fit.html").exit_code == 0
+        assert "<img" not in (tmp_path / "fit.html").read_text()
+
+
+def test_a_data_file_that_changes_during_a_fit_is_named_by_the_next(rig, tmp_path, monkeypatch):
+    """Files are hashed once, before they are read: a later hash would hide the change."""
+    folder = shutil.copytree(rig, tmp_path / "rig", ignore=shutil.ignore_patterns("*.nc"))
+    data, hashed = folder / "creep.csv", []
+
+    def changing(case, start=None):
+        data.write_text(text.replace("-0.004,", "-0.0041,"))
+        return compute(case, start)
+
+    def counted(path):
+        hashed.append(path)
+        return hash_files(path)
+
+    text = data.read_text()
+    monkeypatch.setattr("tractive_sam.fitting.case.compute", changing)
+    monkeypatch.setattr("tractive_sam.fitting.run.hash_files", counted)
+    ts.fit(folder / "FIT.toml", folder / "FIT.nc")
+    assert hashed == [str(data)]
+    with pytest.warns(SceneWarning, match="creep.csv has changed since the fit"):
+        ts.fit(folder / "FIT.toml", folder / "FIT.nc")
 
 
 def test_file_is_read_again(fitted):

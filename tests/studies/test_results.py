@@ -5,8 +5,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from tests.studies.conftest import CREEPAGE, MU, small
+from tractive_sam.cli import app
 from tractive_sam.description import format_setting
 from tractive_sam.run.pipeline import roll
 from tractive_sam.scene import Scene
@@ -170,6 +172,25 @@ def test_figures_over_two_axes(done, tmp_path):
 def test_figures_by_default_are_of_what_varies(done, tmp_path):
     names = {path.name.partition("-")[0] for path in save_figures(done, tmp_path)}
     assert names == {"Qx_over_P", "stick_fraction"}  # the pressure is equal everywhere
+
+
+@pytest.mark.usefixtures("empty_pictures")
+def test_a_figure_that_fails_is_omitted(done, tmp_path, monkeypatch):
+    def fail(results, name, *_):
+        if name == "Qx":
+            raise ValueError("no room for the labels")
+        return draw(results, name, *_)
+
+    draw = figures._figures
+    monkeypatch.setattr(figures, "_figures", fail)
+    with pytest.warns(UserWarning, match="Qx is omitted: no room"):
+        paths = save_figures(done, tmp_path, quantities=("Qx", "p_max"))
+    assert names(paths) == ["p_max-curves.png", "p_max-map.png"]
+    monkeypatch.setattr("tractive_sam.studies.open_study", lambda _: done)
+    arguments = ["study-show", "done", "--figures", str(tmp_path), "--quantity", "Qx"]
+    shown = CliRunner().invoke(app, arguments)
+    assert shown.exit_code == 0, shown.output
+    assert "Qx is omitted" in shown.stderr
 
 
 def test_figures_over_one_axis(done, tmp_path):

@@ -234,7 +234,7 @@ def study_show(
     results, names = open_study(directory), tuple(quantity or ())
     fixed = parse_settings(at or ())
     written = []
-    with refuse(ValueError):
+    with refuse(ValueError), report_warnings():
         if csv is not None:
             results.save_csv(csv, quantities=names, units=units)
             written.append(csv)

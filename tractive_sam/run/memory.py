@@ -1,6 +1,7 @@
 """Memory that a scene takes, before it is allocated, and memory that the process may still take."""
 
 import math
+import operator
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -8,6 +9,7 @@ from types import ModuleType
 
 from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
+from tractive_sam.mechanics import HertzContact
 from tractive_sam.operators import layer_cache
 from tractive_sam.results import FIELDS
 from tractive_sam.rolling import process_of, process_type
@@ -95,6 +97,10 @@ KRYLOV_VECTORS = 30.0
 """Vectors that a Krylov space in single precision takes, with all else of an iterate, in doubles
 (measured on `spin` with 200 to 400 elements along a side)."""
 
+RECTANGLE = 178.0
+"""Spectra and buffers of both problems on a rectangle around the contact, in doubles for each of
+its elements (measured on `twin-discs` with 256 elements along a side)."""
+
 FITS = 0.9
 """Fraction of the free memory that a proposed size takes."""
 
@@ -113,18 +119,43 @@ def contact_bytes(model: Model) -> float:
     padded, elements = math.prod(lattice.padded), math.prod(lattice.shape)
     spectra = padded * (1.5 * (9 if fields == 3 else 3) + 3.75 * fields + 5)
     krylov, gmres_from = _krylov_limits(model)
-    vectors = 3.0 * krylov * elements
-    if elements >= gmres_from:
-        vectors = KRYLOV_VECTORS * elements + _coarse_vectors(model)
+    part, sizes = _rectangles(model)
+    around = part * elements
+    vectors = 3.0 * krylov * around
+    if around >= gmres_from:
+        vectors = KRYLOV_VECTORS * around + _coarse_vectors(model)
     process, schedule = process_of(model), model.scene.schedule
     # Of the patches of a wheel, plans and tables remain; measured on `wheel-rail`.
     patches = 1 if schedule.in_sequence else 1 + _count_records(model)
-    # Each rectangle around a contact that changes as it wears has its spectra and buffers.
-    sizes = min(3, max(0, _count_records(model) - 2)) if model.scene.wear is not None else 0
-    rectangles = 48.0 * sizes * elements
+    rectangles = RECTANGLE * sizes * min(around, 0.27 * elements)
     block = 8.0 * (patches * (spectra + vectors * fields) + rectangles)
     observed = sum(observer.bytes_needed(model) for observer in process.following)
     return block * len(model.blocks) + observed
+
+
+def _rectangles(model: Model) -> tuple[float, float]:
+    """Return the part of the mesh on which a contact that wears is solved, and its further sizes.
+
+    The solvers use a rectangle around the contact. As it wears, each size of the rectangle has its
+    spectra and buffers, of which those of eight sizes remain.
+    """
+    scene, hertz = model.scene, model.scene.hertz
+    if scene.wear is None:
+        return 1.0, 0.0
+    most = min(7, max(0, _count_records(model) - 2))
+    mu = (0.0, 0.0) if scene.friction is None else scene.friction.mu
+    rates = scene.wear.per_work(mu) if any(mu) else None
+    if fields_per_operator(model) == 3 or not isinstance(hertz, HertzContact) or not rates:
+        return 1.0, min(3, most)
+    # Full slip at the middle of the contact. Of the approach, a depth of a seventeenth changes the
+    # size once; measured on `twin-discs` after 2 to 1000 revolutions, on which a part sticks.
+    creepage = math.hypot(
+        *(getattr(scene.creepage, key) or 0.0 for key in ("longitudinal", "lateral"))
+    )
+    work = max(map(operator.mul, rates, mu)) * 0.25 * math.pi * hertz.p0 * creepage * 2.0 * hertz.a
+    worn = work * scene.schedule.end / hertz.approach
+    part = 1.1 * hertz.a * hertz.b / math.prod(model.grid.half_length)
+    return min(1.0, part * (1.0 + 0.1 * worn)), min(most, 17.0 * worn)
 
 
 def _krylov_limits(model: Model) -> tuple[int, float]:
