@@ -61,6 +61,7 @@ def _write_patterns() -> dict[str, str]:
         rf"(?:[\s=]|by|of|is|factor|times)*{number}|"
         rf"(?<!not )\b(?:upside|inverted|mirrored|flipped)\b(?![^=]*={none})|"
         r"[^\W\d]\)?(?:\s+[x×]|\s*\*)\s*1(?:0+|e[-+]?\d+)\b|"  # z x 1000
+        rf"\bunits?\b[^=]*=\W*{number}|"  # units: 0.1 mm
         r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
         # What no reader names: all other remarks state something.
         "nothing": r"^\W*(?:(?:begin|by|channel|data|end|eof|file|first|hand|kind|measured|of|one|"

@@ -176,11 +176,19 @@ def test_files_of_spreadsheets_are_read(tmp_path):
     text = "# rig\ncreepage.longitudinal;slip;Qx_over_P\n-0,001;0,1;0,17\n\n-0,002;0,2;0,26\n"
     (tmp_path / "creep.csv").write_text(text)
     data = {"file": str(tmp_path / "creep.csv"), "observe": "Qx_over_P", "noise": 0.05}
-    problem = make_problem(
-        read_design(fitted() | {"data": [data | {"vary": "creepage.longitudinal"}]}).fit
-    )
+    table = data | {"vary": "creepage.longitudinal"}
+    with pytest.warns(ts.SceneWarning, match="creep.csv that are not read: slip"):
+        problem = make_problem(read_design(fitted() | {"data": [table]}).fit)
     assert problem.observed.tolist() == [0.17, 0.26]
     assert problem.series[0].measured.settings[1] == {"creepage.longitudinal": -0.002}
+
+
+def test_a_column_that_another_data_set_reads_is_not_named(tmp_path):
+    text = "creepage.longitudinal;Qx_over_P;p_max\n-0.001;0.17;1000\n-0.002;0.26;1000\n"
+    (tmp_path / "creep.csv").write_text(text)
+    data = {"file": str(tmp_path / "creep.csv"), "vary": "creepage.longitudinal", "noise": 0.05}
+    tables = [data | {"observe": name} for name in ("Qx_over_P", "p_max")]
+    make_problem(read_design(fitted() | {"data": tables}).fit)
 
 
 @pytest.mark.parametrize(

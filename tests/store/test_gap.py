@@ -376,6 +376,8 @@ STATED = {
     "strengthening": ("# Verstaerkung: 1000\n" + MATRIX, {"step": [1, 1]}, "not applied"),
     "amplification": ("Amplification: 10\n" + MATRIX, {"step": [1, 1]}, "not applied"),
     "conversion": ("Conversion=10\n" + MATRIX, {"step": [1, 1]}, "not applied"),
+    "unit with a factor": ("Unit: 1e-6 m\n" + MATRIX, {"step": [1, 1]}, "not applied"),
+    "tenths": ("# value unit = 0.1 mm\n" + MATRIX, {"step": [1, 1]}, "not applied"),
     **{
         name: (f"y [mm];{name} [mm]\n0;1\n1;2\n", {"body": "A"}, "columns y")
         for name in ("-z", "z inverted", "1000*z", "z*1e3", "z x1000", "z x 10")
@@ -404,6 +406,7 @@ def test_stated_layouts_that_are_used_give_no_note(tmp_path, heading):
     [
         ("separation", "scale", 1000.0, "scale = 1000"),
         ("separation", "z_offset", 5.0, "z_offset"),
+        ("separation", "scale_factor", [1.0, 2.0], "unreadable"),
         ("separation", "positive", "down", "positive"),
         ("/", "units", "furlong", "furlong"),
         ("/", "pixels", 12, "file.pixels"),
@@ -417,6 +420,13 @@ def test_attributes_that_are_not_used_are_refused_or_named(tmp_path, place, name
         file[place].attrs[name] = value
     with pytest.raises((GapError, ts.SceneWarning), match=found):
         read_gap(path)
+
+
+@pytest.mark.parametrize("kind", [bool, complex])
+def test_arrays_of_other_than_real_numbers_are_refused(tmp_path, kind):
+    np.save(tmp_path / "a.npy", SEPARATION.astype(kind))
+    with pytest.raises(GapError, match=f"array of {kind.__name__}"):
+        read_gap(ts.Gap(file=tmp_path / "a.npy", step=[1.0, 1.0]))
 
 
 def test_other_arrays_of_a_file_are_named(tmp_path):

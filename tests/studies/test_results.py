@@ -180,9 +180,9 @@ def test_a_figure_that_fails_is_omitted(done, tmp_path, monkeypatch):
         raise ValueError("no room for the labels")
 
     def list_figures(results, name, *more):
-        return ((kind, fail if name == "Qx" else f) for kind, f in drawn(results, name, *more))
+        return ((kind, fail if name == "Qx" else f) for kind, f in original(results, name, *more))
 
-    drawn = figures._figures
+    original = figures._figures
     monkeypatch.setattr(figures, "_figures", list_figures)
     with pytest.warns(UserWarning, match="Qx-(map|curves) is omitted: no room"):
         paths = save_figures(done, tmp_path, quantities=("Qx", "p_max"))

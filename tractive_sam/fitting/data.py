@@ -1,7 +1,7 @@
 """Measured values of the data sets, read and checked, and their standard deviations."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import log
 from pathlib import Path
@@ -13,7 +13,7 @@ from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Nois
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, shorten, suggest_name, warn
-from tractive_sam.text_table import TextError, TextTable, find_marks, read_table
+from tractive_sam.text_table import TextError, TextTable, find_marks, list_first, read_table
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ class Measured:
         return "row", np.arange(len(self.observed), dtype=float)
 
 
-def read_measured(data: Data, key: str) -> Measured:
+def read_measured(data: Data, key: str, others: Sequence[Data] = ()) -> Measured:
     """Read and check the measurements of a data set; faults name its table `key`.
 
     Parameters
@@ -136,20 +136,19 @@ def read_measured(data: Data, key: str) -> Measured:
         The data set.
     key : str
         Its key in messages, like ``fit.data[0]``.
+    others : sequence of Data
+        Further data sets, which may read other columns of the same file.
 
     Raises
     ------
     FitError
         If columns are missing, have other than finite numbers, or give no noise.
     """
-    wanted = [*data.vary, *(["y", DEPTH] if data.profile else data.observe)]
-    wanted += [data.uncertainty.column] if data.uncertainty.column else []
     source = f"{key}.{'file' if data.values is None else 'values'}"
     numbers, faults = {}, []
     try:
         columns = _table_of(data, key)
-        for name in wanted:
-            column = data.columns.get(name, name)
+        for name, column in _find_columns(data).items():
             place = columns.find(column)
             if place is None:
                 hint = suggest_name(name, columns.labels)
@@ -172,7 +171,20 @@ def read_measured(data: Data, key: str) -> Measured:
         faults.append(Fault(source, shorten(data.file), reason))
     if faults:
         raise FitError(faults)
+    sharing = [data, *(one for one in others if data.file and one.file == data.file)]
+    read = {column for one in sharing for column in _find_columns(one).values()}
+    pairs = zip(columns.labels, columns.names, strict=True)
+    if unused := [label for label, name in pairs if not {label, name} & read]:
+        where = Path(data.file or "values").name
+        warn(f"fit.data: columns of {where} that are not read: {list_first(unused, 5)}")
     return _measured(data, key, numbers)
+
+
+def _find_columns(data: Data) -> dict[str, str]:
+    """Return the columns that a data set reads, by the names of their quantities."""
+    names = [*data.vary, *(["y", DEPTH] if data.profile else data.observe)]
+    names += [data.uncertainty.column] if data.uncertainty.column else []
+    return {name: data.columns.get(name, name) for name in names}
 
 
 def _table_of(data: Data, key: str) -> TextTable:

@@ -499,7 +499,7 @@ def read_all(table: Fit) -> list[Measured]:
     faults: list[Fault] = []
     for k, data in enumerate(table.data):
         try:
-            measured.append(read_measured(data, f"fit.data[{k}]"))
+            measured.append(read_measured(data, f"fit.data[{k}]", table.data))
         except FitError as error:
             faults += error.faults
     if faults:

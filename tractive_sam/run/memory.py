@@ -97,10 +97,6 @@ KRYLOV_VECTORS = 30.0
 """Vectors that a Krylov space in single precision takes, with all else of an iterate, in doubles
 (measured on `spin` with 200 to 400 elements along a side)."""
 
-RECTANGLE = 178.0
-"""Spectra and buffers of both problems on a rectangle around the contact, in doubles for each of
-its elements (measured on `twin-discs` with 256 elements along a side)."""
-
 FITS = 0.9
 """Fraction of the free memory that a proposed size takes."""
 
@@ -127,7 +123,8 @@ def contact_bytes(model: Model) -> float:
     process, schedule = process_of(model), model.scene.schedule
     # Of the patches of a wheel, plans and tables remain; measured on `wheel-rail`.
     patches = 1 if schedule.in_sequence else 1 + _count_records(model)
-    rectangles = RECTANGLE * sizes * min(around, 0.27 * elements)
+    # Spectra and buffers of both problems on each further rectangle; measured on `twin-discs`.
+    rectangles = 178.0 * sizes * min(around, 0.27 * elements)
     block = 8.0 * (patches * (spectra + vectors * fields) + rectangles)
     observed = sum(observer.bytes_needed(model) for observer in process.following)
     return block * len(model.blocks) + observed
@@ -137,7 +134,7 @@ def _rectangles(model: Model) -> tuple[float, float]:
     """Return the part of the mesh on which a contact that wears is solved, and its further sizes.
 
     The solvers use a rectangle around the contact. As it wears, each size of the rectangle has its
-    spectra and buffers, of which those of eight sizes remain.
+    spectra and buffers; those of eight sizes remain.
     """
     scene, hertz = model.scene, model.scene.hertz
     if scene.wear is None:

@@ -276,7 +276,7 @@ def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
         if name in attributes:
             values = np.where(values == np.ravel(attributes[name])[0], np.nan, values)
     scale, offset = (
-        float(np.ravel(attributes.get(name, default))[0])
+        np.asarray(attributes.get(name, default), float).item()  # an error for several
         for name, default in (("scale_factor", 1.0), ("add_offset", 0.0))
     )
     return values if (scale, offset) == (1.0, 0.0) else scale * values + offset
@@ -314,6 +314,8 @@ def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapD
     if array.dtype.names is not None:
         _check_names(path, array.dtype.names, "field")
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
+    if array.dtype.kind not in "fiu":
+        raise GapError(path, f"an array of {array.dtype}", "an array of real numbers")
     return _gap_from_matrix(path, settings, np.asarray(array, float))
 
 

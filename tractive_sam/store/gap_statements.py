@@ -53,7 +53,8 @@ def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str,
     for remark in table.remarks:
         units = find_length_units(remark.value)
         is_above = remark.line < table.lines[0]
-        if units and is_above and not table.names and remark.states("unit of values"):
+        is_unit = bool(remark.states("unit of values")) and not remark.states("scale")
+        if units and is_above and not table.names and is_unit:
             stated["unit"] = units[0]
         elif units and (size := remark.states("size")):
             stated[remark.key] = float(size[1]) * LENGTHS[units[0]]
