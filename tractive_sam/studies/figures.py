@@ -120,7 +120,7 @@ def study_figures(
     for name in names:
         for kind, draw in _figures(results, name, index, title):
             stem = "-".join((name.replace(" ", "-"), kind, *_name_parts(fixed)))
-            caption = f"{results.quantities[name].long_name} of the last record of each case."
+            caption = f"{results.quantities[name].long_name}, in the last record of each case."
             yield Drawing(stem, caption[0].upper() + caption[1:], draw)
 
 
