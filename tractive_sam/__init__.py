@@ -40,6 +40,8 @@ stress_volume, fatigue
 
 **Any file** open_any, Document
 
+**Levels of the model** compare_levels, Levels
+
 **Many scenes** Study, StudyResults, open_study; CreepTable, TableDesign, open_table, write_fmu
 
 **Fits** fit, FitDesign, FitResult, open_fit, FitError

@@ -13,6 +13,8 @@ from .fitting import FitError as FitError
 from .fitting import FitResult as FitResult
 from .fitting import fit as fit
 from .fitting import open_fit as open_fit
+from .levels import Levels as Levels
+from .levels import compare_levels as compare_levels
 from .lookup import CreepTable as CreepTable
 from .mechanics import Bound as Bound
 from .mechanics import Coulomb as Coulomb

@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import zip_longest
 from typing import Any, Protocol
 
 from tractive_sam.safe_text import Html, as_html, fill, printable_text
@@ -90,6 +91,20 @@ class TextTable:
         headings = tuple(rows[0]) if rows else ()
         numbers = frozenset(range(1, len(headings)))
         return cls([[*row.values()] for row in rows], headings, numbers)
+
+    def to_text(self) -> str:
+        """Return the table as aligned lines."""
+        lines = [*zip_longest(*(heading.split("\n") for heading in self.headings), fillvalue="")]
+        cells = [*lines, *([printable_text(text) for text in row] for row in self.rows)]
+        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
+        texts = (
+            "  ".join(
+                f"{text:>{width}}" if number in self.numbers else f"{text:{width}}"
+                for number, (text, width) in enumerate(zip(line, widths, strict=True))
+            ).rstrip()
+            for line in cells
+        )
+        return "\n".join([*texts, *filter(None, [self.caption])])
 
     def to_html(self) -> Html:
         """Return the table as HTML."""

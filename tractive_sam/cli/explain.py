@@ -8,6 +8,7 @@ import typer
 from rich import box
 from rich.table import Table
 
+import tractive_sam as ts
 from tractive_sam.cli.output import (
     console,
     invalid_exit,
@@ -25,6 +26,7 @@ from tractive_sam.cli.scene_input import (
     complete_tables,
     read_scene,
 )
+from tractive_sam.description import Description
 
 
 def explain(
@@ -32,6 +34,7 @@ def explain(
     settings: Settings = None,
     allow: Allow = None,
     workers: Annotated[int | None, typer.Option(min=1, metavar="N")] = None,
+    error: Annotated[float | None, typer.Option(min=1e-4, max=0.5, metavar="SHARE")] = None,
 ) -> None:
     """Describe what the model includes and neglects, and estimate memory and time.
 
@@ -41,6 +44,10 @@ def explain(
     ----------
     workers
         Number of processes that run a study; by default, one for each core.
+    error
+        Also compare closed forms, simplified theories, tables and meshes for the unworn contact of
+        a scene, and name the cheapest one whose relative error of forces and peak pressure is below
+        this one, for example 0.02.
     """
     from tractive_sam.documents import SceneRequest, StudyRequest, find_kind
 
@@ -53,6 +60,11 @@ def explain(
         content = read_scene(scene, settings) if is_scene else kind.read(scene)
         document = kind(scene, content)
         sections = document.explain(workers)
+        if error is not None:
+            if not isinstance(document, SceneRequest):
+                raise invalid_exit(f"--error: {scene} is {kind.noun}, and levels are of a scene")
+            levels = ts.compare_levels(document.content, max(error / 10.0, 1e-4))
+            sections = Description((*sections, levels.section(error)))
         for note in document.notes() if isinstance(document, StudyRequest) else ():
             print_note(note)
     print_description(document.title, sections)

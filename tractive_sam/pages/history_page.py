@@ -104,6 +104,9 @@ def _page(history: History, measured: Measurements | None) -> str:
     own_script = files(__package__).joinpath("report.js").read_text("utf-8")
     kind = "good" if history.finished else "part" if history.status == "running" else "bad"
     notes, facts = [*_notes(history), *data.pop("leftOut")], describe_history(history)
+    text = json.dumps(data, allow_nan=False)
+    for sign in "<\u2028\u2029":  # text must not end the script element that contains it
+        text = text.replace(sign, f"\\u{ord(sign):04x}")
     named = [f"{name} {number}" for name, number in history.versions.items()]
     return fill_page(
         __package__,
@@ -123,7 +126,7 @@ def _page(history: History, measured: Measurements | None) -> str:
         scene=_scene(history),
         versions=", ".join(named or [f"tractive-sam {version('tractive-sam')}"]),
         plotly=Html(script),
-        data=Html(_escape_script(json.dumps(data, allow_nan=False))),
+        data=Html(text),
         script=Html(own_script),
     )
 
@@ -157,11 +160,6 @@ _SECTION = """<section id="pictures" aria-labelledby="pictures-head">
 $cards</div>
 </section>
 """
-
-
-def _escape_script(data: str) -> str:
-    """Escape JSON so that its text cannot end the script element that contains it."""
-    return data.replace("<", "\\u003c").replace("\u2028", "\\u2028").replace("\u2029", "\\u2029")
 
 
 def _notes(history: History) -> list[str]:

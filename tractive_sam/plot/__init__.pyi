@@ -67,6 +67,7 @@ from .study import FittedCurve as FittedCurve
 from .study import Variable as Variable
 from .study import confidence_ellipses as confidence_ellipses
 from .study import creep_force_curve as creep_force_curve
+from .study import error_over_time as error_over_time
 from .study import fitted_curve as fitted_curve
 from .study import profile_likelihood as profile_likelihood
 from .study import study_curves as study_curves

@@ -397,6 +397,44 @@ def table_errors(table: CreepTable, *, smallest: float = 1e-6) -> Figure:
     return figure
 
 
+@apply_style
+def error_over_time(
+    points: Mapping[str, tuple[float, float]], uncertainty: float, *, title: str = ""
+) -> Figure:
+    """Draw the error of levels of a model over their time: what more time buys.
+
+    Parameters
+    ----------
+    points : mapping of str to (float, float)
+        CPU time, s, and relative error of each level, by its name; those named "mesh ..." are
+        joined by a line.
+    uncertainty : float
+        Relative error of the reference: smaller errors are drawn there, in the shaded range.
+    title : str
+        Title of the figure.
+
+    Examples
+    --------
+    >>> plot.error_over_time({"closed form": (1e-5, 0.03), "mesh of 9 x 9": (3e-3, 4e-3)}, 1e-4)
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.25, 0.75, title)
+    smallest = max(uncertainty, 1e-6)
+    meshes = {name: point for name, point in points.items() if name.startswith("mesh")}
+    for name, (seconds, error) in points.items():
+        if name not in meshes:
+            axes.plot(1e3 * seconds, 100.0 * max(error, smallest), "o", label=name)
+    if meshes:
+        seconds, errors = np.array([*meshes.values()]).T
+        sizes = [name.removeprefix("mesh of ") for name in meshes]
+        axes.plot(1e3 * seconds, 100.0 * np.maximum(errors, smallest), "s-", color=LOOK.blue,
+                  label=f"meshes, {sizes[0]} to {sizes[-1]}")  # fmt: skip
+    axes.set(xscale="log", yscale="log", xlabel="CPU time (ms)", ylabel="error (%)")
+    axes.axhspan(axes.get_ylim()[0], 100.0 * smallest, color=LOOK.grey, alpha=0.2, zorder=0)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.18), fontsize="small")
+    return figure
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedCurve(ShortArrays):
     """Measured values of one observation beside the fitted model, to be drawn.
