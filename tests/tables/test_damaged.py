@@ -1,7 +1,6 @@
 """Files of tables with wrong parts are refused when they are opened, each by its variable."""
 
 import re
-import shutil
 
 import h5py
 import numpy as np
@@ -9,10 +8,11 @@ import pytest
 from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tests.tables import copy_without_seal
 from tractive_sam.cli import app
 from tractive_sam.lookup import CreepTable, Hermite, c_sources
 from tractive_sam.store import ResultsError
-from tractive_sam.tables import TableAxis, builtin_tables
+from tractive_sam.tables import TableAxis
 
 C = "p*/__attribute__((constructor))static void go(void){puts(0);}/*"
 NAMES = ("poisson) { system(0); } int g(double q", C, 'p"><evil/>', "../p", "for", "kappa", "u",
@@ -21,8 +21,8 @@ NAMES = ("poisson) { system(0); } int g(double q", C, 'p"><evil/>', "../p", "for
 
 @pytest.fixture
 def steel(tmp_path):
-    """A copy of the file of the built-in table."""
-    return shutil.copy(builtin_tables()["steel"], tmp_path / "steel.nc")
+    """A copy of the built-in table."""
+    return copy_without_seal(tmp_path / "steel.nc")
 
 
 def replaced(path, name, values, **how):

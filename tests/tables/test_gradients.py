@@ -1,7 +1,6 @@
 """Gradients of tables: slopes at rest, and error bars."""
 
 import math
-import shutil
 
 import h5py
 import numpy as np
@@ -9,10 +8,11 @@ import pytest
 from typer.testing import CliRunner
 
 import tractive_sam as ts
+from tests.tables import copy_without_seal
 from tractive_sam.cli import app
 from tractive_sam.lookup import cell_of, share_of_bar
 from tractive_sam.reference import creep_coefficients
-from tractive_sam.tables import builtin_tables, explain_table
+from tractive_sam.tables import explain_table
 from tractive_sam.tables.builder import GradientBars, coefficients
 from tractive_sam.tables.design import Contacts, extrapolate_slopes, rest_meshes, unit_scene
 
@@ -173,9 +173,7 @@ def test_error_bars_of_gradients_scale_and_vanish_with_them(table):
 
 def test_files_from_before_gradients_were_measured(tmp_path, table):
     """They open, give equal forces, and report that the error of gradients is unknown."""
-    path = tmp_path / "old.nc"
-    shutil.copy(builtin_tables()["steel"], path)
-    path.chmod(0o644)
+    path = copy_without_seal(tmp_path / "old.nc")
     with h5py.File(path, "r+") as file:
         del file["gradient_bar"]
         for name in [name for name in file.attrs if name.startswith("gradient_")]:
