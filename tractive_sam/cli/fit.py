@@ -85,7 +85,7 @@ def fit(
     if scene is not None:
         from tractive_sam.output_file import write_file
 
-        write_file(scene, result.scene.to_toml())
+        write_file(scene, result.rounded_scene().to_toml())
     if not quiet:
         print_document(FitDocument(output, result))
     print_message(f"{output}: {result.status}")

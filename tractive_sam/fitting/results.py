@@ -212,10 +212,15 @@ class FitResult:
     @cached_property
     def scene(self) -> Scene:
         """The scene with the fitted values."""
+        return self.rounded_scene(17)
+
+    def rounded_scene(self, digits: int = 6) -> Scene:
+        """Return the scene with the fitted values, rounded to a number of significant digits."""
+        values = {key: float(f"{value:.{digits}g}") for key, value in self.values.items()}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             scene = self.design.fit.scene
-            return scene.replace(**changes_of(scene, self.values))
+            return scene.replace(**changes_of(scene, values))
 
     def next_tests(self) -> list[dict[str, Any]]:
         """Return the candidate tests with their gains, the best one first; empty if not ranked.

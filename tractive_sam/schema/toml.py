@@ -73,8 +73,16 @@ def parse_value(text: str) -> Any:
 
 
 def emit(tables: Mapping[str, Any]) -> str:
-    """Return nested tables as TOML text."""
-    return tomli_w.dumps(_to_toml_types(tables))
+    """Return nested tables as TOML text, with short lists of numbers and texts in one line."""
+    text = tomli_w.dumps(_to_toml_types(tables))
+    in_lines = re.compile(r'\[\n((?:    (?:[-+.\w:]+|"(?:[^"\\\n]|\\.)*"),\n)+)\]')
+
+    def join(match: re.Match[str]) -> str:
+        items = " ".join(line.removeprefix("    ") for line in match[1].split("\n"))
+        items = items.rstrip(" ,")
+        return f"[{items}]" if len(items) <= 80 else match[0]
+
+    return in_lines.sub(join, text)
 
 
 def _to_toml_types(value: Any) -> Any:
