@@ -337,8 +337,7 @@ class TextTable:
         rows = len(self.rows)
         if counts := remark.states("counts"):
             if not self._has_size([int(count) for count in counts.groups() if count], remark.text):
-                value = f"{remark.place}, but {rows} rows"
-                raise TextError(value, f"a complete file; or {cure}")
+                raise TextError(f"{remark.place}, but {rows} rows", f"a complete file; or {cure}")
             return False
         if remark.states("scale"):
             value = f"{remark.place}, which is not applied"
@@ -416,8 +415,7 @@ def read_table(
     try:
         table = parse_table(read_text(path, max_bytes, None))
     except UnicodeDecodeError:
-        allowed = "text in UTF-8, UTF-16 or Windows-1252"
-        raise TextError("bytes that are no text", allowed) from None
+        raise TextError("bytes that are no text", "text in UTF-8, UTF-16 or Windows-1252") from None
     if named and not table.names:
         raise TextError("no header row", "a row of column names above the numbers")
     return table
@@ -467,8 +465,7 @@ def parse_table(text: str, first_line: int = 1) -> TextTable:
         cells = _split(line.text, separator)
         if parse_number(cells[0], decimal) is not None and cells != count:
             value = f"line {line.line}, {line.text.strip()[:40]!r}, before the table"
-            allowed = f"rows of {width} cells; headings that begin with a letter or #"
-            raise TextError(value, allowed)
+            raise TextError(value, f"rows of {width} cells; headings that begin with a letter or #")
     remarks = [r for r in remarks if r not in used]
     remarks += [Remark(line.line, line.text.strip()) for line in above]
     if trailing and width > 1 and len(header) < width:

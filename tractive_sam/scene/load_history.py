@@ -250,8 +250,7 @@ def blocks_of(
     1000
     """
     if not isinstance(levels, int) or isinstance(levels, bool) or not 1 <= levels <= MAX_LEVELS:
-        allowed = f"an integer from 1 to {MAX_LEVELS}"
-        raise SceneError([Fault("levels", shorten(levels), allowed)])
+        raise SceneError([Fault("levels", shorten(levels), f"an integer from 1 to {MAX_LEVELS}")])
     if binning != "levels":
         raise SceneError([Fault("binning", shorten(binning), _BY_LEVELS)])
     columns, lines = _columns(measured)

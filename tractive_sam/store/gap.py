@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +15,13 @@ from numpy.typing import ArrayLike
 from tractive_sam import scene
 from tractive_sam.input_file import open_regular
 from tractive_sam.scene import ALONG, TEXTS
-from tractive_sam.schema import warn
 from tractive_sam.store.errors import GapError
 from tractive_sam.store.gap_statements import (
     NAMES,
     agree_units,
     name_unused,
     names_scale,
+    note,
     read_heading,
     read_units,
 )
@@ -117,8 +118,8 @@ def _read(settings: scene.Gap) -> Gap:
         raise GapError(path, f"the suffix {path.suffix!r}", f"one of {', '.join(_READERS)}")
     try:
         data = _READERS[suffix](path, settings)
-        _check_grid(path, data)
-        data = replace(data, values=_fill(path, settings, data))
+        _check_grid(data)
+        data = replace(data, values=_fill(settings, data))
     except FileNotFoundError:
         raise GapError(path, "no such file", "an existing file") from None
     except (GapError, Warning):
@@ -132,8 +133,8 @@ def _read(settings: scene.Gap) -> Gap:
     return settings.in_mm(data.x, data.y, data.values, data.units)
 
 
-def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
-    """Return values with interpolated missing points; GapError if the scene does not allow it.
+def _fill(settings: scene.Gap, data: _GapData) -> np.ndarray:
+    """Return values with interpolated missing points; TextError if the scene does not allow it.
 
     Numbers such as -9999, with which instruments mark missing points, are missing values.
     """
@@ -151,10 +152,10 @@ def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
             text = f"{extreme:g} at {(values == extreme).sum() // repeats} points, "
             text += f"{factor:.3g} times the largest of the other values"
             if others is inner and factor > 1000.0:
-                warn(f"gap: {path.name}: {text}; remove outliers")
+                note(settings, f"{text}; remove outliers")
             elif others is finite and settings.missing is None:
                 cure = 'values at all points; gap.missing = "interpolate" replaces such marks'
-                raise GapError(path, text, cure)
+                raise TextError(text, cure)
             elif others is finite:
                 values[values == extreme] = np.nan
     missing = np.isnan(values)
@@ -166,8 +167,7 @@ def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
     text = f"{missing.sum() // repeats} of {missing.size // repeats} points are missing, the first "
     text += f"at {place}"
     if settings.missing is None:
-        cure = 'finite numbers; gap.missing = "interpolate" replaces missing points'
-        raise GapError(path, text, cure)
+        raise TextError(text, 'finite numbers; gap.missing = "interpolate" replaces missing points')
     across, width_across = _interpolate_rows(data.y, values)
     along, width_along = (array.T for array in _interpolate_rows(data.x, values.T))
     width = np.minimum(width_across, width_along)
@@ -179,11 +179,11 @@ def _fill(path: Path, settings: scene.Gap, data: _GapData) -> np.ndarray:
         where = hole if np.isfinite(widest) else "also at an edge"
         cure = f"holes up to {limit:.4g}; gap.missing_width for wider ones, or a map without its "
         cure += "edge"
-        raise GapError(path, f"{text}; {where}", cure)
+        raise TextError(f"{text}; {where}", cure)
     weights = 1.0 / width_across, 1.0 / width_along
     filled = (weights[0] * across + weights[1] * along) / np.maximum(sum(weights), 1e-300)
     values[missing] = filled[missing]
-    warn(f"gap: {path.name}: {text}; interpolated, the widest hole is {widest:.3g} wide")
+    note(settings, f"{text}; interpolated, the widest hole is {widest:.3g} wide")
     return values
 
 
@@ -204,7 +204,7 @@ def _interpolate_rows(places: np.ndarray, values: np.ndarray) -> tuple[np.ndarra
 def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in the datasets x, y and separation of an HDF5 file, with their units."""
     with open_to_read(path) as file:
-        _check_names(path, file, "dataset")
+        _check_names(settings, file, "dataset")
         parts = [numeric_dataset(get_member(file, name)) for name in NAMES]
         names = [
             {dimension.label, *(h5py.h5i.get_name(scale.id).decode() for scale in scales)}
@@ -212,7 +212,7 @@ def _read_hdf5(path: Path, settings: scene.Gap) -> _GapData:
             for scales in (dimension.values(),)
         ]
         arrays = [(dataset[()], dict(dataset.attrs)) for dataset in parts]
-        return _from_datasets(path, settings, arrays, names, file.attrs)
+        return _from_datasets(settings, arrays, names, file.attrs)
 
 
 def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
@@ -222,24 +222,23 @@ def _read_netcdf(path: Path, settings: scene.Gap) -> _GapData:
             return _read_hdf5(path, settings)
         opened.seek(0)
         with scipy.io.netcdf_file(opened, mmap=False) as file:
-            _check_names(path, file.variables, "variable")
+            _check_names(settings, file.variables, "variable")
             parts = [file.variables[name] for name in NAMES]
             arrays = [(part.data, vars(part)["_attributes"]) for part in parts]
             names = [{name} for name in parts[2].dimensions]
             attributes = vars(file)["_attributes"]
-            return _from_datasets(path, settings, arrays, names, attributes)
+            return _from_datasets(settings, arrays, names, attributes)
 
 
-def _check_names(path: Path, found: Collection[str], kind: str) -> None:
-    """Raise a GapError unless x, y and separation are among the names of datasets or fields."""
+def _check_names(settings: scene.Gap, found: Collection[str], kind: str) -> None:
+    """Raise a TextError unless x, y and separation are among the names of datasets or fields."""
     missing = [name for name in NAMES if name not in found]
     if missing:
-        raise GapError(path, f"no {kind} {', '.join(missing)}", f"{kind}s {', '.join(NAMES)}")
-    name_unused(path, [name for name in found if name not in NAMES])
+        raise TextError(f"no {kind} {', '.join(missing)}", f"{kind}s {', '.join(NAMES)}")
+    name_unused(settings, [name for name in found if name not in NAMES])
 
 
 def _from_datasets(
-    path: Path,
     settings: scene.Gap,
     parts: Sequence[tuple[np.ndarray, Mapping[str, Any]]],
     dimensions: Sequence[set[str]],
@@ -249,7 +248,7 @@ def _from_datasets(
 
     Parameters
     ----------
-    path, settings : Path, Gap
+    settings : Gap
         See `_read`.
     parts : sequence of (ndarray, mapping)
         Stored numbers and attributes of x, y and separation.
@@ -258,15 +257,15 @@ def _from_datasets(
     of_file : mapping
         Attributes of the file.
     """
-    units = read_units(path, settings, [attributes for _, attributes in parts], of_file)
+    units = read_units(settings, [attributes for _, attributes in parts], of_file)
     x, y, values = (_unpack(*part) for part in parts)
     names = [{name.strip("/") for name in texts} - {""} for texts in dimensions]
     if names == [{"y"}, {"x"}]:
         values = values.T
     elif any(names) and names != [{"x"}, {"y"}]:
         stated = ", ".join("/".join(sorted(name)) or "without a name" for name in names)
-        raise GapError(path, f"separation with the dimensions {stated}", "the dimensions x and y")
-    return _GapData(_finite(path, x, "x"), _finite(path, y, "y"), values, units)
+        raise TextError(f"separation with the dimensions {stated}", "the dimensions x and y")
+    return _GapData(_finite(x, "x"), _finite(y, "y"), values, units)
 
 
 def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
@@ -284,65 +283,65 @@ def _unpack(stored: np.ndarray, attributes: Mapping[str, Any]) -> np.ndarray:
 
 def _read_npy(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in an .npy file: fields x, y, separation, or a matrix."""
-    return _gap_from_array(path, settings, read_array(path))
+    return _gap_from_array(settings, read_array(path))
 
 
 def _read_npz(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in an .npz file: x, y and separation (or height, z), or a single array."""
     arrays = read_archive(path)
     if len(arrays) == 1:
-        return _gap_from_array(path, settings, *arrays.values())
+        return _gap_from_array(settings, *arrays.values())
     measured = [name for name in _HEIGHTS if name in arrays]
     if len(measured) != 1 or "y" not in arrays:
         needed = f"y, one of {', '.join(_HEIGHTS)}, and x except for a profile; or a single array"
-        raise GapError(path, f"arrays {', '.join(arrays)}", needed)
+        raise TextError(f"arrays {', '.join(arrays)}", needed)
     others = [name for name in arrays if name not in ("x", "y", *measured)]
     scales = [n for n in others if names_scale(n) or "unit" in n.lower()]
     if scales and None in (settings.unit, settings.length_unit):
         cure = "gap.unit and gap.length_unit, and numbers without other scales"
-        raise GapError(path, f"the array {scales[0]} = {arrays[scales[0]]}"[:80], cure)
-    name_unused(path, others)
-    y, values = _finite(path, arrays["y"], "y"), np.asarray(arrays[measured[0]], float)
-    _check_meaning(path, settings, measured[0], "x" not in arrays)
+        raise TextError(f"the array {scales[0]} = {arrays[scales[0]]}"[:80], cure)
+    name_unused(settings, others)
+    y, values = _finite(arrays["y"], "y"), np.asarray(arrays[measured[0]], float)
+    _check_meaning(settings, measured[0], "x" not in arrays)
     if "x" in arrays:
-        return _GapData(_finite(path, arrays["x"], "x"), y, values)
+        return _GapData(_finite(arrays["x"], "x"), y, values)
     return _gap_from_profile(settings, y, values)
 
 
-def _gap_from_array(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
+def _gap_from_array(settings: scene.Gap, array: np.ndarray) -> _GapData:
     """Return the gap in an array with the fields x, y, separation, or in a matrix."""
     if array.dtype.names is not None:
-        _check_names(path, array.dtype.names, "field")
+        _check_names(settings, array.dtype.names, "field")
         array = np.stack([array[name].ravel() for name in NAMES], axis=-1)
     if array.dtype.kind not in "fiu":
-        raise GapError(path, f"an array of {array.dtype}", "an array of real numbers")
-    return _gap_from_matrix(path, settings, np.asarray(array, float))
+        raise TextError(f"an array of {array.dtype}", "an array of real numbers")
+    return _gap_from_matrix(settings, np.asarray(array, float))
 
 
-def _finite(path: Path, values: ArrayLike, name: str) -> np.ndarray:
-    """Return values as an array; raise a GapError unless all are finite numbers."""
+def _finite(values: ArrayLike, name: str) -> np.ndarray:
+    """Return values as an array; raise a TextError unless all are finite numbers."""
     array = np.asarray(values, float)
     wrong = np.argwhere(~np.isfinite(array))
     if wrong.size:
         places = [f"{array[tuple(index)]} in {name}{index.tolist()}" for index in wrong]
-        raise GapError(path, list_first(places, 1), "finite numbers")
+        raise TextError(list_first(places, 1), "finite numbers")
     return array
 
 
 def _read_text(path: Path, settings: scene.Gap) -> _GapData:
     """Return the gap in a text file: points, a profile, heights, or a matrix with x and y."""
     table = read_table(path, 2**30)  # about 5000 x 5000 numbers
-    heading = read_heading(path, settings, table)
+    heading = read_heading(settings, table)
     if table.names:
-        return _gap_from_columns(path, settings, table)
+        return _gap_from_columns(settings, table)
     shape = len(table.rows), len(table.rows[0])
     unit, scale = heading.get("unit", "mm"), LENGTHS[settings.length_unit or "mm"]
     sizes = [heading.get(key, 0.0) for key in ("height", "width")]  # rows: x; columns: y
     if settings.step is None and all(sizes):
         step = sizes[0] / shape[0], sizes[1] / shape[1]
         text = f"a matrix of {shape[0]} x {shape[1]} points, {sizes[0]:g} x {sizes[1]:g} mm by its "
-        warn(f"gap: {path.name}: {text}heading: {step[0]:.6g} and {step[1]:.6g} mm between points")
-        values = _read_cells(path, settings, table)
+        note(settings, f"{text}heading: {step[0]:.6g} and {step[1]:.6g} mm between points")
+        values = _read_cells(settings, table)
         return _centre(values, (step[0] / scale, step[1] / scale), ("mm", unit))
     if settings.step is not None:
         lengths = [scale * step for step in settings.step]
@@ -350,25 +349,25 @@ def _read_text(path: Path, settings: scene.Gap) -> _GapData:
             if size and not 0.99 * size <= length * n <= 1.01 * size * n / (n - 1):
                 value = f"{size:g} mm along {name} in its heading, and {n} points"
                 cure = f"gap.step = {size / n:.4g} mm along {name} for rows along x"
-                raise GapError(path, value, cure)
+                raise TextError(value, cure)
     corner = parse_number(table.rows[0][0], table.decimal)
     if settings.step is not None or (corner is not None and shape[1] <= len(NAMES)):
-        data = _gap_from_matrix(path, settings, _read_cells(path, settings, table))
+        data = _gap_from_matrix(settings, _read_cells(settings, table))
         return replace(data, units=(data.units[0], unit))
     if corner:
         value = "a matrix without coordinates"
         cure = "gap.step = [dx, dy]; or y in the first row, x in the first column and text or 0 in "
-        raise GapError(path, value, cure + "the corner; or columns x, y, separation")
+        raise TextError(value, cure + "the corner; or columns x, y, separation")
     table.rows[0][0] = "0"  # the corner may contain any text
-    matrix = _read_cells(path, settings, table)
+    matrix = _read_cells(settings, table)
     data = _GapData(matrix[1:, 0], matrix[0, 1:], matrix[1:, 1:], ("mm", unit))
     if corner is not None:
-        _check_corner(path, data)
+        _check_corner(data)
     return data
 
 
-def _check_corner(path: Path, data: _GapData) -> None:
-    """Raise a GapError unless a matrix with 0 in its corner certainly contains coordinates."""
+def _check_corner(data: _GapData) -> None:
+    """Raise a TextError unless a matrix with 0 in its corner certainly contains coordinates."""
     for axis in (data.x, data.y):
         steps = np.diff(axis)
         if axis.size < 3 or not np.allclose(steps, steps.mean(), rtol=1e-3) or steps.mean() <= 0.0:
@@ -378,59 +377,54 @@ def _check_corner(path: Path, data: _GapData) -> None:
         if not np.allclose(data.values, sums, atol=0.05 * np.ptp(sums)):
             return
     value = "a matrix whose first row and column may be coordinates or heights"
-    raise GapError(path, value, "gap.step = [dx, dy]; or a word in the corner between x and y")
+    raise TextError(value, "gap.step = [dx, dy]; or a word in the corner between x and y")
 
 
 def _read_cells(
-    path: Path, settings: scene.Gap, table: TextTable, columns: Sequence[int] | None = None
+    settings: scene.Gap, table: TextTable, columns: Sequence[int] | None = None
 ) -> np.ndarray:
-    """Return numbers of a table; GapError for missing ones, unless the scene fills them."""
+    """Return numbers of a table; TextError for missing ones, unless the scene fills them."""
     try:
         return table.numbers(columns)
     except TextError as error:
         values = table.numbers(columns, missing=True)  # an error if any cell is no number
         if settings.missing is None:
             cure = f'{error.allowed}; gap.missing = "interpolate" replaces missing points'
-            raise GapError(path, error.value, cure) from None
+            raise TextError(error.value, cure) from None
         return values
 
 
-def _gap_from_columns(path: Path, settings: scene.Gap, table: TextTable) -> _GapData:
+def _gap_from_columns(settings: scene.Gap, table: TextTable) -> _GapData:
     """Return the gap of a profile or of points in named columns."""
     names = [re.sub(r"[\s_]*\d?$", "", name.lower()) for name in table.names]
     order = _find_columns(names)
     if order is None or settings.step is not None:
         value = f"columns {', '.join(table.labels)}" + (" and gap.step" if order else "")
         cure = f"x, y and one of {', '.join(_HEIGHTS)}; or one of these and y, x, lateral, position"
-        raise GapError(path, value, cure)
-    _check_meaning(path, settings, names[order[-1]], len(order) == 2)
+        raise TextError(value, cure)
+    _check_meaning(settings, names[order[-1]], len(order) == 2)
     labels, units = ([texts[k] for k in order] for texts in (table.labels, table.units))
-    stated = agree_units(path, settings, labels, units, "a header without the unit of")
+    stated = agree_units(settings, labels, units, "a header without the unit of")
     places = table.numbers(order[:-1])
-    points = np.column_stack([places, _read_cells(path, settings, table, order[-1:])])
+    points = np.column_stack([places, _read_cells(settings, table, order[-1:])])
     if len(order) == 2:
         return _gap_from_profile(settings, points[:, 0], points[:, 1], stated)
-    return replace(_gap_from_points(path, settings, points), units=stated)
+    return replace(_gap_from_points(settings, points), units=stated)
 
 
 def _find_columns(names: Sequence[str]) -> list[int] | None:
     """Return the indices of the place and the height, or of x, y and height; None if not clear."""
-    if len(names) == 3 and {"x", "y"} < {*names}:
-        k = ({0, 1, 2} - {names.index("x"), names.index("y")}).pop()
-        return [names.index("x"), names.index("y"), k] if names[k] in _HEIGHTS else None
-    if len(names) != 2:
-        return None
-    if [*names] == ["x", "y"]:
-        return [0, 1]
     places = ("x", "y", "s", "lateral", "longitudinal", "position", "distance", "length", "along",
               "lateral position", "longitudinal position", "x position", "y position")  # fmt: skip
-    for order in ([0, 1], [1, 0]):
-        if names[order[0]] in places and names[order[1]] in _HEIGHTS:
-            return order
-    return None
+    for order in permutations(range(len(names))) if len(names) in (2, 3) else ():
+        *before, height = (names[k] for k in order)
+        known = before == ["x", "y"] if len(names) == 3 else before[0] in places
+        if known and height in _HEIGHTS:
+            return [*order]
+    return [0, 1] if [*names] == ["x", "y"] else None
 
 
-def _gap_from_matrix(path: Path, settings: scene.Gap, array: np.ndarray) -> _GapData:
+def _gap_from_matrix(settings: scene.Gap, array: np.ndarray) -> _GapData:
     """Return the gap in a matrix: heights over a grid, a profile, or points (x, y, z)."""
     if array.ndim == 2 and settings.step is not None:
         for name, lines in (("column", array.T), ("row", array)):
@@ -439,17 +433,17 @@ def _gap_from_matrix(path: Path, settings: scene.Gap, array: np.ndarray) -> _Gap
             if steps.shape[1] > 2 and steps[0, 0] and even[0] and not even.all():
                 value = f"a first {name} of evenly spaced numbers, and gap.step"
                 cure = "heights alone, without coordinates or row numbers; or no gap.step"
-                raise GapError(path, value, cure)
+                raise TextError(value, cure)
         if array.shape[1] == len(NAMES):
             sizes = [np.unique(column).size for column in array.T[:2]]
             if min(sizes) > 1 and sizes[0] * sizes[1] == len(array):
                 value = f"points of a grid, {sizes[0]} x {sizes[1]}, in three columns, and gap.step"
-                raise GapError(path, value, "a matrix of heights alone; or no gap.step")
+                raise TextError(value, "a matrix of heights alone; or no gap.step")
         return _centre(array, settings.step)
     if array.ndim == 2 and array.shape[1] == 2:
-        _check_meaning(path, settings, "", True)
-        return _gap_from_profile(settings, _finite(path, array[:, 0], "y"), array[:, 1])
-    return _gap_from_points(path, settings, array)
+        _check_meaning(settings, "", True)
+        return _gap_from_profile(settings, _finite(array[:, 0], "y"), array[:, 1])
+    return _gap_from_points(settings, array)
 
 
 def _centre(
@@ -462,16 +456,16 @@ def _centre(
     return _GapData(x, y, values, units)
 
 
-def _check_meaning(path: Path, settings: scene.Gap, name: str, is_profile: bool) -> None:
-    """Raise a GapError if it is not clear whether values are a separation or heights of a body."""
+def _check_meaning(settings: scene.Gap, name: str, is_profile: bool) -> None:
+    """Raise a TextError if it is not clear whether values are a separation or heights of a body."""
     separations = ("separation", "gap") if is_profile else ("separation", "gap", "z", "")
     if settings.body is None and name not in separations:
         cure = 'gap.body = "A" or "B" for heights of this body; or the header y, separation'
         value = f"a column {name} without a body" if name else "a profile without a body"
-        raise GapError(path, f"{value} or the header separation", cure)
+        raise TextError(f"{value} or the header separation", cure)
     if name == "depth" and "positive" not in settings.model_fields_set:
         cure = 'gap.positive = "inward" for depths below the surface, or "outward"'
-        raise GapError(path, "a column depth", cure)
+        raise TextError("a column depth", cure)
 
 
 def _gap_from_profile(
@@ -499,16 +493,16 @@ _READERS = {
 }
 
 
-def _gap_from_points(path: Path, settings: scene.Gap, points: np.ndarray) -> _GapData:
-    """Return the gap of points (n, 3) in any order; GapError unless they fill a grid once.
+def _gap_from_points(settings: scene.Gap, points: np.ndarray) -> _GapData:
+    """Return the gap of points (n, 3) in any order; TextError unless they fill a grid once.
 
     With gap.missing, up to half of the points may be absent.
     """
     if points.ndim != 2 or points.shape[1] != len(NAMES):
         cure = "columns x, y, separation; a profile of two columns; or gap.step = [dx, dy] of a "
         cure += "matrix"
-        raise GapError(path, f"an array of shape {points.shape}", cure)
-    _finite(path, points[:, :2], "array")
+        raise TextError(f"an array of shape {points.shape}", cure)
+    _finite(points[:, :2], "array")
     x, i = np.unique(points[:, 0], return_inverse=True)
     y, j = np.unique(points[:, 1], return_inverse=True)
     size = len(x) * len(y)  # n² for n scattered points: do not allocate the grid before the check
@@ -521,28 +515,28 @@ def _gap_from_points(path: Path, settings: scene.Gap, points: np.ndarray) -> _Ga
             k, m = indices[:, counts > 1][:, 0]
             value += f"; x = {x[k]:g}, y = {y[m]:g} occurs {counts.max()} times"
         cure = f"each of the {size} points of the grid once; or gap.step = [dx, dy] of a matrix; "
-        raise GapError(path, value, cure + 'or gap.missing = "interpolate" if few are absent')
+        raise TextError(value, cure + 'or gap.missing = "interpolate" if few are absent')
     separation = np.full((len(x), len(y)), np.nan)
     separation[i, j] = points[:, 2]
     return _GapData(x, y, separation)
 
 
-def _check_grid(path: Path, data: _GapData) -> None:
-    """Raise a GapError unless axes increase, shapes match, and numbers are moderate."""
+def _check_grid(data: _GapData) -> None:
+    """Raise a TextError unless axes increase, shapes match, and numbers are moderate."""
     for name, axis in (("x", data.x), ("y", data.y)):
         if axis.ndim != 1 or axis.size < 2:
-            raise GapError(path, f"{name} of shape {axis.shape}", f"at least 2 values of {name}")
+            raise TextError(f"{name} of shape {axis.shape}", f"at least 2 values of {name}")
         falls = np.flatnonzero(np.diff(axis) <= 0.0)
         if falls.size:
             places = [f"{axis[k + 1]:g} after {axis[k]:g}" for k in falls]
             value = f"{name} that does not increase, {list_first(places, 1)}"
-            raise GapError(path, value, f"increasing {name}")
+            raise TextError(value, f"increasing {name}")
     shape = (data.x.size, data.y.size)
     if data.values.shape != shape:
-        raise GapError(path, f"separation of shape {data.values.shape}", f"the shape {shape}")
+        raise TextError(f"separation of shape {data.values.shape}", f"the shape {shape}")
     if np.isinf(data.values).any():
-        raise GapError(path, "infinite values", "finite numbers")
+        raise TextError("infinite values", "finite numbers")
     arrays = (data.x, data.y, np.nan_to_num(data.values))
     largest = max(float(np.abs(array).max()) for array in arrays)
     if largest > LARGEST:
-        raise GapError(path, f"numbers up to {largest:g}", f"lengths up to {LARGEST:g} mm")
+        raise TextError(f"numbers up to {largest:g}", f"lengths up to {LARGEST:g} mm")

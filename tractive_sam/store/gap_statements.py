@@ -9,10 +9,10 @@ import numpy as np
 
 from tractive_sam import scene
 from tractive_sam.schema import warn
-from tractive_sam.store.errors import GapError
 from tractive_sam.text_table import (
     LENGTHS,
     Remark,
+    TextError,
     TextTable,
     find_length_unit,
     find_length_units,
@@ -29,8 +29,8 @@ def names_scale(name: str) -> bool:
     return bool(re.search(rf"{words}|\bsign", name.lower()))
 
 
-def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str, Any]:
-    """Return the unit and the size of a matrix in a heading; GapError for what is not used.
+def read_heading(settings: scene.Gap, table: TextTable) -> dict[str, Any]:
+    """Return the unit and the size of a matrix in a heading; TextError for what is not used.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str,
     has_words = not table.names and re.search(r"[^\W\d].*[\\/,]|\[", cell)
     corner = [Remark(table.lines[0], cell)] if has_words else []
     for remark in corner if is_matrix and _find_axes(cell) else []:
-        _check_order(path, remark, None, "x/y in the corner for it")
+        _check_order(remark, None, "x/y in the corner for it")
     unused = []
     for remark in table.remarks:
         units = find_length_units(remark.value)
@@ -58,30 +58,28 @@ def read_heading(path: Path, settings: scene.Gap, table: TextTable) -> dict[str,
             stated["unit"] = units[0]
         elif units and (size := remark.states("size")):
             stated[remark.key] = float(size[1]) * LENGTHS[units[0]]
-        elif not _is_layout(path, settings, table, remark, is_matrix):
+        elif not _is_layout(settings, table, remark, is_matrix):
             unused.append(remark)
     used = [*table.units, settings.unit or "", settings.length_unit or ""]
     known = (*LENGTHS, *table.units) if heights and not has_units else used
-    note = table.find_unused(known, unused)
+    text = table.find_unused(known, unused)
     table.find_unused(known, corner)  # an error if the corner has another unit
     for remark in () if heights and lengths else [*unused, *corner]:
         if find_length_units(remark.value) or remark.states("lengths"):
             keys = "gap.unit, gap.length_unit" + ("" if table.names else " and gap.step")
             cure = f"{keys}, which state it; or the file without this line"
-            raise GapError(path, f"{remark.place}, which is not read", cure)
-    if note:
-        warn(f"gap: {path.name}: {note}")
+            raise TextError(f"{remark.place}, which is not read", cure)
+    if text:
+        note(settings, text)
     return stated
 
 
-def _is_layout(
-    path: Path, settings: scene.Gap, table: TextTable, remark: Remark, is_matrix: bool
-) -> bool:
+def _is_layout(settings: scene.Gap, table: TextTable, remark: Remark, is_matrix: bool) -> bool:
     """Return whether a remark states the order or the spacing of the points that is used.
 
     Raises
     ------
-    GapError
+    TextError
         If it states another order, direction or spacing.
     """
     cure = "the file without this line, if it does not apply"
@@ -89,13 +87,13 @@ def _is_layout(
         order = [name.lower() for name in table.names if name.lower() in ("x", "y")] or ["x", "y"]
         if not is_matrix and len(table.rows[0]) == 2 and not table.names:
             order = [settings.profile]
-        _check_order(path, remark, None if is_matrix else order, cure)
+        _check_order(remark, None if is_matrix else order, cure)
         return not find_length_unit(re.sub(r".*[\[(]|[\])].*", "", remark.text))
     if is_matrix and remark.states("origin"):
         value = f"{remark.place}, which is not applied"
-        raise GapError(path, value, f"x and y that increase; or {cure}")
+        raise TextError(value, f"x and y that increase; or {cure}")
     if remark.states("downwards") and "positive" not in settings.model_fields_set:
-        raise GapError(path, f"{remark.place}, and no gap.positive", f"gap.positive; or {cure}")
+        raise TextError(f"{remark.place}, and no gap.positive", f"gap.positive; or {cure}")
     stated = remark.states("step")
     if not (is_matrix and stated and settings.step):
         return False
@@ -106,7 +104,7 @@ def _is_layout(
     texts = re.findall(r"(?<![\w.])\d*\.?\d+(?:e[-+]?\d+)?", remark.value.lower())
     if not all(np.isclose(factor * float(text), steps, rtol=0.01).any() for text in texts):
         value = f"{remark.place}, and gap.step = {list(settings.step)}"
-        raise GapError(path, value, f"a spacing equal to it; or {cure}")
+        raise TextError(value, f"a spacing equal to it; or {cure}")
     return bool(texts)
 
 
@@ -115,24 +113,23 @@ def _find_axes(text: str) -> list[str]:
     return re.findall(r"(?<![^\W_])[xy](?![^\W_])", text.lower())
 
 
-def _check_order(path: Path, remark: Remark, order: Sequence[str] | None, cure: str) -> None:
-    """Raise a GapError if a remark states another order of axes, or of a matrix without `order`."""
+def _check_order(remark: Remark, order: Sequence[str] | None, cure: str) -> None:
+    """Raise a TextError if a remark states another order of axes, or, without one, of a matrix."""
     turned = not order and remark.states("rows along y")
     names = order or ("x", "y")
     axes = _find_axes(remark.text)
     if axes != [*names][: len(axes)] or turned:
         layout = f"the order {', '.join(names)}"
         layout = layout if order else "rows of equal x and columns of equal y"
-        raise GapError(path, f"{remark.place}, another layout", f"{layout}; or {cure}")
+        raise TextError(f"{remark.place}, another layout", f"{layout}; or {cure}")
 
 
 def read_units(
-    path: Path,
     settings: scene.Gap,
     attributes: Sequence[Mapping[str, Any]],
     of_file: Mapping[str, Any],
 ) -> tuple[str, str]:
-    """Return the units of coordinates and separation; GapError for attributes with other scales."""
+    """Return the units of coordinates and separation; a TextError for other scales."""
     used = ("scale_factor", "add_offset", "missing_value")
     hidden = ("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "DIMENSION_LABELS")
     stated: list[set[str]] = []
@@ -148,26 +145,26 @@ def read_units(
             if names_scale(key) and text not in ("1", "1.0", "0", "0.0") and not has_sign:
                 cure = "numbers to which it is applied; units, scale_factor and add_offset of each "
                 cure += "dataset; gap.positive for a direction"
-                raise GapError(path, f"the attribute {key} = {text[:40]} of {name}", cure)
+                raise TextError(f"the attribute {key} = {text[:40]} of {name}", cure)
             if key.casefold() in ("unit", "units"):
                 stated[-1].add(find_length_unit(text) or text)
             elif re.search(r"\d", text) or "unit" in key.lower():
                 unused.append(f"{name}.{key}")
-    name_unused(path, unused)
+    name_unused(settings, unused)
     shared = stated.pop()
     texts = [" and ".join(sorted(units or shared)) for units in stated]
-    return agree_units(path, settings, NAMES, texts, "no attribute units of")
+    return agree_units(settings, NAMES, texts, "no attribute units of")
 
 
 def agree_units(
-    path: Path, settings: scene.Gap, names: Sequence[str], stated: Sequence[str], bare: str
+    settings: scene.Gap, names: Sequence[str], stated: Sequence[str], bare: str
 ) -> tuple[str, str]:
-    """Return the units of coordinates and values; a GapError unless they agree.
+    """Return the units of coordinates and values; a TextError unless they agree.
 
     Parameters
     ----------
-    path, settings : Path, Gap
-        The file, and the table of the scene, whose units replace those of the file.
+    settings : Gap
+        The table of the scene, whose units replace those of the file.
     names, stated : sequence of str
         Names of the coordinates and, at the end, of the values; their units, "" if not stated.
     bare : str
@@ -177,18 +174,23 @@ def agree_units(
     pairs = [*zip(names, units, strict=True)]
     for name, unit in pairs:
         if unit and unit not in LENGTHS:
-            raise GapError(path, f"{name} in {unit}", f"one unit of {', '.join(LENGTHS)}")
+            raise TextError(f"{name} in {unit}", f"one unit of {', '.join(LENGTHS)}")
     if any(units) and not all(units):
         missing = ", ".join(name for name, unit in pairs if not unit)
         cure = "units of all or none; gap.unit and gap.length_unit state them, too"
-        raise GapError(path, f"{bare} {missing}", cure)
+        raise TextError(f"{bare} {missing}", cure)
     if len({*units[:-1]}) > 1:
         listed = ", ".join(f"{name} in {unit}" for name, unit in pairs[:-1])
-        raise GapError(path, listed, "one unit for x and y")
+        raise TextError(listed, "one unit for x and y")
     return units[0] or "mm", units[-1] or "mm"
 
 
-def name_unused(path: Path, names: Sequence[str]) -> None:
+def note(settings: scene.Gap, text: str) -> None:
+    """Issue a warning of what a gap file contains."""
+    warn(f"gap: {Path(str(settings.file)).name}: {text}")
+
+
+def name_unused(settings: scene.Gap, names: Sequence[str]) -> None:
     """Warn of attributes, datasets or arrays that are not read."""
     if names:
-        warn(f"gap: {path.name}: not read: {list_first(names, 5)}")
+        note(settings, f"not read: {list_first(names, 5)}")
