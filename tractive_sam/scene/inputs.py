@@ -300,7 +300,7 @@ def check_exists(path: Path, other_values: str = "") -> None:
         hint = "; a backslash, perhaps? Write / or single quotes" if escaped else ""
         raise ValueError(
             f"{other_values}an existing file, relative to the folder of the scene's file (without "
-            f"one, to the working folder){hint}"
+            f"one, and in --set, to the working folder){hint}"
         )
 
 
