@@ -70,12 +70,16 @@ class BlockOrder:
     offset : ndarray, shape (n_y,)
         Depth worn off before the last revolution, minus the depth in a cycle with constant wear,
         mm.
+    ahead : ndarray, shape (blocks,)
+        Largest difference, at any time of a cycle, between the revolutions of each block so far and
+        those of the mean.
     """
 
     shares: np.ndarray
     delay: np.ndarray
     wear: np.ndarray
     offset: np.ndarray
+    ahead: np.ndarray
     loads: np.ndarray | None = None
     changes: np.ndarray | None = None
 
@@ -97,6 +101,7 @@ class BlockOrder:
         shares = np.array(spectrum.revolutions) / spectrum.cycle
         uneven = rates - np.tensordot(shares, rates, axes=1)
         delay, wear = np.zeros(shares.size), np.zeros(rates.shape)
+        rolled, ahead = np.zeros(shares.size), np.zeros(shares.size)
         start, worn, place = 0.0, np.zeros(rates.shape[1]), (revolution - 1) % spectrum.cycle
         offset = worn
         for count, block in zip(spectrum.each, spectrum.places, strict=True):
@@ -107,7 +112,9 @@ class BlockOrder:
             if start <= place < start + count:
                 offset = worn + (place - start) * uneven[block]
             start, worn = start + count, worn + count * uneven[block]
-        return cls(shares, delay, wear, offset)
+            rolled[block] += count
+            ahead = np.maximum(ahead, abs(rolled - start * shares))
+        return cls(shares, delay, wear, offset, ahead)
 
     def drift(self, responses: Sequence[np.ndarray], revolution: int) -> np.ndarray:
         """Return the worn profile minus the profile that the mean of the blocks would wear, mm.
@@ -188,6 +195,30 @@ class BlockOrder:
             error = share * (self.delay[b] * change + length * shifted)
             total, separate = total + error, separate + abs(error)
         return abs(total) + separate
+
+    def switch_error(
+        self, damage: Callable[[np.ndarray], np.ndarray], used: np.ndarray
+    ) -> np.ndarray:
+        """Return the error of damage if rows of elements come into another state, (n_y, m).
+
+        When an edge of the contact or of the stick area crosses a row, the row gets the stress of
+        its neighbour at once, and the damage of a block changes by a factor. From then on, the
+        mean counts up to `ahead` more or fewer revolutions of the block than there are in order.
+        This is the error of one such change; it does not grow with the number of cycles.
+
+        Parameters
+        ----------
+        damage : callable
+            Damage (n_y, m) of a pass in the material, from utilisation (n_y, n).
+        used : ndarray, shape (blocks, n_y, n)
+            Utilisation in each block.
+        """
+        error = np.zeros(1)
+        for ahead, block in zip(self.ahead, used, strict=True):
+            own, padded = damage(block), np.pad(block, ((1, 1), (0, 0)), "edge")
+            others = (abs(damage(other) - own) for other in (padded[:-2], padded[2:]))
+            error = error + ahead * np.maximum(*others)
+        return error
 
 
 def block_orders(
@@ -270,6 +301,8 @@ class BodyDamage:
     offset : ndarray, shape (n_y,), optional
         Depth that the blocks of a duty cycle in their order have worn off it, minus the depth worn
         by their mean, mm; None for a single load.
+    switch : ndarray, shape (n_y, m), or float
+        Error of the damage if a row of elements comes into another state within this cycle.
     """
 
     fatigue: BodyFatigue
@@ -281,6 +314,7 @@ class BodyDamage:
     initiation: float = math.nan
     missed: float = 0.0
     offset: np.ndarray | None = None
+    switch: np.ndarray | float = 0.0
 
     near_largest: ClassVar[float] = 0.9
     """Damage, over the largest one, from which its error makes jumps shorter."""
@@ -297,10 +331,13 @@ class BodyDamage:
         if self.offset is None:
             return float(error[_remaining(fatigue)].max(initial=0.0))
         top, _ = fatigue.damage_max
+        more = fatigue.damage + error + self.switch
+        # Positive, as damage_max extrapolates to the surface by logarithms.
+        less = np.divide(fatigue.damage**2, more, out=np.zeros_like(more), where=more > 0.0)
         bounds = (
-            fatigue.with_damage(fatigue.zeta, np.maximum(fatigue.damage + sign * error, 0.0), worn)
+            fatigue.with_damage(fatigue.zeta, damage, worn)
             for worn in (fatigue.worn, np.maximum(fatigue.worn + self.offset, 0.0))
-            for sign in (-1.0, 1.0)
+            for damage in (less, more)
         )
         return max(abs(bound.damage_max[0] - top) for bound in bounds)
 
@@ -416,6 +453,8 @@ def after_jump(
     largest = float(missed[near].max(initial=0.0))
     if order is not None:  # shorter jumps do not reduce this error
         missed = missed + last.passes * _block_order_error(last, later, order, jump[0], life)
+        damage = partial(_damage_of_block, later.fatigue, life)
+        later = replace(later, switch=last.passes * order.switch_error(damage, used))
     return replace(
         later,
         fatigue=fatigue,
@@ -484,15 +523,20 @@ def _damage_of_jump(
     return np.maximum(total, 0.0), np.abs(missed)
 
 
+def _damage_of_block(
+    fatigue: BodyFatigue, life: Woehler, used: np.ndarray, worn: np.ndarray | None = None
+) -> np.ndarray:
+    """Return the damage (n_y, m) of a pass of one block, by default at the present worn depth."""
+    worn = fatigue.worn if worn is None else worn
+    return _remaining_damage(fatigue, life, (1.0,), used[None], worn)
+
+
 def _block_order_error(
     previous: BodyDamage, later: BodyDamage, order: BlockOrder, revolutions: int, life: Woehler
 ) -> np.ndarray:
     """Return the damage error (n_y, m) of a jump that rolls the mean of the blocks."""
     before = previous.fatigue
-
-    def damage(used: np.ndarray, worn: np.ndarray) -> np.ndarray:
-        return _remaining_damage(before, life, (1.0,), used[None], worn)
-
+    damage = partial(_damage_of_block, before, life)
     ends = (previous.utilisation, later.utilisation), (before.worn, later.fatigue.worn)
     factors = order.load_factors(before.y, before.depth)
     return order.damage_error(damage, *ends, revolutions, factors)
