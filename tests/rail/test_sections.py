@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.rail import RailSections, builtin_profile, find_patches, write_profile
+from tractive_sam.rail import Profile, RailSections, builtin_profile, find_patches, write_profile
 
 STEEL = {"shear": 82e3, "poisson": 0.28}
 X = np.arange(-40.0, 41.0, 20.0)
@@ -120,6 +120,64 @@ def test_a_mark_that_a_section_lacks_is_a_plain_point_there(tmp_path):
         assert rail.section(5.0).height(y) == pytest.approx(
             complete.section(5.0).height(y), abs=1e-4
         )
+
+
+@pytest.fixture(scope="module")
+def beginning(tmp_path_factory):
+    """A prismatic rail whose part with the smallest y begins at x = 0."""
+    folder = tmp_path_factory.mktemp("parts")
+    rail = builtin_profile("UIC60-manchester")
+    first = float(rail.locate(np.array([8.0]), near=8.0)[0])
+    end = Profile.from_nodes(rail.at(np.linspace(first, rail.s[-1], 800)),
+                             rail.at(np.linspace(first, rail.s[-1], 800), 1)
+                             * (rail.s[-1] - first) / 799)  # fmt: skip
+    write_profile(rail, folder / "all.prr", "rail")
+    write_profile(end, folder / "end.prr", "rail")
+    places = (-80, -60, -40, -20, 0, 20, 40, 60)
+    names = [f"{x} '{'end' if x < 0 else 'all'}.prr'" for x in places]
+    marks = [f"{x} " + ("-1 0 999" if x < 0 else f"0 {first} 999") for x in places]
+    path = folder / "rail.slcs"
+    path.write_text("\n".join(["0 1", "8", "3 0 0", "1", *names, *marks]))
+    return path
+
+
+def on_parts(path, x):
+    rail = {"profile": str(path), "inclination": np.inf, "origin": [750.0, 0.0]}
+    return ts.Scene(
+        body={"A": STEEL, "B": STEEL},
+        wheel={"profile": "S1002"},
+        rail=rail,
+        wheelset={"x": x, "y": 0.0, "roll": 0.0, "pitch": 0.0, "load": 1e4},
+        friction={"mu": 0.3},
+        grid={"half_length": [6.0, 6.0], "elements": [31, 31]},
+    )
+
+
+def test_a_part_of_the_rail_begins_at_a_section(beginning):
+    rail = on_parts(beginning, x=30.0).rail.unplaced_curve
+    whole = rail.section(30.0)
+    # Up to the first section that has the part, the rail is the rest.
+    for x in (-100.0, -50.0, -20.0, -1e-9):
+        assert rail.section(x).points[0, 0] == pytest.approx(8.0, abs=1e-6)
+    assert rail.section(1e-9).points[0, 0] == pytest.approx(whole.points[0, 0], abs=1e-6)
+    y = np.array([-10.0, 0.0, 7.0, 9.0, 20.0])
+    before, after = (rail.across(x, y, near=20.0)[0] for x in (-30.0, 30.0))
+    np.testing.assert_allclose(after[:, 1], whole.height(y), atol=1e-6)
+    np.testing.assert_allclose(before[3:], after[3:], atol=1e-5)  # cubics between 0.25 mm
+    assert (before[:3, 1] > after[:3, 1] + 50.0).all()
+
+
+def test_a_wheel_rolls_on_the_parts_that_exist(beginning, rails):
+    prism = on_parts(rails("prism", lambda x: 0.0, lambda x: 0.0), x=0.0)
+    before, after = (on_parts(beginning, x=x).wheel_rail.patches[0] for x in (-30.0, 30.0))
+    expected = prism.wheel_rail.patches[0]
+    assert expected.origin[1] < 758.0
+    assert after.origin == pytest.approx(expected.origin, abs=5e-3)
+    # Without this part, the wheel touches the rest, and its axle is lower.
+    assert before.origin[1] > 758.0
+    assert before.wheel.z > after.wheel.z + 0.01
+    with pytest.raises(ts.SceneError, match="part of the rail"):
+        on_parts(beginning, x=1.0)
 
 
 @pytest.mark.parametrize(

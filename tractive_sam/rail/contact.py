@@ -291,12 +291,18 @@ class _Overlap:
         y = self._mean(points[:, 1])
         x = self._mean(points[:, 0])
         origin = np.array([x, *rail.across(x, y, near=top_of(rail))[0]])
+        half = float(self._half_length.max())
+        along = rail.across(x + half * np.array([-1.0, 1.0]), y, near=top_of(rail))[0]
+        # Within the length of a contact, the height of a rail changes by far less.
+        if (along[..., 1] > origin[2] + 10.0).any():
+            raise NoContactError(
+                f"the contact at x = {x:.4g} mm reaches the beginning or end of a part of the rail"
+            )
         wide = 0.5 * float(np.ptp(points[self.part, 1])) / float(np.cos(self.angle))
         angles = self._angles[self.part][self.depth >= 0.5 * self.depth.max()]
-        half = float(self._half_length.max()), wide
         first, last = ((limit - y) / float(np.cos(self.angle)) for limit in limits)
         spread = float(np.ptp(angles))
-        return Patch(wheel, rail, origin, self.angle, half, spread, (first, last), depth)
+        return Patch(wheel, rail, origin, self.angle, (half, wide), spread, (first, last), depth)
 
 
 def _overlaps(clearance: Clearance, wheel: Wheel, depth: float) -> list[_Overlap]:
