@@ -585,6 +585,31 @@ def block_order() -> str:
     return format_columns(read_rows("block_order_ratios.csv"), columns)
 
 
+def steel_rolled() -> str:
+    """Return the residual stress that rolling leaves, by depth, for several peak pressures."""
+    columns = {
+        "$p_0/k$": ("p0_k", number(".1f")),
+        "depth / $a$": ("z_a", number(".1f")),
+        r"$\rho_{xx}/p_0$": ("xx", number(".4f")),
+        r"$\rho_{yy}/p_0$": ("yy", number(".4f")),
+    }
+    rows = read_rows("steel_rolled.csv", lambda row: row["p0_k"] != "3.2")
+    return format_columns(rows, columns)
+
+
+def steel_case() -> str:
+    """Return utilisation and load factors of a roller by criterion and material."""
+    columns = {
+        "criterion": ("criterion", str),
+        "material": ("material", str),
+        "utilisation": ("utilisation", number(".3f")),
+        "at depth (mm)": ("depth", number(".3f")),
+        "`shakedown_lower`": ("shakedown", number(".3f")),
+        "largest von Mises stress (MPa)": ("von_mises", number(".0f")),
+    }
+    return format_columns(read_rows("steel_case.csv"), columns)
+
+
 def fatigue_spread() -> str:
     """Return the differences of the damage of body A due to meshes and tolerances."""
     rows = {(row["mesh"], row["tolerance"], row["beta"]): row for row in read_rows("fatigue.csv")}
@@ -987,6 +1012,8 @@ TABLES = {
         fatigue_spread,
         block_order,
         fatigue_cost,
+        steel_rolled,
+        steel_case,
         stepping,
         balance,
         peaks,

@@ -22,7 +22,8 @@ Names by topic
 **Compute** solve, roll, solve_many, explain, study, explain_study, build_table
 
 **Scene** Scene, Bodies, Body, Load, Creepage, Friction, Wear, Coefficients, WearLaws, Sets, Mesh,
-Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Heat, Bulk, Thermal; builtin_names
+Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Strength, Residual,
+ResidualStress, Heat, Bulk, Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
@@ -49,7 +50,7 @@ stress_volume, fatigue
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
 Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions,
 Energy, PerBody, SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley,
-FatemiSocie, OrthogonalShear, VolumeLife, Woehler; allow_laws
+FatemiSocie, OrthogonalShear, VolumeLife, Woehler, Steel; allow_laws
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 

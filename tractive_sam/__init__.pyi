@@ -36,6 +36,7 @@ from .mechanics import ScaledFriction as ScaledFriction
 from .mechanics import SlidingShare as SlidingShare
 from .mechanics import Slope as Slope
 from .mechanics import SpectralHalfSpaces as SpectralHalfSpaces
+from .mechanics import Steel as Steel
 from .mechanics import StressCriterion as StressCriterion
 from .mechanics import VolumeLife as VolumeLife
 from .mechanics import WearConditions as WearConditions
@@ -91,10 +92,13 @@ from .scene import ObserverTable as ObserverTable
 from .scene import ProcessTable as ProcessTable
 from .scene import Profiles as Profiles
 from .scene import RailTable as RailTable
+from .scene import Residual as Residual
+from .scene import ResidualStress as ResidualStress
 from .scene import Scene as Scene
 from .scene import Sets as Sets
 from .scene import Solver as Solver
 from .scene import Stage as Stage
+from .scene import Strength as Strength
 from .scene import Subsurface as Subsurface
 from .scene import Thermal as Thermal
 from .scene import Transient as Transient

@@ -552,8 +552,11 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
     if unworn and scene.wear is not None:
         scene = scene.replace(wear=None, duty=None, load_history=None)
     for name in costly:
-        if getattr(scene, name) is not None:
-            without = scene.replace(**{name: None})
+        # Residual stress of rolling needs the yield stress of [fatigue].
+        needed = name == "fatigue" and scene.subsurface is not None and scene.residual is not None
+        if getattr(scene, name) is not None and not needed:
+            unused = {"residual": None} if name == "fatigue" else {}
+            without = scene.replace(**{name: None}, **unused)
             if all(quantity.applies(without) for quantity in wanted):
                 scene = without
     for quantity in wanted:

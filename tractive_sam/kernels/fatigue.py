@@ -532,3 +532,53 @@ def _end_slope(h, further, rise, next_rise):
     if rise * next_rise <= 0.0 and abs(slope) > 3.0 * abs(rise):
         return 3.0 * rise
     return slope
+
+
+@compiled
+def rolling_residual(out, paths, shear_yield, poisson, settled=1e-7, most=40):
+    """Set `out` to the residual stress xx, yy that elastic-perfectly-plastic rolling leaves.
+
+    The strains xx and yy of a layer parallel to the surface are those of the elastic path, and its
+    stresses on planes parallel to the surface as well: plastic strains change xx and yy only, by
+    (1 - nu²) d(rho_xx) = -E (d(eps_xx) + nu d(eps_yy)), and by the same with x and y exchanged.
+    This holds for thin plastic zones (Merwin & Johnson, Proc. IMechE 177 (1963) 676). The plastic
+    strain of a step is along the deviator of the end of the step (von Mises). Passes are repeated
+    until the residual stress changes by no more than `settled` times the yield stress.
+
+    Parameters
+    ----------
+    out : ndarray, shape (paths, 2)
+        Set to rho_xx, rho_yy, in the unit of the stress.
+    paths : ndarray, shape (paths, 6, n)
+        Elastic stresses in the order in which the material meets them.
+    shear_yield : ndarray, shape (paths,)
+        Yield stress in shear k, in the unit of the stress.
+    poisson : float
+        Poisson's ratio.
+    settled : float
+        Relative change at which the passes end.
+    most : int
+        Largest number of passes: above the shakedown limit plastic strain never ends.
+    """
+    for k in range(len(paths)):
+        path, x, y, bound = paths[k], 0.0, 0.0, shear_yield[k] ** 2
+        for _ in range(most):
+            before_x, before_y = x, y
+            for i in range(path.shape[1]):
+                shear = path[3, i] ** 2 + path[4, i] ** 2 + path[5, i] ** 2 - bound
+                for _ in range(MAX_STEPS):
+                    xx, yy, zz = path[0, i] + x, path[1, i] + y, path[2, i]
+                    excess = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 6.0 + shear
+                    if excess <= 1e-12 * bound:
+                        break
+                    mean = (xx + yy + zz) / 3.0
+                    along_x, along_y = xx - mean, yy - mean
+                    fall_x, fall_y = along_x + poisson * along_y, along_y + poisson * along_x
+                    slope = along_x * fall_x + along_y * fall_y
+                    if slope <= 0.0:  # no residual stress lowers it: the shear alone yields
+                        break
+                    x -= excess / slope * fall_x
+                    y -= excess / slope * fall_y
+            if abs(x - before_x) + abs(y - before_y) <= settled * shear_yield[k]:
+                break
+        out[k, 0], out[k, 1] = x, y

@@ -54,6 +54,11 @@ from .hertz_contact import hertz_line as hertz_line
 from .law import Law as Law
 from .law import describe as describe
 from .law import fingerprint as fingerprint
+from .steel import HARDEST_WITHOUT_INCLUSIONS as HARDEST_WITHOUT_INCLUSIONS
+from .steel import RollingMarch as RollingMarch
+from .steel import Steel as Steel
+from .steel import limit_from_bending as limit_from_bending
+from .steel import strength_from_hardness as strength_from_hardness
 from .turns import Turns as Turns
 from .wear import Archard as Archard
 from .wear import ArchardByWork as ArchardByWork

@@ -118,6 +118,25 @@ class StressCriterion(Criterion):
             At least 0.
         """
 
+    def at(
+        self, stress: np.ndarray, body: np.ndarray, y: np.ndarray, depth: ArrayLike
+    ) -> np.ndarray:
+        """Return the equivalent stress of stresses (6, ...) at places in bodies, MPa.
+
+        It does not depend on the place, unless residual stress does
+        (`subsurface.sources.StressWithResidual`).
+
+        Parameters
+        ----------
+        stress : ndarray, shape (6, ...)
+            As in `__call__`.
+        body : ndarray of int
+            Numbers of the bodies; it broadcasts with the stresses, as do the next two.
+        y, depth : ndarray
+            Position, mm.
+        """
+        return self(stress)
+
 
 class CycleCriterion(Criterion):
     """Base class of criteria of a cycle: an equivalent amplitude, compared with a fatigue limit.

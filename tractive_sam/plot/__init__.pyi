@@ -8,6 +8,7 @@ from .contact_map import select_evenly as select_evenly
 from .contact_map import stick_level as stick_level
 from .fatigue import damage as damage
 from .fatigue import fatigue_course as fatigue_course
+from .fatigue import over_depth as over_depth
 from .fatigue import shakedown_map as shakedown_map
 from .fatigue import utilisation as utilisation
 from .fatigue import wear_against_fatigue as wear_against_fatigue

@@ -225,6 +225,85 @@ def damage(history: History, body: str = "A", *, most: int = 4, decades: float =
     return figure
 
 
+@history_figure(
+    "over-depth-{body}",
+    needs=[
+        Need(
+            lambda history: bool(history.scene.steel),
+            "values over the depth: add [residual.A], or [fatigue.A] with hardness, to the scene",
+        )
+    ],
+    each=lambda history: [{"body": body} for body in history.scene.steel],
+)
+def over_depth(history: History, body: str = "A", at: float | None = None, **named) -> Figure:
+    """Utilisation, residual stress and strength of a body over the depth below its unworn surface.
+
+    The utilisation is that of the row with the largest one, in a stored record; without a limit
+    the panel is missing.
+
+    Parameters
+    ----------
+    history : History
+        History of a scene with [residual], or with strength over the depth.
+    body : "A" or "B"
+        The body.
+    at : float, optional
+        One of the saved values, as for `History.field`; the last by default.
+
+    Raises
+    ------
+    LookupError
+        If the record was not stored.
+    ValueError
+        If the scene has neither residual stress nor strength of the body over the depth.
+
+    Examples
+    --------
+    >>> case = {"depth": [0.0, 0.5, 1.0], "hardness": [720.0, 600.0, 380.0], "inclusion": 30.0}
+    >>> table = {"sensitivity": 0.3, "A": case, "bodies": ["A"]}
+    >>> peened = {"A": {"depth": [0.0, 0.3], "xx": [-400.0, 0.0], "yy": [-400.0, 0.0]}}
+    >>> hard = ts.roll(discs.replace(subsurface=None, fatigue=table, residual=peened))
+    >>> plot.over_depth(hard, "A")
+    <Figure size ...>
+    """
+    scale, steel = Scale.from_history(history), history.scene.steel.get(body)
+    if steel is None:
+        raise ValueError(f"body {body} has neither residual stress nor strength over the depth")
+    deepest = max(float(depth[-1]) for depth, _ in steel.curves.values())
+    cycle = history.fatigue(body, at, **named) if body in history.cycles else None
+    has_limit = cycle is not None and bool(np.isfinite(cycle.utilisation).any())
+    if cycle is not None and has_limit:
+        row = int(cycle.utilisation.max(axis=1).argmax())
+        below = cycle.depth + (cycle.worn[row] if cycle.worn.size else 0.0)
+        deepest = float(below[-1])
+    zeta = np.linspace(0.0, deepest, 400)
+    groups = {
+        "residual stress (MPa)": {"xx": r"$\rho_{xx}$", "yy": r"$\rho_{yy}$"},
+        "hardness (HV)": {"hardness": "hardness"},
+        "strength (MPa)": {"limit": "fatigue limit", "shear_yield": "yield stress in shear $k$"},
+    }
+    columns = {k: names for k, names in groups.items() if names.keys() & steel.curves.keys()}
+    figure = new_figure(0.55 * (len(columns) + has_limit) + 0.2, 0.85)
+    panels = list(figure.subplots(1, len(columns) + has_limit, squeeze=False, sharey=True)[0])
+    set_title(figure, history_title(history, f"body {body} over its depth", scale.note))
+    panels[0].set_ylabel("depth below the unworn surface " + scale.length_label("z"))
+    if cycle is not None and has_limit:
+        used = panels.pop(0)
+        used.plot(cycle.utilisation[row], below / scale.length, color="black")
+        used.set_xlabel("utilisation")
+        used.set_xlim(left=0.0)
+    colors = LOOK.blue, LOOK.vermillion
+    for axes, (label, names) in zip(panels, columns.items(), strict=True):
+        for (name, text), color in zip(names.items(), colors, strict=False):
+            if (values := steel.at(name, zeta)) is not None:
+                axes.plot(values, zeta / scale.length, color=color, label=text)
+        axes.set_xlabel(label)
+        if len(names) > 1:
+            axes.legend(loc="best", fontsize="small")
+    (panels or [used])[0].set_ylim(deepest / scale.length, 0.0)
+    return figure
+
+
 @history_figure("fatigue-course", needs=[_COMPUTED], shown=has_course)
 def fatigue_course(history: History) -> Figure:
     """Panels of computed damage, utilisation and shakedown factors of each body, over the course.

@@ -127,7 +127,9 @@ def _has_fatigue(body: str, scene: Scene) -> bool:
 
 def _surface_fatigue_index(contact: State) -> float:
     """Return the surface fatigue index: the largest |p_t|/p_n - k/p_n in contact; nan without."""
-    k = required(contact.scene.fatigue, "fatigue").shear_yield_stress
+    common = required(contact.scene.fatigue, "fatigue").shear_yield_stress
+    of_bodies = [steel.at("shear_yield", 0.0) for steel in contact.scene.steel.values()]
+    k = min(float(value) for value in (common, *of_bodies) if value is not None)
     touching = contact.touching
     if not touching.any():
         return math.nan
@@ -156,6 +158,9 @@ FATIGUE_COLUMNS = (
     _shakedown("shakedown_lower_at", "mm",
                "position (x is nan, y, depth) that determines shakedown_lower",
                dims=("body", "position"), place_of="shakedown_lower"),
+    _of_bodies("yield_factor", "1", "load factor at which the material first yields, with its "
+                                    "residual stress", symbol=r"\lambda_y", format=".3f",
+               needs=("residual", "fatigue.shear_yield_stress"), over_blocks="smallest"),
     Quantity("fi_surf", "1", "surface fatigue index, the largest |p_t|/p_n - k/p_n",
              _surface_fatigue_index, symbol=r"FI_\mathrm{surf}", format=".4f",
              needs=("fatigue.shear_yield_stress", "friction"), over_blocks="largest"),

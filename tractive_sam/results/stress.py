@@ -45,6 +45,14 @@ FATIGUE_FIELDS = index_by_name(
         Quantity("path_radius", "MPa",
                  "sqrt(J2) of the cycle minus the constant deviator that minimises it",
                  dims=("y", "depth")),
+        Quantity("inverse_yield_factor", "1",
+                 "1 over the load factor at which the cycle with the residual stress of the "
+                 "material first yields", dims=("y", "depth")),
+        Quantity("residual_xx", "MPa", "residual stress of the material in x", dims=("y", "depth")),
+        Quantity("residual_yy", "MPa", "residual stress of the material in y", dims=("y", "depth")),
+        Quantity("local_limit", "MPa", "fatigue limit of the material", dims=("y", "depth")),
+        Quantity("local_yield", "MPa", "yield stress in shear of the material",
+                 dims=("y", "depth")),
         Quantity("damage", "1", "damage of the material", dims=("y", "zeta")),
         Quantity("worn", "mm", "depth worn off the body", dims=("y",)),
     )
@@ -220,6 +228,14 @@ class BodyFatigue(ShortArrays):
         Criterion of the utilisation.
     shear_yield : float
         k, MPa; nan without a yield stress.
+    inverse_yield_factor : ndarray, shape (n_y, n)
+        1 over the load factor at which the cycle first yields, with the residual stress of the
+        material; of scenes with [residual] and a yield stress. Other bodies have an empty array
+        here, and in the next ones.
+    residual_xx, residual_yy : ndarray, shape (n_y, n)
+        Residual stress of the material, MPa; of bodies with residual stress.
+    local_limit, local_yield : ndarray, shape (n_y, n)
+        Fatigue limit, and yield stress in shear, MPa; of bodies whose strength depends on depth.
     zeta : ndarray, shape (m,)
         Depths of the material below the *unworn* surface, mm; of a roll with a limit.
     damage : ndarray, shape (n_y, m)
@@ -244,6 +260,11 @@ class BodyFatigue(ShortArrays):
     path_radius: np.ndarray
     criterion: CycleCriterion | None
     shear_yield: float
+    inverse_yield_factor: np.ndarray = field(default_factory=_empty)
+    residual_xx: np.ndarray = field(default_factory=_empty)
+    residual_yy: np.ndarray = field(default_factory=_empty)
+    local_limit: np.ndarray = field(default_factory=_empty)
+    local_yield: np.ndarray = field(default_factory=_empty)
     zeta: np.ndarray = field(default_factory=_empty)
     damage: np.ndarray = field(default_factory=_empty)
     worn: np.ndarray = field(default_factory=_empty)
@@ -315,9 +336,13 @@ class BodyFatigue(ShortArrays):
     def largest(self, name: str = "utilisation") -> Maximum:
         """Return the largest value of a field by its name; places are (nan, y, depth), mm.
 
-        Below the surface it is refined by parabolas through the neighbouring points.
+        Below the surface it is refined by parabolas through the neighbouring points. If the yield
+        stress depends on the depth, the shear stresses `residual_shear` and `path_radius` are taken
+        times `shear_yield` over it, so that the largest one determines shakedown.
         """
         values = getattr(self, name)
+        if name in ("residual_shear", "path_radius") and self.local_yield.size:
+            values = values * (self.shear_yield / self.local_yield)
         if np.isnan(values).all():
             nowhere = (math.nan,) * 3
             return Maximum(self.criterion, *(math.nan, nowhere) * 3)

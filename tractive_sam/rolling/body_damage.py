@@ -591,13 +591,24 @@ def cycle_columns(cycles: Mapping[str, BodyFatigue]) -> dict[str, Any]:
     def factors(name: str) -> dict[str, float]:
         return {k: cycle.load_factor(getattr(residual[k], name)) for k, cycle in cycles.items()}
 
-    return utilisation_columns(cycles) | {
-        "shakedown_lower": factors("value"),
-        "shakedown_interior": factors("interior"),
-        "shakedown_surface": factors("surface"),
-        "shakedown_lower_at": {body: maximum.at for body, maximum in residual.items()},
-        "shakedown_upper": {body: cycle.shakedown_upper for body, cycle in cycles.items()},
+    inverse = {
+        body: cycle.largest("inverse_yield_factor").value
+        for body, cycle in cycles.items()
+        if cycle.inverse_yield_factor.size
     }
+    with np.errstate(divide="ignore"):
+        yields = {body: float(1.0 / np.float64(value)) for body, value in inverse.items()}
+    return (
+        utilisation_columns(cycles)
+        | ({"yield_factor": yields} if yields else {})
+        | {
+            "shakedown_lower": factors("value"),
+            "shakedown_interior": factors("interior"),
+            "shakedown_surface": factors("surface"),
+            "shakedown_lower_at": {body: maximum.at for body, maximum in residual.items()},
+            "shakedown_upper": {body: cycle.shakedown_upper for body, cycle in cycles.items()},
+        }
+    )
 
 
 def shakedown_remark(cycles: Mapping[str, BodyFatigue]) -> str:

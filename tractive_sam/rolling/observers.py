@@ -51,6 +51,7 @@ from tractive_sam.scene import FatigueVolume
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.subsurface import (
     Course,
+    LocalSteel,
     check_depths,
     course_fatigue,
     cycle_depths,
@@ -364,8 +365,9 @@ class Damage(Observer):
                 widen_rows(state.get(f"{name}_{body}", missing), grid.elements[1])
                 for name in ("residual_shear", "path_radius")
             )
+            local = LocalSteel.from_contact(passage.contact, body, depth, worn).fields()
             fatigue = BodyFatigue(
-                body, grid.y, depth, used.max(axis=0), shear, radius, None, shear_yield
+                body, grid.y, depth, used.max(axis=0), shear, radius, None, shear_yield, **local
             ).with_damage(zeta, damage, worn)
             passes, began = passage.turns[0].per_count[body], float(initiation[body])
             bodies[body] = BodyDamage(fatigue, used, before, rate, passes, error, began)
@@ -387,7 +389,8 @@ def _cycle_fatigue(
 ) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
     """Return the fatigue of each body in one load cycle, and its utilisation in each block."""
     laws = [block.laws for block in model.blocks]
-    return cycle_fatigue(passage.contacts, depths, laws)
+    worn = {body: passage.worn_depths(body)[0] for body in "AB"}
+    return cycle_fatigue(passage.contacts, depths, laws, worn)
 
 
 def _block_orders(passage: Passage, model: Model) -> dict[str, BlockOrder]:

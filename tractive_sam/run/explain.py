@@ -225,7 +225,7 @@ SECTIONS = (
     ("Process", ("process",)),
     ("Observers", ("observer",)),
     ("Heat", ("heat",)),
-    ("Fatigue", ("fatigue",)),
+    ("Fatigue", ("residual", "fatigue")),
     ("Laws of other packages", ("laws",)),
     ("Accuracy", ("accuracy",)),
     ("Mesh", ("mesh",)),

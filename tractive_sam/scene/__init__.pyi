@@ -46,6 +46,9 @@ from .schedule import Profiles as Profiles
 from .schedule import Schedule as Schedule
 from .schedule import Stage as Stage
 from .schedule import Transient as Transient
+from .steel import Residual as Residual
+from .steel import ResidualStress as ResidualStress
+from .steel import Strength as Strength
 from .tables import MAX_ELEMENTS as MAX_ELEMENTS
 from .tables import Accuracy as Accuracy
 from .tables import Creepage as Creepage

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
 from tractive_sam.mechanics import (
     CombinedMaterial,
@@ -39,6 +39,7 @@ from tractive_sam.schema import (
     shorten,
 )
 
+from .steel import Strength, check_strength_of_bodies, find_surface_strength
 from .tables import Load, check_distinct
 
 ABSOLUTE_ZERO = -273.15
@@ -220,8 +221,8 @@ class Body(Table):
     key_advice: ClassVar[Mapping[str, str]] = {
         "tilt": "[gap] with heights that rise across the track, for axes that are not parallel",
         "crown": "radius_y, the radius across the track, or [gap] for other shapes",
-        "hardness_depth": "hardness, which is constant over the depth; for a hardened layer, judge "
-        "the stress at its depth ([subsurface]) by its strength there",
+        "hardness_depth": "[fatigue.A] or [fatigue.B] with depth and hardness; body.A.hardness is "
+        "for the wear law",
     }
     young: Positive | None = optional("Young's modulus, MPa")
     shear: Positive | None = optional("shear modulus, MPa")
@@ -349,7 +350,7 @@ _MAX_EXPONENT = 100.0
 
 def _check_table_has_purpose(entries: ValidEntries) -> Iterator[Fault]:
     """Report a table with neither a yield stress nor a limit."""
-    if not entries.given & {"shear_yield", "yield_strength", "limit"}:
+    if not entries.given & {"shear_yield", "yield_strength", "limit", "A", "B"}:
         cure = "[fatigue] shear_yield or yield_strength (shakedown), limit (utilisation), in MPa"
         yield Fault("limit", "nothing, and no yield stress", cure)
 
@@ -384,7 +385,8 @@ def _check_yield_of_criterion(entries: ValidEntries) -> Iterator[Fault]:
     """Report a missing yield stress that "fatemi-socie" needs, if a fatigue limit is set."""
     if entries["criterion"] != "fatemi-socie" or entries["limit"] is None:
         return
-    if not entries.given & {"shear_yield", "yield_strength"}:
+    has_yield = entries.given & {"shear_yield", "yield_strength"}
+    if not has_yield and find_surface_strength(entries, "shear_yield") is None:
         yield Fault("yield_strength", "nothing", 'a number above 0, which "fatemi-socie" needs')
 
 
@@ -459,9 +461,13 @@ class Fatigue(LawTable):
         "Findley and Fatemi-Socie",
         "a number of at least 0; the upper bound depends on the criterion",
     )
-    limit: Positive | None = optional(
-        "fatigue limit of the criterion, MPa; the utilisation is the equivalent stress divided "
-        "by this limit"
+    A: InnerTable[Strength | None] = optional("strength of body A over the depth")
+    B: InnerTable[Strength | None] = optional("strength of body B over the depth")
+    limit: Positive | None = Field(
+        title="fatigue limit of the criterion, MPa; the utilisation is the equivalent stress "
+        "divided by this limit, or by the limit over the depth in [fatigue.A] and [fatigue.B]; by "
+        "default, the latter at the surface",
+        default_factory=lambda entries: find_surface_strength(entries, "limit"),
     )
     cycles: Positive = entry("number of cycles to failure at a utilisation of 1", default=1e7)
     exponent: Positive = entry(
@@ -492,6 +498,7 @@ class Fatigue(LawTable):
         _check_sensitivity,
         _check_yield_of_criterion,
         _check_limit_is_given,
+        check_strength_of_bodies,
     )
 
     def describe(self, scene: Any) -> Iterator[Row]:
@@ -518,15 +525,32 @@ class Fatigue(LawTable):
         )
         plastic = "yielding above the shakedown limit is not modelled"
         yield Row("stress", f"elastic: {plastic}")
-        missing = "bending, residual stress from manufacture, hardness over the depth"
-        yield Row("not included", missing)
+        missing = ["bending"]
+        missing += ["residual stress from manufacture"] if scene.residual is None else []
+        missing += [] if self.A or self.B else ["hardness over the depth"]
+        yield Row("not included", ", ".join(missing))
+        for body in self.bodies:
+            if getattr(self, body) is not None:
+                units = {"hardness": "HV", "limit": "MPa", "shear_yield": "MPa"}
+                curves = {name: scene.steel[body].curves.get(name) for name in units}
+                parts = [
+                    f"{name.replace('_', ' ')} {curve[1][0]:.4g} at the surface, "
+                    f"{curve[1][-1]:.4g} {units[name]} at {curve[0][-1]:.4g} mm"
+                    for name, curve in curves.items()
+                    if curve is not None
+                ]
+                yield Row(f"strength of body {body}", "; ".join(parts))
 
     @property
     def yield_stress(self) -> float | None:
-        """Yield stress in tension, MPa, as set or sqrt(3) times k; None if neither is set."""
+        """Yield stress in tension, MPa, as set or sqrt(3) times k; None if neither is set.
+
+        If it is set over the depth only, the value at the surface.
+        """
         if self.yield_strength is not None:
             return self.yield_strength
-        return None if self.shear_yield is None else math.sqrt(3.0) * self.shear_yield
+        k = self.shear_yield or find_surface_strength(vars(self), "shear_yield")
+        return None if k is None else math.sqrt(3.0) * k
 
     @property
     def shear_yield_stress(self) -> float | None:

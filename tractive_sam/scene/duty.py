@@ -29,6 +29,7 @@ from tractive_sam.schema import (
     toml,
 )
 
+from .steel import rolled_pressures
 from .tables import format_pair
 from .wear import BY_COEFFICIENT
 
@@ -42,6 +43,21 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("friction.kinetic", "friction.half_speed"), ("friction.A", "friction.B")),
     (("gap.file",), ("gap.x", "gap.y", "gap.separation")),
     (("fatigue.shear_yield",), ("fatigue.yield_strength",)),
+    *(
+        (
+            (f"residual.{body}.file",),
+            tuple(f"residual.{body}.{key}" for key in ("depth", "xx", "yy")),
+            (f"residual.{body}.from", f"residual.{body}.pressure"),
+        )
+        for body in "AB"
+    ),
+    *(
+        (
+            (f"fatigue.{body}.file",),
+            tuple(f"fatigue.{body}.{key}" for key in ("depth", "hardness", "limit", "shear_yield")),
+        )
+        for body in "AB"
+    ),
     (("wear.intensity",), ("wear.coefficient", "wear.coefficient.A", "wear.coefficient.B")),
     (
         ("accuracy", "accuracy.tolerance", "accuracy.elements"),
@@ -331,6 +347,8 @@ def block_scenes(scene: Any) -> tuple[Any, ...]:
             faults += [_block_fault(fault, k) for fault in error.faults]
     if faults:
         raise SceneError(faults)
+    if pressures := rolled_pressures(scene, scenes):
+        scenes = [block.replace(**pressures) for block in scenes]
     return tuple(scenes)
 
 

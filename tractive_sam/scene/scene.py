@@ -17,7 +17,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from tractive_sam.mechanics import CombinedMaterial, HertzContact, HertzLine, Material, Turns
+from tractive_sam.mechanics import (
+    CombinedMaterial,
+    HertzContact,
+    HertzLine,
+    Material,
+    Steel,
+    Turns,
+)
 from tractive_sam.schema import (
     Check,
     Document,
@@ -52,6 +59,7 @@ from .inputs import Gap, Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
 from .plausibility import scene_notes
 from .schedule import ObserverTable, ProcessTable, Schedule, Transient
+from .steel import Residual, check_rolled_stress, find_steel
 from .tables import (
     Accuracy,
     Creepage,
@@ -179,6 +187,7 @@ class Scene(Document):
     heat: InnerTable[Heat | None] = optional("the flash temperature")
     subsurface: InnerTable[Subsurface | None] = optional("the subsurface stress")
     fatigue: InnerTable[Fatigue | None] = optional("the fatigue of the material")
+    residual: InnerTable[Residual | None] = optional("the residual stress of the bodies")
     transient: InnerTable[Transient | None] = optional("changes over the rolling distance")
     process: InnerTable[ProcessTable | None] = optional("a process of another package")
     observer: tuple[ObserverTable, ...] = entry(
@@ -189,7 +198,7 @@ class Scene(Document):
     )
     load_history: InnerTable[LoadHistory | None] = optional("the load history of the blocks")
     solver: InnerTable[Solver] = entry("the solver", default=Solver())
-    checks: ClassVar[tuple[Check, ...]] = SCENE_CHECKS
+    checks: ClassVar[tuple[Check, ...]] = (*SCENE_CHECKS, check_rolled_stress)
     internal: ClassVar[frozenset[str]] = frozenset(
         (
             *(
@@ -453,6 +462,11 @@ class Scene(Document):
         """Thermal properties of the bodies "A" and "B", by default of steel."""
         return {name: getattr(self.body, name).thermal or STEEL for name in "AB"}
 
+    @cached_property
+    def steel(self) -> dict[str, Steel]:
+        """Residual stress and strength over the depth, by body; only bodies with such a table."""
+        return find_steel(self)
+
     @property
     def material(self) -> CombinedMaterial:
         """Elastic constants of the pair of bodies."""
@@ -546,10 +560,13 @@ class Scene(Document):
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """Let relative file paths in scene tables start from a folder, in place; return them."""
-        for name in ("gap", "load_history"):
-            match tables.get(name):
-                case {"file": str(file)}:
-                    tables[name]["file"] = str(folder / file)
+        inner: list[Any] = [tables.get(name) for name in ("residual", "fatigue")]
+        over_depth = [
+            table.get(body) for table in inner if isinstance(table, dict) for body in "AB"
+        ]
+        for table in (tables.get("gap"), tables.get("load_history"), *over_depth):
+            if isinstance(table, dict) and isinstance(table.get("file"), str):
+                table["file"] = str(folder / table["file"])
         resolve_profiles(folder, tables)
         match tables:
             case {"transient": {"profile": dict(profiles)}}:
@@ -595,6 +612,7 @@ def commented_scene(name: str) -> str:
 FILE_KEYS = (
     "gap.file",
     "load_history.file",
+    *(f"{table}.{body}.file" for table in ("residual", "fatigue") for body in "AB"),
     "transient.profile.A.file",
     "transient.profile.B.file",
 )

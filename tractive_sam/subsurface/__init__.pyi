@@ -1,6 +1,7 @@
 """What `subsurface` exports, for `__init__.py` and for type checkers."""
 
 from .fatigue_cycles import Course as Course
+from .fatigue_cycles import LocalSteel as LocalSteel
 from .fatigue_cycles import course_fatigue as course_fatigue
 from .fatigue_cycles import cycle_depths as cycle_depths
 from .fatigue_cycles import cycle_fatigue as cycle_fatigue

@@ -10,16 +10,23 @@ end of the sequence leaves it as if the contact continued to roll with its last 
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
 from tractive_sam.contact import Laws
 from tractive_sam.description import ShortArrays
-from tractive_sam.mechanics import HalfSpaces, enclosing_radius, evaluate_cycles, residual_shear
+from tractive_sam.mechanics import (
+    CycleCriterion,
+    HalfSpaces,
+    Steel,
+    enclosing_radius,
+    evaluate_cycles,
+    residual_shear,
+)
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, Grid, State
 from tractive_sam.scene import Fatigue
@@ -29,6 +36,7 @@ from tractive_sam.subsurface.stress_fields import (
     check_depths,
     semi_axes,
     stress_layers,
+    worn_depth,
 )
 
 
@@ -56,6 +64,118 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     deepest = max(table.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, table.elements - 1) ** grading
     return np.concatenate(([0.0], side + (deepest - side) * share))
+
+
+@dataclass(frozen=True, eq=False)
+class LocalSteel:
+    """Residual stress and strength of the material of a body at the rows and depths of a pass.
+
+    Attributes
+    ----------
+    stress : ndarray, shape (2, rows, ...), optional
+        Residual stress xx, yy, MPa.
+    limit, shear_yield : ndarray, shape (rows, ...)
+        Fatigue limit and yield stress in shear, MPa; nan without one.
+    common_yield : float
+        Yield stress in shear of [fatigue], for which criteria are made, MPa; nan without one.
+    varies : bool
+        Whether the strength depends on the depth.
+    has_factor : bool
+        Whether to compute the load factor at first yield.
+    """
+
+    stress: np.ndarray | None
+    limit: np.ndarray
+    shear_yield: np.ndarray
+    common_yield: float
+    varies: bool
+    has_factor: bool
+
+    @classmethod
+    def from_contact(
+        cls, contact: State, body: str, depths: np.ndarray, worn: np.ndarray
+    ) -> "LocalSteel":
+        """Return the steel below rows worn by `worn` (n_y,), at depths (n,), mm."""
+        table, steel = fatigue_table(contact), contact.scene.steel.get(body, Steel())
+        common = math.nan if table.shear_yield_stress is None else table.shear_yield_stress
+        zeta = worn[:, None] + depths
+        limit, k = (steel.at(name, zeta) for name in ("limit", "shear_yield"))
+        varies = limit is not None or k is not None
+        limit = np.full(zeta.shape, table.limit or 1.0) if limit is None else limit
+        k = np.full(zeta.shape, common) if k is None else k
+        has_factor = contact.scene.residual is not None and not math.isnan(common)
+        return cls(steel.stress(zeta), limit, k, common, varies, has_factor)
+
+    def at_depth(self, k: int, at_corners: bool = False) -> "LocalSteel":
+        """Return the steel of the rows, or of corner rows between them, at one depth."""
+
+        def select(values: np.ndarray) -> np.ndarray:
+            rows = values[..., k]
+            two = at_corners and rows.shape[-1] > 1
+            return 0.5 * (rows[..., 1:] + rows[..., :-1]) if two else rows
+
+        stress = None if self.stress is None else select(self.stress)
+        limit, shear_yield = select(self.limit), select(self.shear_yield)
+        return replace(self, stress=stress, limit=limit, shear_yield=shear_yield)
+
+    def of_rows(self, part: slice) -> "LocalSteel":
+        """Return the steel of some rows at one depth."""
+        stress = None if self.stress is None else self.stress[:, part]
+        limit, shear_yield = self.limit[part], self.shear_yield[part]
+        return replace(self, stress=stress, limit=limit, shear_yield=shear_yield)
+
+    def evaluate(
+        self, criterion: CycleCriterion, cycle: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return a criterion of cycles (6, n, rows, ...) with the residual stress, and the radius.
+
+        A criterion depends on the ratio of its stresses to its yield strength: with another yield
+        strength it is the value of stresses in the common ratio.
+        """
+        total = self._add_residual(cycle)
+        if not self.varies or not hasattr(criterion, "yield_strength"):
+            return evaluate_cycles(criterion, total)
+        ratio = (self.shear_yield / self.common_yield).reshape(-1, *(1,) * (cycle.ndim - 3))
+        value, radius = evaluate_cycles(criterion, total / ratio)
+        return ratio * value, ratio * radius
+
+    def inverse_yield_factor(self, cycle: np.ndarray) -> np.ndarray:
+        """Return 1 over the load factor at which cycles (6, n, rows, ...) first yield.
+
+        J2(f sigma + rho) = k² is quadratic in the factor f. The result is at most 1e6, also where
+        the residual stress yields without load.
+        """
+        none = self._add_residual(np.zeros_like(cycle[:, :1]))
+        # Coordinates of the deviators, whose squares add up to J2.
+        stress, rest = (
+            np.stack([0.5 * (s[0] - s[1]), (s[0] + s[1] - 2.0 * s[2]) / 12.0**0.5, *s[3:]])
+            for s in (cycle, none)
+        )
+        k = np.reshape(self.shear_yield, (-1, *(1,) * (cycle.ndim - 3)))
+        a, b = (stress**2).sum(axis=0), (stress * rest).sum(axis=0)
+        free = np.broadcast_to(k**2 - (rest**2).sum(axis=0), a.shape)
+        root = np.sqrt(np.maximum(b * b + a * free, 0.0))
+        inverse = np.divide(b + root, free, out=np.full(a.shape, 1e6), where=free > 0.0)
+        return np.minimum(inverse.max(axis=0), 1e6)
+
+    def _add_residual(self, cycle: np.ndarray) -> np.ndarray:
+        """Return cycles with the residual stress added; the same array without any."""
+        if self.stress is None:
+            return cycle
+        total = cycle.copy()
+        total[:2] += self.stress.reshape(2, 1, -1, *(1,) * (cycle.ndim - 3))
+        return total
+
+    def fields(self, factor: np.ndarray | None = None) -> dict[str, Any]:
+        """Return the fields of `BodyFatigue` that depend on the material, by name, (n_y, n)."""
+        fields: dict[str, Any] = {}
+        if self.stress is not None:
+            fields |= {"residual_xx": self.stress[0], "residual_yy": self.stress[1]}
+        if self.varies:
+            fields |= {"local_limit": self.limit, "local_yield": self.shear_yield}
+        if self.has_factor and factor is not None:
+            fields["inverse_yield_factor"] = factor
+        return fields
 
 
 def fatigue(
@@ -101,7 +221,10 @@ def fatigue(
 
 
 def cycle_fatigue(
-    contacts: Sequence[State], depths: np.ndarray, laws: Sequence[Laws]
+    contacts: Sequence[State],
+    depths: np.ndarray,
+    laws: Sequence[Laws],
+    worn: Mapping[str, np.ndarray] | None = None,
 ) -> dict[str, tuple[BodyFatigue, np.ndarray]]:
     """Return by body (fatigue in the passes of contacts, utilisation in each contact).
 
@@ -116,6 +239,8 @@ def cycle_fatigue(
         Ascending from 0, mm.
     laws : sequence of Laws
         Laws of each contact.
+    worn : mapping of str to ndarray, optional
+        Depth (n_y,) worn off each body, mm; by default from the first contact.
 
     Returns
     -------
@@ -133,24 +258,26 @@ def cycle_fatigue(
     table, grid = fatigue_table(contacts[0]), contacts[0].grid
     shape = grid.elements[1], depths.size
     used = {body: np.full((len(contacts), *shape), np.nan) for body in table.bodies}
-    residual, radius = ({body: np.zeros(shape) for body in table.bodies} for _ in range(2))
-    limit = 1.0 if table.limit is None else table.limit
+    residual, radius, factor = ({body: np.zeros(shape) for body in table.bodies} for _ in range(3))
+    worn = worn or {body: worn_depth(contacts[0], body) for body in table.bodies}
+    steel = {b: LocalSteel.from_contact(contacts[0], b, depths, worn[b]) for b in table.bodies}
     layers = (
         layer_cycles(contact, depths, law) for contact, law in zip(contacts, laws, strict=True)
     )
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
         for i, body in enumerate(table.bodies):
             cycles = [layer[i] for _, _, layer in at_depth]
-            radius[body][:, k], residual[body][:, k], values = _evaluate(laws, cycles, limit)
+            found, values = _evaluate(laws, cycles, steel[body].at_depth(k))
+            radius[body][:, k], residual[body][:, k], factor[body][:, k] = found
             for utilisation, value in zip(used[body], values, strict=False):
                 utilisation[:, k] = value
     surfaces = (_surface_cycles(contact, law) for contact, law in zip(contacts, laws, strict=True))
     for passes in zip(*surfaces, strict=True):
         body, cycles = passes[0][0], [cycle for _, cycle, _ in passes]
         is_valid = np.any([rows for _, _, rows in passes], axis=0)
-        path, shear, values = _evaluate(laws, cycles, limit)
-        radius[body][:, 0] = average_rows(path, is_valid, radius[body][:, 1])
-        residual[body][:, 0] = average_rows(shear, is_valid, residual[body][:, 1])
+        found, values = _evaluate(laws, cycles, steel[body].at_depth(0, at_corners=True))
+        for field, at_corners in zip((radius, residual, factor), found, strict=True):
+            field[body][:, 0] = average_rows(at_corners, is_valid, field[body][:, 1])
         for utilisation, value, (_, _, rows) in zip(used[body], values, passes, strict=False):
             utilisation[:, 0] = average_rows(value, rows, utilisation[:, 1])
     shear_yield = table.shear_yield_stress
@@ -159,7 +286,8 @@ def cycle_fatigue(
     results: dict[str, tuple[BodyFatigue, np.ndarray]] = {}
     for body in table.bodies:
         fields = used[body].max(axis=0), residual[body], radius[body]
-        results[body] = BodyFatigue(body, y, depths, *fields, *about), used[body]
+        further = steel[body].fields(factor[body])
+        results[body] = BodyFatigue(body, y, depths, *fields, *about, **further), used[body]
     return results
 
 
@@ -172,14 +300,16 @@ def fatigue_table(contact: State) -> Fatigue:
 
 
 def _evaluate(
-    laws: Sequence[Laws], cycles: Sequence[np.ndarray], limit: float
-) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
-    """Return (path radius, residual shear, list of each pass's utilisation) of stress cycles.
+    laws: Sequence[Laws], cycles: Sequence[np.ndarray], steel: LocalSteel
+) -> tuple[tuple[np.ndarray, np.ndarray, np.ndarray], list[np.ndarray]]:
+    """Return ((path radius, residual shear, yield factor), utilisation in each pass) of cycles.
 
     Returns
     -------
-    radius, residual : ndarray
-        `enclosing_radius` and `residual_shear` of the path through all cycles.
+    found : tuple of ndarray
+        `enclosing_radius`, `residual_shear` and `LocalSteel.inverse_yield_factor` of the path
+        through all cycles. A constant stress changes neither of the first two: residual stress of
+        the material is one of those among which shakedown finds the best.
     utilisations : list of ndarray
         Utilisation in each pass; empty without a criterion.
     """
@@ -188,11 +318,12 @@ def _evaluate(
     radius = None
     for law, cycle in zip(laws, cycles, strict=True):
         if law.fatigue is not None:
-            value, radius = evaluate_cycles(law.fatigue, cycle)
-            utilisations.append(np.maximum(value, 0.0) / limit)
+            value, radius = steel.evaluate(law.fatigue, cycle)
+            utilisations.append(np.maximum(value, 0.0) / steel.limit)
     if radius is None or len(cycles) > 1:
         radius = enclosing_radius(path)
-    return radius, residual_shear(path), utilisations
+    factor = steel.inverse_yield_factor(path) if steel.has_factor else 0.0 * radius
+    return (radius, residual_shear(path), factor), utilisations
 
 
 def layer_cycles(
@@ -236,14 +367,14 @@ def layer_cycles(
     half_width = contact.half_width_x if half_width is None else half_width
     needed = half_width + distance - grid.half_length[0]
     beyond = np.maximum(0, multiple * np.ceil(needed / grid.dx / multiple)).astype(int)
-    load = LoadedBodies.from_contact(contact, bodies, laws)
+    load = LoadedBodies.from_contact(contact, bodies, laws, residual=False)
     for more, together in groupby(zip(beyond, depths[1:], strict=True), lambda pair: pair[0]):
         group = np.array([depth for _, depth in together])
         x = _columns(grid, half_width, int(more), group[0], spaces)
         outside = load.in_contact_axes(load.source.at_columns(x, group))
         layer_x = grid.lengthened(int(more)).x
         elements = grid.elements[0] + 2 * int(more)
-        layers = stress_layers(contact, group, bodies, int(more), laws=laws)
+        layers = stress_layers(contact, group, bodies, int(more), laws=laws, residual=False)
         for k, (_, stress) in enumerate(layers):
             # In memory path by path, as the kernels need them.
             paths = np.zeros((len(bodies), stress.shape[3], 6, elements + x.size + 1))
@@ -407,8 +538,9 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
     table, grid = fatigue_table(first), first.grid
     shape = len(table.bodies), grid.elements[1], depths.size
     used, place = np.full(shape, np.nan), np.full(shape, np.nan)
-    residual, radius = np.zeros(shape), np.zeros(shape)
-    limit = 1.0 if table.limit is None else table.limit
+    residual, radius, factor = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+    new = np.zeros(grid.elements[1])  # a course wears less than a turn of its bodies
+    steel = [LocalSteel.from_contact(first, body, depths, new) for body in table.bodies]
     half_width = max(contact.half_width_x for contact in course.contacts)
     layers = (layer_cycles(contact, depths, course.laws, half_width) for contact in course.contacts)
     for k, at_depth in enumerate(zip(*layers, strict=True), 1):
@@ -417,26 +549,31 @@ def course_fatigue(course: Course, depths: np.ndarray) -> dict[str, tuple[BodyFa
             cycles = np.stack([layer[i] for _, _, layer in at_depth])
             residual[i, :, k] = residual_shear(np.concatenate(cycles, axis=1))
             for rows, material, paths in _paths(course, x, columns, cycles, grid.dx):
-                largest = _worst(course.laws, paths, material)
-                radius[i, rows, k], used[i, rows, k], place[i, rows, k] = largest
+                here = steel[i].at_depth(k).of_rows(rows)
+                largest = _worst(course.laws, paths, material, here)
+                radius[i, rows, k], used[i, rows, k], place[i, rows, k], factor[i, rows, k] = (
+                    largest
+                )
     for i, body in enumerate(table.bodies):
-        is_valid, *at_surface = _surface(course, body)
-        for values, field in zip(at_surface, (residual, radius, used, place), strict=True):
+        is_valid, *at_surface = _surface(course, body, steel[i].at_depth(0, at_corners=True))
+        fields = residual, radius, used, place, factor
+        for values, field in zip(at_surface, fields, strict=True):
             field[i, :, 0] = average_rows(values, is_valid, field[i, :, 1])
     shear_yield = table.shear_yield_stress
     about = course.laws.fatigue, math.nan if shear_yield is None else shear_yield
     y = grid.shifted(0.0).y
-    used = np.maximum(used, 0.0) / limit
-    return {
-        body: (BodyFatigue(body, y, depths, used[i], residual[i], radius[i], *about), place[i])
-        for i, body in enumerate(table.bodies)
-    }
+    results: dict[str, tuple[BodyFatigue, np.ndarray]] = {}
+    for i, body in enumerate(table.bodies):
+        of_body = np.maximum(used[i], 0.0) / steel[i].limit, residual[i], radius[i]
+        further = steel[i].fields(factor[i])
+        results[body] = BodyFatigue(body, y, depths, *of_body, *about, **further), place[i]
+    return results
 
 
 def _worst(
-    laws: Laws, path: np.ndarray, material: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return (largest radius, largest criterion, its position) by row; nan without a criterion.
+    laws: Laws, path: np.ndarray, material: np.ndarray, steel: LocalSteel
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return (largest radius, criterion, its position, yield factor) by row; nan without criterion.
 
     Parameters
     ----------
@@ -446,13 +583,18 @@ def _worst(
         Stress of each point.
     material : ndarray, shape (points,)
         Positions of the points, mm.
+    steel : LocalSteel
+        Material of the rows.
     """
+    factor = np.zeros(path.shape[2])
+    if steel.has_factor:
+        factor = steel.inverse_yield_factor(path).max(axis=1)
     if laws.fatigue is None:
         radius, none = enclosing_radius(path), np.full(path.shape[2], np.nan)
-        return radius.max(axis=1), none, none
-    value, radius = evaluate_cycles(laws.fatigue, path)
+        return radius.max(axis=1), none, none, factor
+    value, radius = steel.evaluate(laws.fatigue, path)
     worst = value.argmax(axis=1)
-    return radius.max(axis=1), value.max(axis=1), material[worst]
+    return radius.max(axis=1), value.max(axis=1), material[worst], factor
 
 
 def _paths(
@@ -499,10 +641,8 @@ def _paths(
         yield part, material, paths
 
 
-def _surface(
-    course: Course, body: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return (valid rows, residual shear, radius, criterion, its position) at the surface.
+def _surface(course: Course, body: str, steel: LocalSteel) -> tuple[np.ndarray, ...]:
+    """Return (valid rows, residual shear, radius, criterion, its position, factor) at the surface.
 
     A stress at an edge is assigned to the nearest corner of elements.
 
@@ -510,8 +650,9 @@ def _surface(
     -------
     is_valid : ndarray of bool
         Rows with a valid path.
-    residual, radius, value, position : ndarray
-        Residual shear, largest radius, largest value of the criterion, and its position.
+    residual, radius, value, position, factor : ndarray
+        Residual shear, largest radius, largest value of the criterion and its position, and
+        `LocalSteel.inverse_yield_factor`.
     """
     grid = course.contacts[0].grid
     lattice, sign = Lattice(grid.elements, grid.dx, grid.dy), SIGNS[body]
@@ -528,7 +669,7 @@ def _surface(
     corner = grid.x[0] + 0.5 * grid.dx
     places, contact_of = course.steps(grid.dx * np.arange(1, grid.elements[0] + 1))
     moved = np.rint((places - course.places[0]) / grid.dx).astype(int)
-    results = np.zeros((4, in_contact.size))
+    results = np.zeros((5, in_contact.size))
     for j in range(in_contact.size):
         stresses, at = [], []
         for shift, k in zip(moved, contact_of, strict=True):
@@ -545,7 +686,8 @@ def _surface(
             np.concatenate(stresses, axis=1), np.concatenate(at), course.rolls
         )
         material = course.places[0] + corner + grid.dx * columns
-        worst = _worst(course.laws, paths[:, :, None], material)
+        row = steel.of_rows(slice(j, j + 1))
+        worst = _worst(course.laws, paths[:, :, None], material, row)
         results[:, j] = residual_shear(every[..., None])[0], *(value[0] for value in worst)
     return in_contact, *results
 

@@ -15,6 +15,7 @@ from functools import singledispatch
 from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam.kernels import stress, stress_sum
 from tractive_sam.kernels.contact_edge import (
@@ -24,7 +25,7 @@ from tractive_sam.kernels.contact_edge import (
     stresses_at_edges,
     stresses_at_loaded_corners,
 )
-from tractive_sam.mechanics import Elasticity, HalfSpaces, StressCriterion, Strips
+from tractive_sam.mechanics import Elasticity, HalfSpaces, Steel, StressCriterion, Strips
 from tractive_sam.operators import (
     Lattice,
     StressLayers,
@@ -43,6 +44,7 @@ def largest_at_surface(
     tractions: np.ndarray,
     sliding: np.ndarray,
     criterion: StressCriterion,
+    first_row: float = 0.0,
 ) -> list[tuple[float, float, float]]:
     """Return (value, i, j), in elements, of the largest surface stress of each body.
 
@@ -63,6 +65,8 @@ def largest_at_surface(
         Loaded elements that slip.
     criterion : StressCriterion
         Criterion of the stress.
+    first_row : float
+        y of the first row of elements, mm.
 
     Returns
     -------
@@ -79,7 +83,9 @@ def largest_at_surface(
         stresses_at_edges(stress, pressure, kinds, poisson, lattice.dx, lattice.dy),
     )
     each, places = (np.concatenate(parts, axis=-1) for parts in zip(*candidates, strict=True))
-    values = criterion(each)
+    number = np.arange(len(bodies))[:, None]
+    rows = first_row + lattice.dy * (places[1] + 0.5)
+    values = criterion.at(each, number, rows, 0.0)
     at = values.argmax(axis=1)
     i, j = places[:, at] + np.array(((0.5,), (0.5 if pressure.shape[1] > 1 else 0.0,)))
     return list(zip(values[range(len(at)), at].tolist(), i.tolist(), j.tolist(), strict=True))
@@ -335,7 +341,10 @@ class MultiLevel:
         stress = self._levels[bx, by].at(depth)
         steps = bx * x.step, by * y.step
         first = x.corner + 0.5 * steps[0], y.corner + 0.5 * steps[1]
-        return Layer(depth, first, steps, self._criterion(stress.swapaxes(0, 1)))
+        rows = first[1] + steps[1] * np.arange(stress.shape[3])
+        number = np.arange(len(self._bodies))[:, None, None]
+        values = self._criterion.at(stress.swapaxes(0, 1), number, rows, depth)
+        return Layer(depth, first, steps, values)
 
     def stress_around(
         self, bodies: np.ndarray, points: np.ndarray, around: np.ndarray, closely: bool = False
@@ -349,7 +358,8 @@ class MultiLevel:
         stress = np.zeros((len(points), 6, points.shape[1]))
         rows = self._of_bodies.take(bodies, axis=1)  # contiguous, as the kernel is compiled for
         stress_sum.stress_around(stress, points, around, *rows, *self._summed, widest)
-        return self._criterion(stress.swapaxes(0, 1))
+        place = bodies[:, None], points[..., 1], points[..., 2]
+        return self._criterion.at(stress.swapaxes(0, 1), *place)
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
         """Return (value, position) of the largest stress at the surface of each body.
@@ -366,8 +376,8 @@ class MultiLevel:
         slips[x.inside, y.inside] = sliding[x.loaded, y.loaded]
         lattice = Lattice(slips.shape, x.step, y.step)
         loads = self._bodies, self._signs, self._tractions
-        largest = largest_at_surface(lattice, *loads, slips, self._criterion)
         at_x, at_y = x.corner + 0.5 * x.step, y.corner + 0.5 * y.step
+        largest = largest_at_surface(lattice, *loads, slips, self._criterion, at_y)
         return [(value, (at_x + i * x.step, at_y + j * y.step, 0.0)) for value, i, j in largest]
 
     def _means(self, bx: int, by: int) -> np.ndarray:
@@ -585,7 +595,9 @@ class StripLevels:
 
     def layer(self, depth: float) -> Layer:
         """Return the stress layer at a depth, at the element centres."""
-        values = self._criterion(self._layers.at(depth).swapaxes(0, 1))
+        number = np.arange(len(self._bodies))[:, None, None]
+        stress = self._layers.at(depth).swapaxes(0, 1)
+        values = self._criterion.at(stress, number, np.zeros(1), depth)
         return Layer(depth, (float(self._x[0]), 0.0), (self.side, 0.0), values)
 
     def stress_around(
@@ -597,7 +609,8 @@ class StripLevels:
         """
         values = np.empty(points.shape[:2])
         for k, body in enumerate(bodies):
-            values[k] = self._criterion(self._strips[body].stress(points[k]).T)
+            stress = self._strips[body].stress(points[k]).T
+            values[k] = self._criterion.at(stress, body, points[k, :, 1], points[k, :, 2])
         return values
 
     def surface(self, sliding: np.ndarray) -> list[tuple[float, Point]]:
@@ -778,3 +791,89 @@ def _patch_stress(body: HalfSpaces, *of_bodies) -> PatchStress:
 def _strip_stress(body: Strips, *of_bodies) -> StripStress:
     """Return the stress solver for a line contact."""
     return StripStress(*of_bodies)
+
+
+class StressWithResidual:
+    """Stress solver that adds the residual stress of the bodies to the stress of another solver.
+
+    Parameters
+    ----------
+    source : StressSource
+        Solver of the stress that tractions cause.
+    steel : sequence of Steel
+        Material of each body.
+    rows : ndarray, shape (n_y,)
+        y of the rows of the grid, mm.
+    worn : ndarray, shape (bodies, n_y)
+        Depth worn off each body, mm: residual stress belongs to the material below.
+    """
+
+    def __init__(
+        self, source: StressSource, steel: Sequence[Steel], rows: np.ndarray, worn: np.ndarray
+    ):
+        self._source, self._steel, self._rows, self._worn = source, steel, rows, worn
+
+    def residual(self, y: np.ndarray | float, depth: np.ndarray | float) -> np.ndarray:
+        """Return the residual stress xx, yy of each body at places, shape (bodies, 2, ...), MPa."""
+        stresses = []
+        for steel, worn in zip(self._steel, self._worn, strict=True):
+            zeta = depth + np.interp(y, self._rows, worn)
+            stress = steel.stress(zeta)
+            stresses.append(np.zeros((2, *zeta.shape)) if stress is None else stress)
+        return np.stack(stresses)
+
+    def layers(self, depths: Iterable[float], threads: int = 1) -> Iterator[np.ndarray]:
+        """Yield stresses (bodies, 6, n_x, n_y) at the centres of the grid, depth by depth."""
+        depths = list(depths)
+        for depth, total in zip(depths, self._source.layers(depths, threads), strict=True):
+            total[:, :2] += self.residual(self._rows, depth)[:, :, None]
+            yield total
+
+    def on_plane(
+        self, axis: Literal["x", "y", "z"], position: float, depths: np.ndarray
+    ) -> np.ndarray:
+        """Return stresses (bodies, 6, n, k) on a plane at k depths; (bodies, 6, n_x, n_y) if z."""
+        stress = self._source.on_plane(axis, position, depths)
+        y = self._rows[:, None] if axis == "x" else np.full((1, 1), position)
+        if axis == "z":
+            stress[:, :2] += self.residual(self._rows, position)[:, :, None]
+        else:
+            stress[:, :2] += self.residual(y, depths)
+        return stress
+
+    def at(self, points: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n) at points (n, 3)."""
+        stress = self._source.at(points)
+        stress[:, :2] += self.residual(points[:, 1], points[:, 2])
+        return stress
+
+    def at_columns(self, x: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return stresses (bodies, 6, n_x, n_y, k) at x (n_x,) beyond the grid and k depths."""
+        stress = self._source.at_columns(x, depths)
+        stress[:, :2] += self.residual(self._rows[:, None], depths)[:, :, None]
+        return stress
+
+    def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
+        """Return the levels of the other solver, whose criterion adds the residual stress."""
+        return self._source.levels(_CriterionWithResidual(criterion, self))
+
+
+class _CriterionWithResidual(StressCriterion):
+    """Criterion of the sum of a stress and the residual stress at its place."""
+
+    def __init__(self, criterion: StressCriterion, source: StressWithResidual):
+        self._criterion, self._residual = criterion, source.residual
+
+    def __call__(self, stress: np.ndarray) -> np.ndarray:
+        """Raise a LookupError: without a place the residual stress is not known."""
+        raise LookupError("residual stress depends on the place: use StressCriterion.at")
+
+    def at(
+        self, stress: np.ndarray, body: np.ndarray, y: np.ndarray, depth: ArrayLike
+    ) -> np.ndarray:
+        """Return the equivalent stress of the sum (`StressCriterion.at`)."""
+        body, y, depth = np.broadcast_arrays(body, y, depth)
+        residual = np.take_along_axis(self._residual(y, depth), body[None, None], axis=0)[0]
+        total = stress.copy()
+        total[:2] += residual
+        return self._criterion(total)

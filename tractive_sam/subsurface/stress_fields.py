@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Laws
 from tractive_sam.kernels import half_space as formula
 from tractive_sam.kernels.tops import ENDED, GOES_ON, climb, find_tops, last_steps, stencil
-from tractive_sam.mechanics import Elasticity, HalfSpaces, Strips
+from tractive_sam.mechanics import Elasticity, HalfSpaces, Steel, Strips
 from tractive_sam.operators import Lattice, transform_quadrant
 from tractive_sam.results import COMPONENTS, Grid, Maximum, PlaneStress, Point, State, widen_field
 from tractive_sam.scene import Plane, Scene, Subsurface
@@ -20,6 +20,7 @@ from tractive_sam.subsurface.sources import (
     SIGNS,
     MultiLevel,
     StressSource,
+    StressWithResidual,
     StripLevels,
     stress_source,
     tractions_on_bodies,
@@ -79,7 +80,12 @@ class LoadedBodies:
 
     @classmethod
     def from_contact(
-        cls, contact: Loading, names: Sequence[str], laws: Laws | None = None, beyond: int = 0
+        cls,
+        contact: Loading,
+        names: Sequence[str],
+        laws: Laws | None = None,
+        beyond: int = 0,
+        residual: bool = True,
     ) -> LoadedBodies:
         """Return the loaded bodies of a contact, with the elastic law of its solution.
 
@@ -93,6 +99,8 @@ class LoadedBodies:
             Laws of the bodies.
         beyond : int
             Elements without load that are added to the mesh before and behind the contact.
+        residual : bool
+            Whether the solver adds the residual stress of the scene.
 
         Raises
         ------
@@ -110,6 +118,10 @@ class LoadedBodies:
         bodies = tuple(elasticity.single_body(name) for name in names)
         signs = tuple(SIGNS[name] for name in names)
         source = stress_source(bodies[0], bodies, signs, grid, tractions)
+        if residual and contact.scene.residual is not None:
+            steel = [contact.scene.steel.get(name, Steel()) for name in names]
+            worn = np.stack([worn_depth(contact, name) for name in names])
+            source = StressWithResidual(source, steel, grid.y, worn)
         return cls(tuple(names), tractions, bodies, source)
 
     def in_contact_axes(self, stress: np.ndarray) -> np.ndarray:
@@ -117,6 +129,14 @@ class LoadedBodies:
         for tensor, name in zip(stress, self.names, strict=True):
             tensor[4:] *= SIGNS[name]
         return stress
+
+
+def worn_depth(contact: Loading, body: str) -> np.ndarray:
+    """Return the depth worn off a body before it enters a contact, shape (n_y,), mm."""
+    wear = getattr(contact, "wear", None)
+    if wear is None:  # stored tractions have none
+        return np.zeros(contact.grid.elements[1])
+    return contact.scene.turns.share_of_entering(body) * wear[-1]
 
 
 def depths(subsurface: Subsurface, a: float) -> np.ndarray:
@@ -195,6 +215,7 @@ def stress_layers(
     beyond: int = 0,
     threads: int = 1,
     laws: Laws | None = None,
+    residual: bool = True,
 ) -> Iterator[tuple[float, np.ndarray]]:
     """Yield (depth, stress (bodies, 6, n_x + 2 beyond, n_y)) at element centres, by depth.
 
@@ -218,6 +239,8 @@ def stress_layers(
         Number of threads.
     laws : Laws, optional
         Laws of the bodies; by default the laws of the solution.
+    residual : bool
+        Whether to add the residual stress of the scene.
 
     Yields
     ------
@@ -238,7 +261,9 @@ def stress_layers(
     """
     # Checked at the call, not at the first layer.
     return _layers(
-        LoadedBodies.from_contact(contact, bodies, laws, beyond), check_depths(depths), threads
+        LoadedBodies.from_contact(contact, bodies, laws, beyond, residual),
+        check_depths(depths),
+        threads,
     )
 
 

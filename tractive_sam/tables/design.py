@@ -754,7 +754,7 @@ class TableDesign(Document):
                 rolls |= {} if speed is None else {"speed": speed}
                 answers = required_friction(self.scene).temperature is not None
                 # These affect neither the creep forces nor the meshes of a table.
-                omitted = ["wear", "subsurface", "fatigue", "accuracy", "grid"]
+                omitted = ["wear", "subsurface", "fatigue", "residual", "accuracy", "grid"]
                 omitted += [] if answers else ["heat"]
                 scene = self.scene.replace(**dict.fromkeys(omitted), creepage=rolls)
             scene = scene.replace(**entries) if entries else scene

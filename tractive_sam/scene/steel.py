@@ -1,0 +1,415 @@
+"""The steel of each body over the depth: [residual] and the strength in [fatigue.A], [fatigue.B].
+
+A file is read into the table when the scene is made: the scene contains its numbers, not its path.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, create_model
+
+from tractive_sam.mechanics import (
+    HARDEST_WITHOUT_INCLUSIONS,
+    HertzContact,
+    HertzLine,
+    RollingMarch,
+    Steel,
+    limit_from_bending,
+    strength_from_hardness,
+)
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    FilePath,
+    InnerTable,
+    NotNegative,
+    Positive,
+    Real,
+    Row,
+    SceneError,
+    Table,
+    ValidEntries,
+    optional,
+    shorten,
+    suggest_name,
+    warn,
+)
+from tractive_sam.text_table import TextError, read_table
+
+from .inputs import TEXTS, absolute_path, check_exists
+
+_Length = Field(min_length=1, max_length=10_000)
+_Depths = Annotated[tuple[NotNegative, ...], _Length]
+_Stresses = Annotated[tuple[Annotated[Real, Field(ge=-1e4, le=1e4)], ...], _Length]
+_Strengths = Annotated[tuple[Annotated[Positive, Field(le=1e5)], ...], _Length]
+_Hardnesses = Annotated[tuple[Annotated[Real, Field(ge=80.0, le=1500.0)], ...], _Length]
+
+
+def _check_lengths(columns: tuple[str, ...]) -> Check:
+    """Return a check that columns have one number for each depth, and that there are columns."""
+
+    def check(entries: ValidEntries) -> Iterator[Fault]:
+        given = [name for name in columns if name in entries.given]
+        if "depth" in entries.given and not given:
+            yield Fault(columns[0], "nothing, with depth", f"one or more of {', '.join(columns)}")
+        if given and "depth" not in entries.given:
+            cure = f"depths, mm, one for each number of {given[0]}; or a file with such columns"
+            yield Fault("depth", "nothing", cure)
+            return
+        if "depth" in entries.given and (np.diff(entries["depth"]) <= 0.0).any():
+            yield Fault("depth", shorten(entries["depth"]), "ascending depths, mm")
+        for name in given:
+            numbers, depths = len(entries[name]), len(entries["depth"])
+            if numbers != depths:
+                yield Fault(name, f"{numbers} numbers", f"{depths} numbers, as many as depth")
+
+    return check
+
+
+class _OverDepth(Table):
+    """Base class of tables with columns over the depth, as arrays or in a file."""
+
+    columns: ClassVar[tuple[str, ...]] = ()
+    file: FilePath | None = optional(
+        "text file with a line of column names, depth and others of the arrays below; units in it "
+        "are converted. The scene contains its numbers, so the file is read once"
+    )
+    depth: _Depths | None = optional(
+        "depths below the unworn surface, mm; above the first and below the last one the values "
+        "are constant",
+        "a list of ascending numbers of at least 0",
+    )
+
+    @classmethod
+    def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
+        """Return the entries with the numbers of a file in its place.
+
+        Raises
+        ------
+        SceneError
+            If the file cannot be read, has unknown columns, or is given together with arrays.
+        """
+        file, names = entries.get("file"), ("depth", *cls.columns)
+        if file is None:
+            return entries
+        if both := [name for name in (*names, "from") if entries.get(name) is not None]:
+            cure = "a file or the arrays, not both"
+            raise SceneError([Fault("file", f"with {', '.join(both)}", cure)])
+        others = {key: value for key, value in entries.items() if key != "file"}
+        return {**others, **cls._read(file, names)}
+
+    @classmethod
+    def _read(cls, file: Any, names: tuple[str, ...]) -> dict[str, tuple[float, ...]]:
+        """Return the columns of a file by name; raise a SceneError if it cannot be read."""
+        value, columns = shorten(str(file)), {}
+        try:
+            path = absolute_path(Path(file), TEXTS)
+            check_exists(path)
+            table = read_table(path, max_bytes=2**24, named=True)
+            unknown = [name for name in table.names if name not in names]
+            if unknown or len({*table.names}) < len(table.names) or "depth" not in table.names:
+                allowed = suggest_name(unknown[0], names) if unknown else "depth, and each one once"
+                raise TextError(f"columns {', '.join(table.names)}", allowed)
+            for place, name in enumerate(table.names):
+                # Hardness scales, such as HV0.5, differ by the force of the test.
+                if table.units[place].casefold().startswith("hv"):
+                    columns[name] = tuple(table.numbers([place])[:, 0].tolist())
+                else:
+                    meaning = cls.model_fields[name].title or ""
+                    columns[name] = tuple(table.column(place, meaning).tolist())
+        except TextError as error:
+            fault = Fault("file", f"{path.name}, {error.value}", error.allowed)
+            raise SceneError([fault]) from None
+        except OSError as error:
+            raise SceneError([Fault("file", value, f"a file of text ({error.strerror})")]) from None
+        except (TypeError, ValueError) as error:
+            raise SceneError([Fault("file", value, str(error))]) from None
+        if note := table.find_unused(table.units):
+            warn(f"{path.name}: {note}")
+        return columns
+
+
+def _check_source(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a residual stress without a source, with two, or rolled stress with its pressure."""
+    arrays = [key for key in ("depth", "xx", "yy") if key in entries.given]
+    if "from" in entries.given and arrays:
+        yield Fault("from", f"with {', '.join(arrays)}", "from or the arrays, not both")
+    elif "from" not in entries.given and not arrays:
+        yield Fault("depth", "nothing", 'depth with xx and yy, a file, or from = "rolling"')
+    if "pressure" in entries.given and "from" not in entries.given:
+        yield Fault("pressure", shorten(entries["pressure"]), 'only with from = "rolling"')
+
+
+# "from" is no name in Python.
+_fields: dict[str, Any] = {
+    "from": (
+        Literal["rolling"] | None,
+        optional(
+            'source other than depth, xx and yy: "rolling", the stress that frictionless rolling '
+            "of the unworn contact leaves in elastic-perfectly-plastic material"
+        ),
+    )
+}
+_Origin: Any = create_model("_Origin", __base__=_OverDepth, **_fields)
+
+
+class ResidualStress(_Origin):
+    """Residual stress of a body over the depth below its unworn surface.
+
+    Stresses on planes parallel to the surface are zero in equilibrium. The stress belongs to the
+    material: wear uncovers deeper material with its stress.
+
+    Examples
+    --------
+    >>> ts.ResidualStress(depth=[0.0, 0.2, 1.0], xx=[-300.0, -150.0, 0.0]).xx
+    (-300.0, -150.0, 0.0)
+    """
+
+    columns: ClassVar[tuple[str, ...]] = ("xx", "yy")
+    xx: _Stresses | None = optional(
+        "residual stress in the rolling direction at these depths, MPa; 0 without this key",
+        "a list of numbers from -1e4 to 1e4, as many as depth",
+    )
+    yy: _Stresses | None = optional(
+        "residual stress in the lateral direction at these depths, MPa; 0 without this key",
+        "a list of numbers from -1e4 to 1e4, as many as depth",
+    )
+    pressure: Positive | None = optional(
+        'with from = "rolling": peak pressure p0 of the rolling, MPa; by default the largest one '
+        "of [load] and the blocks, by Hertz"
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_check_source, _check_lengths(columns))
+
+    @property
+    def is_rolled(self) -> bool:
+        """Whether the stress follows from rolling."""
+        return getattr(self, "from") is not None
+
+
+class Residual(Table):
+    """Residual stress of the bodies.
+
+    Examples
+    --------
+    >>> peened = ts.ResidualStress(depth=[0.0, 0.3], yy=[-500.0, 0.0])
+    >>> ts.Residual(A=peened).B is None
+    True
+    """
+
+    A: InnerTable[ResidualStress | None] = optional("residual stress of body A")
+    B: InnerTable[ResidualStress | None] = optional("residual stress of body B")
+    effect: ClassVar[str] = "residual stress"
+
+    def describe(self, scene: Any) -> Iterator[Row]:
+        """Yield report rows: the source and the range of the residual stress of each body."""
+        for body in "AB":
+            table: ResidualStress | None = getattr(self, body)
+            if table is None:
+                continue
+            depth, xx = scene.steel[body].curves["xx"]
+            yy = scene.steel[body].curves["yy"][1]
+            source = f"{len(depth)} depths down to {depth[-1]:.4g} mm"
+            if table.is_rolled:
+                source = f"left by rolling at p0 = {rolled_contact(scene, body).p0:.6g} MPa"
+            ranges = (
+                f"{name} {min(v):.4g} to {max(v):.4g}" for name, v in (("xx", xx), ("yy", yy))
+            )
+            yield Row(f"body {body}", f"{', '.join(ranges)} MPa, {source}")
+
+
+class Strength(_OverDepth):
+    """Hardness or strength of a body over the depth below its unworn surface.
+
+    They take precedence over the limit and the yield stress of [fatigue]. From the Vickers hardness
+    follow the yield strength, 2.876 HV - 90.7 MPa (Pavlina & Van Tyne 2008), and the fatigue limit
+    in reversed bending, 1.6 HV MPa and with inclusions at most 1.56 (HV + 120) / area^(1/12)
+    (Murakami 2002). The limit of the criterion is its value for this bending.
+
+    Examples
+    --------
+    >>> case = ts.Strength(depth=[0.0, 0.5, 1.5], hardness=[720.0, 600.0, 380.0], inclusion=30.0)
+    >>> case.hardness
+    (720.0, 600.0, 380.0)
+    """
+
+    columns: ClassVar[tuple[str, ...]] = ("hardness", "limit", "shear_yield")
+    hardness: _Hardnesses | None = optional(
+        "Vickers hardness at these depths, HV",
+        "a list of numbers from 80 to 1500, as many as depth",
+    )
+    inclusion: Positive | None = optional(
+        "square root of the area of the largest inclusion, micrometres; the fatigue limit of steel "
+        "harder than 400 HV depends on it"
+    )
+    limit: _Strengths | None = optional(
+        "fatigue limit of the criterion at these depths, MPa; by default it follows from hardness",
+        "a list of numbers above 0, as many as depth",
+    )
+    shear_yield: _Strengths | None = optional(
+        "yield stress in shear k at these depths, MPa; by default it follows from hardness",
+        "a list of numbers above 0, as many as depth",
+    )
+    checks: ClassVar[tuple[Check, ...]] = (_check_lengths(columns),)
+
+    def find_curves(self, criterion: Any, sensitivity: float | None) -> dict[str, np.ndarray]:
+        """Return hardness, limit and shear_yield at the depths by name, without unknown ones.
+
+        Parameters
+        ----------
+        criterion : str or NamedLaw
+            Fatigue criterion; the limit of one of another package does not follow from hardness.
+        sensitivity : float or None
+            Its sensitivity; without one that it needs there is no limit.
+        """
+        given = {name: getattr(self, name) for name in self.columns}
+        curves = {name: np.array(values) for name, values in given.items() if values is not None}
+        if self.hardness is None:
+            return curves
+        strength, bending = strength_from_hardness(curves["hardness"], self.inclusion)
+        curves.setdefault("shear_yield", strength / math.sqrt(3.0))
+        has_rule = sensitivity is not None or criterion == "orthogonal-shear"
+        if "limit" not in curves and has_rule and isinstance(criterion, str):
+            strength = math.sqrt(3.0) * curves["shear_yield"]
+            curves["limit"] = limit_from_bending(criterion, sensitivity, bending, strength)
+        return curves
+
+
+def check_strength_of_bodies(entries: ValidEntries) -> Iterator[Fault]:
+    """Report [fatigue.A] of a body without fatigue, without its rule, or without the other body."""
+    tables = {body: entries[body] for body in "AB" if entries[body] is not None}
+    rule = entries["criterion"], entries["sensitivity"]
+    curves = {body: table.find_curves(*rule) for body, table in tables.items()}
+    for body, table in tables.items():
+        if body not in entries["bodies"]:
+            yield Fault(body, "a table", f"nothing, or {body} in fatigue.bodies")
+        if all(getattr(table, name) is None for name in table.columns):
+            yield Fault(f"{body}.hardness", "nothing", "hardness, limit or shear_yield, with depth")
+        hardest = max(table.hardness or (0.0,))
+        by_rule = "limit" in curves[body] and table.limit is None
+        if by_rule and table.inclusion is None and hardest > HARDEST_WITHOUT_INCLUSIONS:
+            cure = (
+                "a number above 0: the fatigue limit of steel harder than "
+                f"{HARDEST_WITHOUT_INCLUSIONS:g} HV depends on its largest inclusion, of some 20 "
+                "to 60 micrometres; or the key limit over the depth"
+            )
+            yield Fault(f"{body}.inclusion", f"nothing, with hardness up to {hardest:g} HV", cure)
+        if table.inclusion is not None and table.hardness is None:
+            yield Fault(f"{body}.inclusion", shorten(table.inclusion), "only with hardness")
+    if not tables:
+        return
+    given = {
+        "limit": "limit" in entries.given,
+        "shear_yield": bool(entries.given & {"shear_yield", "yield_strength"}),
+    }
+    for name, is_common in given.items():
+        lacking = [b for b in entries["bodies"] if name not in curves.get(b, {})]
+        if lacking and not is_common and len(lacking) < len(entries["bodies"]):
+            cure = f"a number above 0, for body {lacking[0]}; or fatigue.bodies without this body"
+            yield Fault(name, f"nothing, and body {lacking[0]} has none over the depth", cure)
+
+
+def find_surface_strength(entries: Mapping[str, Any], name: str) -> float | None:
+    """Return the limit or the yield stress in shear at the surface of the first body with one, MPa.
+
+    Parameters
+    ----------
+    entries : mapping
+        Entries of [fatigue]: A, B, criterion and sensitivity.
+    name : str
+        "limit" or "shear_yield".
+    """
+    for body in "AB":
+        table = entries[body]
+        curves = (
+            {} if table is None else table.find_curves(entries["criterion"], entries["sensitivity"])
+        )
+        if name in curves:
+            return float(curves[name][0])
+    return None
+
+
+def rolled_pressures(scene: Any, blocks: Iterable[Any]) -> dict[str, float]:
+    """Return the peak pressure of rolling, MPa, by its key, for bodies without a given one.
+
+    It is the largest one of the scene and its blocks, so that all blocks have one residual stress.
+    """
+    tables = {} if scene.residual is None else {b: getattr(scene.residual, b) for b in "AB"}
+    rolled = [b for b, table in tables.items() if table and table.is_rolled and not table.pressure]
+    if not rolled:
+        return {}
+    largest = max(each.hertz.p0 for each in (scene, *blocks) if each.hertz is not None)
+    return {f"residual.{body}.pressure": largest for body in rolled}
+
+
+def rolled_contact(scene: Any, body: str) -> HertzContact | HertzLine:
+    """Return the Hertz contact of the peak pressure whose rolling leaves the stress of a body."""
+    hertz, key = scene.hertz, f"residual.{body}.pressure"
+    pressure = rolled_pressures(scene, scene.blocks).get(
+        key, getattr(scene.residual, body).pressure
+    )
+    size = pressure / hertz.p0  # semi-axes are proportional to the peak pressure
+    b = {} if math.isinf(hertz.b) else {"b": size * hertz.b}
+    return replace(hertz, a=size * hertz.a, p0=pressure, **b)
+
+
+def find_steel(scene: Any, deepest: float = 3.0, depths: int = 61) -> dict[str, Steel]:
+    """Return the steel of each body over the depth, by body; without bodies that have no table.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    deepest : float
+        Depth down to which rolling is followed, over the semi-axis a.
+    depths : int
+        Number of these depths.
+    """
+    steel = {}
+    for body in "AB":
+        curves: dict[str, Any] = {}
+        strength = None if scene.fatigue is None else getattr(scene.fatigue, body)
+        residual = None if scene.residual is None else getattr(scene.residual, body)
+        if strength is not None:
+            rule = scene.fatigue.criterion, scene.fatigue.sensitivity
+            found = strength.find_curves(*rule).items()
+            curves |= {name: (np.array(strength.depth), values) for name, values in found}
+        if residual is not None and residual.is_rolled:
+            contact = rolled_contact(scene, body)
+            zeta = deepest * contact.a * np.linspace(0.0, 1.0, depths + 1)[1:]
+            k = Steel(curves).at("shear_yield", zeta)
+            k = scene.fatigue.shear_yield_stress if k is None else k
+            march = RollingMarch(contact, scene.materials[body].poisson)
+            xx, yy = march.residual(zeta, k)
+            curves |= {"xx": (zeta, xx), "yy": (zeta, yy)}
+        elif residual is not None:
+            zeta = np.array(residual.depth)
+            for name in ResidualStress.columns:
+                values = getattr(residual, name)
+                curves[name] = zeta, np.zeros(zeta.size) if values is None else np.array(values)
+        if curves:
+            steel[body] = Steel(curves)
+    return steel
+
+
+def check_rolled_stress(entries: ValidEntries) -> Iterator[Fault]:
+    """Report a residual stress from rolling without a Hertz contact or without a yield stress."""
+    for body in "AB":
+        table = None if entries["residual"] is None else getattr(entries["residual"], body)
+        if table is None or not table.is_rolled:
+            continue
+        key, fatigue = f"residual.{body}.from", entries["fatigue"]
+        has_gap = entries["gap"] is not None or entries["wheel"] is not None
+        if has_gap or entries["body"].hertz(entries["load"]) is None:
+            cure = "depth with xx and yy: rolling is followed below a Hertz contact of radii"
+            yield Fault(key, '"rolling" without a Hertz contact', cure)
+        strength = None if fatigue is None else getattr(fatigue, body)
+        has_yield = strength is not None and (strength.hardness or strength.shear_yield)
+        if fatigue is None or not (has_yield or fatigue.shear_yield or fatigue.yield_strength):
+            cure = f"fatigue.shear_yield, or hardness in [fatigue.{body}], at which it yields"
+            yield Fault(key, '"rolling" without a yield stress', cure)
