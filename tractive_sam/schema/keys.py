@@ -11,6 +11,7 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import reduce
+from keyword import iskeyword
 from operator import or_
 from pathlib import Path
 from types import NoneType, UnionType
@@ -372,7 +373,7 @@ def key_signature(table: Any) -> inspect.Signature:
     named = {item.name: item for item in of_init if item.kind is item.POSITIONAL_OR_KEYWORD}
     parameters = [item for name, item in named.items() if name != "self"]
     for name, info in table.model_fields.items():
-        if name in named:
+        if name in named or iskeyword(name):  # "from" can only be given as **{"from": ...}
             continue
         default = inspect.Parameter.empty if info.is_required() else info.default
         if info.default_factory is not None or hasattr(default, "table_class"):

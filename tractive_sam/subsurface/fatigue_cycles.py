@@ -82,6 +82,15 @@ class LocalSteel:
         Whether the strength depends on the depth.
     has_factor : bool
         Whether to compute the load factor at first yield.
+
+    Examples
+    --------
+    >>> soft = {"depth": [0.0, 1.0], "shear_yield": [300.0, 200.0]}
+    >>> tired = ts.solve(scene.replace(fatigue={"A": soft, "bodies": ["A"]}))
+    >>> from tractive_sam.subsurface import LocalSteel
+    >>> steel = LocalSteel.from_contact(tired, "A", np.array([0.0, 0.5]), np.zeros(1))
+    >>> steel.at_depth(1).shear_yield
+    array([250.])
     """
 
     stress: np.ndarray | None
