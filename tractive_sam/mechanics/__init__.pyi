@@ -54,7 +54,6 @@ from .hertz_contact import hertz_line as hertz_line
 from .law import Law as Law
 from .law import describe as describe
 from .law import fingerprint as fingerprint
-from .steel import HARDEST_WITHOUT_INCLUSIONS as HARDEST_WITHOUT_INCLUSIONS
 from .steel import RollingMarch as RollingMarch
 from .steel import Steel as Steel
 from .steel import limit_from_bending as limit_from_bending

@@ -56,10 +56,6 @@ class Steel(Law):
         return np.stack([0.0 * np.asarray(zeta, float) if v is None else v for v in values])
 
 
-HARDEST_WITHOUT_INCLUSIONS = 400.0
-"""Vickers hardness up to which the fatigue limit of steels does not depend on inclusions."""
-
-
 def strength_from_hardness(
     hardness: ArrayLike, inclusion: float | None = None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -76,8 +72,7 @@ def strength_from_hardness(
     hardness : array_like, shape (...)
         Vickers hardness, HV.
     inclusion : float, optional
-        Square root of the area of the largest inclusion, micrometres; needed above
-        `HARDEST_WITHOUT_INCLUSIONS`.
+        Square root of the area of the largest inclusion, micrometres; needed above 400 HV.
 
     Returns
     -------

@@ -15,7 +15,6 @@ import numpy as np
 from pydantic import Field, create_model
 
 from tractive_sam.mechanics import (
-    HARDEST_WITHOUT_INCLUSIONS,
     HertzContact,
     HertzLine,
     RollingMarch,
@@ -239,6 +238,8 @@ class Strength(_OverDepth):
     """
 
     columns: ClassVar[tuple[str, ...]] = ("hardness", "limit", "shear_yield")
+    hardest_without_inclusions: ClassVar[float] = 400.0
+    """Vickers hardness up to which the fatigue limit does not depend on inclusions."""
     hardness: _Hardnesses | None = optional(
         "Vickers hardness at these depths, HV",
         "a list of numbers from 80 to 1500, as many as depth",
@@ -292,10 +293,10 @@ def check_strength_of_bodies(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"{body}.hardness", "nothing", "hardness, limit or shear_yield, with depth")
         hardest = max(table.hardness or (0.0,))
         by_rule = "limit" in curves[body] and table.limit is None
-        if by_rule and table.inclusion is None and hardest > HARDEST_WITHOUT_INCLUSIONS:
+        if by_rule and table.inclusion is None and hardest > table.hardest_without_inclusions:
             cure = (
                 "a number above 0: the fatigue limit of steel harder than "
-                f"{HARDEST_WITHOUT_INCLUSIONS:g} HV depends on its largest inclusion, of some 20 "
+                f"{table.hardest_without_inclusions:g} HV depends on its largest inclusion, of some 20 "
                 "to 60 micrometres; or the key limit over the depth"
             )
             yield Fault(f"{body}.inclusion", f"nothing, with hardness up to {hardest:g} HV", cure)
