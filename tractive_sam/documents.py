@@ -327,7 +327,8 @@ class FitDocument(Document["fitting.FitResult"]):
         fit, tables = self.content, {}
         if fit.finished:
             tables = {name: TextTable.from_dicts(rows) for name, rows in fit.tables().items()}
-        rows = {name: text for name, text in fit.summary().items() if name not in fit.keys}
+        shown = (*fit.keys, "title")
+        rows = {name: text for name, text in fit.summary().items() if name not in shown}
         return tables | {"Agreement and cost": TextTable.from_labels(rows)}
 
     def notes(self) -> list[str]:
