@@ -146,8 +146,12 @@ class RollingMarch:
         of the peak pressure.
     reach : float
         Length of the path before and behind the contact, over the larger of semi-axis and depth.
+    shallowest : float
+        Depth over the smaller semi-axis above which nothing is left: J2 is below (0.22 p0)² there,
+        and point forces give no accurate stress.
     sparse, nodes : int
-        Below an ellipse: points at which the stress is computed, and nodes along a radius.
+        Below an ellipse: points at which the stress is computed, and nodes along the radius of a
+        circle.
 
     Examples
     --------
@@ -162,8 +166,9 @@ class RollingMarch:
     poisson: float
     points: int = 2001
     reach: float = 8.0
+    shallowest: float = 0.1
     sparse: int = 201
-    nodes: int = 24
+    nodes: int = 32
 
     def paths(self, depths: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the elastic stress paths at depths (k,) above 0, shape (k, 6, points), MPa."""
@@ -195,12 +200,14 @@ class RollingMarch:
         a node is p0 a b t² dt d(angle). Gauss' rule in t holds where the depth exceeds the spacing.
         """
         coarse = np.linspace(0, x.shape[1] - 1, self.sparse).astype(int)  # the path is smooth
-        t, weight = np.polynomial.legendre.leggauss(self.nodes)
+        a, b = self.contact.a, self.contact.b
+        count = int(self.nodes * min(max(1.0, a / b), 2.0))
+        t, weight = np.polynomial.legendre.leggauss(count)
         t = 0.5 * (t[:, None] + 1.0)
-        angle = math.pi * (np.arange(2 * self.nodes) + 0.5) / (2 * self.nodes)
-        radius, a, b = np.sqrt(1.0 - t * t), self.contact.a, self.contact.b
+        angle = math.pi * (np.arange(2 * count) + 0.5) / (2 * count)
+        radius = np.sqrt(1.0 - t * t)
         # Half of the ellipse, twice: the forces at y and -y.
-        force = self.contact.p0 * a * b * (0.5 * weight[:, None] * t * t) * math.pi / self.nodes
+        force = self.contact.p0 * a * b * (0.5 * weight[:, None] * t * t) * math.pi / count
         nodes = a * radius * np.cos(angle), b * radius * np.sin(angle), force + 0.0 * angle
         stress = np.zeros((4, *x[:, coarse].shape))  # xx, yy, zz, xz
         depth, free = z[:, coarse], 1.0 - 2.0 * self.poisson
@@ -228,7 +235,7 @@ class RollingMarch:
         Parameters
         ----------
         depths : array_like, shape (k,)
-            Depths above 0, mm.
+            Depths, mm.
         shear_yield : array_like, shape (k,)
             Yield stress in shear at these depths, MPa; a number applies to all.
         """
@@ -236,6 +243,8 @@ class RollingMarch:
 
         depths = np.asarray(depths, float)
         bounds = np.array(np.broadcast_to(shear_yield, depths.shape), float)
-        out = np.empty((depths.size, 2))
-        rolling_residual(out, self.paths(depths), bounds, self.poisson)
+        out, yields = np.zeros((depths.size, 2)), depths >= self.shallowest * min(self.contact.a, self.contact.b)
+        below = np.empty((np.count_nonzero(yields), 2))
+        rolling_residual(below, self.paths(depths[yields]), bounds[yields], self.poisson)
+        out[yields] = below
         return out.T

@@ -296,8 +296,8 @@ def check_strength_of_bodies(entries: ValidEntries) -> Iterator[Fault]:
         if by_rule and table.inclusion is None and hardest > table.hardest_without_inclusions:
             cure = (
                 "a number above 0: the fatigue limit of steel harder than "
-                f"{table.hardest_without_inclusions:g} HV depends on its largest inclusion, of some 20 "
-                "to 60 micrometres; or the key limit over the depth"
+                f"{table.hardest_without_inclusions:g} HV depends on its largest inclusion, "
+                "of some 20 to 60 micrometres; or the key limit over the depth"
             )
             yield Fault(f"{body}.inclusion", f"nothing, with hardness up to {hardest:g} HV", cure)
         if table.inclusion is not None and table.hardness is None:
@@ -382,7 +382,7 @@ def find_steel(scene: Any, deepest: float = 3.0, depths: int = 61) -> dict[str, 
             curves |= {name: (np.array(strength.depth), values) for name, values in found}
         if residual is not None and residual.is_rolled:
             contact = rolled_contact(scene, body)
-            zeta = deepest * contact.a * np.linspace(0.0, 1.0, depths + 1)[1:]
+            zeta = deepest * contact.a * np.linspace(0.0, 1.0, depths)
             k = Steel(curves).at("shear_yield", zeta)
             k = scene.fatigue.shear_yield_stress if k is None else k
             march = RollingMarch(contact, scene.materials[body].poisson)
