@@ -243,7 +243,10 @@ class RollingMarch:
 
         depths = np.asarray(depths, float)
         bounds = np.array(np.broadcast_to(shear_yield, depths.shape), float)
-        out, yields = np.zeros((depths.size, 2)), depths >= self.shallowest * min(self.contact.a, self.contact.b)
+        out, yields = (
+            np.zeros((depths.size, 2)),
+            depths >= self.shallowest * min(self.contact.a, self.contact.b),
+        )
         below = np.empty((np.count_nonzero(yields), 2))
         rolling_residual(below, self.paths(depths[yields]), bounds[yields], self.poisson)
         out[yields] = below

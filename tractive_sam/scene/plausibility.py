@@ -212,6 +212,32 @@ def read_width_ratios(scene: Any, width: float) -> Iterator[Reading]:
             yield Reading("body", width / body.width, details)
 
 
+def read_conformity(pair: Pair) -> Iterator[Reading]:
+    """Yield the half angle of the contact of a body in a concave one, degrees, and its errors.
+
+    The errors are those of a half-space for a disc in a hole of equal material in plane strain,
+    with the patch of the conformal contact: how much it underestimates the load and the peak
+    pressure, in per cent. Its equation has the kernel cos t ln(2 sin(|t|/2)) + 1/4 in place of
+    ln |t| (`tests/scene/test_conformity.py`).
+    """
+    angles = 0.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0
+    load = 1.0, 1.0041, 1.0167, 1.0698, 1.1693, 1.4623, 2.1759
+    peak = 1.0, 1.0051, 1.0206, 1.0866, 1.2120, 1.5913, 2.5474
+    if pair.hertz is None or pair.rough:
+        return
+    for axis, half in (("x", pair.hertz.a), ("y", pair.hertz.b)):
+        key = f"radius_{axis}"
+        radii = getattr(pair.bodies.A, key), getattr(pair.bodies.B, key)
+        convex = max(radii)
+        if min(radii) >= 0.0 or math.isinf(convex):
+            continue
+        angle = math.degrees(math.asin(min(half / convex, 1.0)))
+        at = angle**2, np.square(angles)  # both errors are proportional to the square at first
+        errors = [100.0 * (float(np.interp(*at, ratios)) - 1.0) for ratios in (load, peak)]
+        details = {"axis": axis, "load": errors[0], "peak": errors[1]}
+        yield Reading(f"body.A.{key}, body.B.{key}", angle, details)
+
+
 def read_contact_angles(scene: Any) -> Iterator[Reading]:
     """Yield the largest range of the contact angle over a patch of a wheel, degrees."""
     angle = max(patch.angle_range for patch in scene.wheel_rail.patches)
@@ -318,6 +344,16 @@ RULES = (
         "at 10 MPa the contact of metals is smaller than 1e-4 of the radius, and roughness carries "
         "it; a load in kN gives a tenth of p0, a pressure in GPa a thousandth",
         below=10.0,
+    ),
+    Rule(
+        "conforming bodies",
+        "contact",
+        read_conformity,
+        "the bodies conform in {axis}: with a half angle of {value:.3g} degrees, the half-space "
+        "gives about {load:.2g} % less load and {peak:.2g} % less peak pressure for this patch "
+        "than a body in a hole (plane strain, equal materials); reduce the load to reduce it",
+        "at a half angle of 10 degrees, the error of the peak pressure is 2 %",
+        above=10.0,
     ),
     Rule(
         "computed high pressure",
