@@ -75,12 +75,13 @@ def test_a_flat_contact_has_no_note_and_a_conformal_one_has():
     with warnings.catch_warnings():
         warnings.simplefilter("error", PlausibilityWarning)
         ts.Scene(body=body, load={"normal": load})
-    body, load = groove(np.radians(20.0))
+    body, load = groove(np.radians(15.0))
     with pytest.warns(PlausibilityWarning, match=re.escape("conform in y")) as caught:
         ts.Scene(body=body, load={"normal": load})
     (note,) = [str(w.message) for w in caught if "conform" in str(w.message)]
-    assert "7 % less load" in note
-    assert "8.7 % less peak pressure" in note
+    # Between 10 and 20 degrees, in proportion to the square of the angle.
+    assert "3.9 % less load" in note
+    assert "4.8 % less peak pressure" in note
 
 
 def test_convex_and_flat_bodies_have_none():
