@@ -28,6 +28,31 @@ def solvers() -> str:
     )
 
 
+def layered_spheres() -> str:
+    """Return errors of the contact of a sphere on a coating, for each mesh."""
+    columns = {
+        "$E_1/E_2$": ("E1/E2", str),
+        "thickness / $a_H$": ("h/a_H", number(".4g")),
+        "elements": ("elements", str),
+        "error of the pressure at the vertex": ("pressure", number(".1e")),
+        "error of the approach": ("approach", number(".1e")),
+    }
+    return format_columns(read_rows("layers.csv"), columns)
+
+
+def layered_cylinders() -> str:
+    """Return errors of coated cylinders that roll or are pushed, for each mesh."""
+    columns = {
+        "$E_1/E_2$": ("E1/E2", str),
+        "elements": ("elements", str),
+        "half width": ("half width", number(".1e")),
+        "pressure": ("pressure", number(".1e")),
+        "force in rolling": ("Carter force", number(".1e")),
+        "stick area under a force": ("Cattaneo stick", number(".1e")),
+    }
+    return format_columns(read_rows("layers_line.csv"), columns)
+
+
 def solvers_steady() -> str:
     """Return the work and the time of complete steady solutions."""
     columns = {
@@ -1020,6 +1045,8 @@ TABLES = {
         peaks_worn,
         hard_scenes,
         invariance,
+        layered_spheres,
+        layered_cylinders,
         invariance_scenes,
         falling,
         heat,

@@ -21,8 +21,8 @@ Names by topic
 --------------
 **Compute** solve, roll, solve_many, explain, study, explain_study, build_table
 
-**Scene** Scene, Bodies, Body, Load, Creepage, Friction, Wear, Coefficients, WearLaws, Sets, Mesh,
-Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Strength, Residual,
+**Scene** Scene, Bodies, Body, BodyLayer, Load, Creepage, Friction, Wear, Coefficients, WearLaws,
+Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Strength, Residual,
 ResidualStress, Heat, Bulk, Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
@@ -48,9 +48,10 @@ stress_volume, fatigue
 **Fits** fit, FitDesign, FitResult, open_fit, FitError
 
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
-Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, Material, WearLaw, WearConditions,
-Energy, PerBody, SlidingShare; StressCriterion, CycleCriterion, DangVan, Crossland, Findley,
-FatemiSocie, OrthogonalShear, VolumeLife, Woehler, Steel; allow_laws
+Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
+Layer, Material, WearLaw, WearConditions, Energy, PerBody, SlidingShare; StressCriterion,
+CycleCriterion, DangVan, Crossland, Findley, FatemiSocie, OrthogonalShear, VolumeLife, Woehler,
+Steel; allow_laws
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 

@@ -29,6 +29,9 @@ from .mechanics import Findley as Findley
 from .mechanics import FrictionLaw as FrictionLaw
 from .mechanics import HalfSpaces as HalfSpaces
 from .mechanics import InterfacialLayer as InterfacialLayer
+from .mechanics import Layer as Layer
+from .mechanics import LayeredBody as LayeredBody
+from .mechanics import LinearHalfSpaces as LinearHalfSpaces
 from .mechanics import Material as Material
 from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import PerBody as PerBody
@@ -73,6 +76,7 @@ from .scene import BlockLoad as BlockLoad
 from .scene import BlockWheelset as BlockWheelset
 from .scene import Bodies as Bodies
 from .scene import Body as Body
+from .scene import BodyLayer as BodyLayer
 from .scene import Bulk as Bulk
 from .scene import Coefficients as Coefficients
 from .scene import Creepage as Creepage

@@ -29,6 +29,7 @@ from tractive_sam.mechanics import (
     HalfSpaces,
     InterfacialLayer,
     LateralFactor,
+    LinearHalfSpaces,
     OrthogonalShear,
     PerBody,
     Rational,
@@ -168,11 +169,15 @@ class Laws:
 
 
 def _elasticity(scene: Scene) -> Elasticity:
-    """Return half-spaces (strips for a line contact), with the interfacial layer of the scene."""
+    """Return half-spaces or strips, of layers if bodies have any, with the interfacial layer."""
     A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
     # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
     datum = radius if 0.0 < radius < math.inf else 0.0
-    bodies = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
+    if not scene.body.is_layered:
+        bodies: Elasticity = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
+    else:
+        of_A, of_B = scene.body.responses.values()
+        bodies = LinearHalfSpaces(of_A, of_B, datum if scene.line else None)
     return _with_layer(bodies, scene)
 
 

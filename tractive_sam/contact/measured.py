@@ -299,7 +299,7 @@ def rough_maps(
         Half lengths of the mesh, mm; they stand for the contact if the radii do not close.
     """
     e_star, pressure = (
-        scene.material.plane_strain_modulus,
+        scene.body.contact_modulus(math.sqrt(half_length[0] * half_length[-1])),
         _pressure(scene.under_largest_load, half_length),
     )
     if measured is not None:
@@ -318,7 +318,7 @@ def _pressure(scene: Scene, half_length: tuple[float, ...]) -> float:
         return scene.normal_load / (math.pi * length**2)
     # The interference of a separation that is not counted from the first touch is not known yet.
     approach = max(required(scene.load.approach, "load.approach"), 1e-3 * length)
-    return 0.5 * scene.material.plane_strain_modulus * approach / length
+    return 0.5 * scene.body.contact_modulus(length) * approach / length
 
 
 def refine_for_maps(

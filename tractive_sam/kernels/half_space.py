@@ -209,16 +209,11 @@ def _antiderivatives(
     m, R = 1.0 - 2.0 * poisson, np.sqrt(x**2 + y**2 + z**2)
     log_x, log_y = _log_sum(x, R, y, z), _log_sum(y, R, x, z)  # ln(R + x), ln(R + y)
     solid_angle = np.arctan2(x * y, z * R)
-    # atan(y z/(x R)) - atan(y/x), and with x and y exchanged.
-    turn_x = np.arctan2(x * y * (z - R), x**2 * R + y**2 * z)
-    turn_y = np.arctan2(x * y * (z - R), y**2 * R + x**2 * z)
-    over_x = y * np.log(R + z) + z * log_y - x * turn_x  # of x/(R (R + z))
-    over_y = x * np.log(R + z) + z * log_x - y * turn_y
-    inverse = x * log_y + y * log_x - z * solid_angle  # of 1/R
+    inverse, fall_x, fall_y, _, over_x, over_y = raised_antiderivatives(x, y, z)
     return {
-        "xx": inverse + y * log_x - z * solid_angle + m * (x * log_y + z * turn_x),
+        "xx": inverse + y * log_x - z * solid_angle + m * fall_x,
         "xy": -R + m * (R - z * np.log(R + z)),
-        "yy": inverse + x * log_y - z * solid_angle + m * (y * log_x + z * turn_y),
+        "yy": inverse + x * log_y - z * solid_angle + m * fall_y,
         "xz": -z * log_y - m * over_x,
         "yz": -z * log_x - m * over_y,
         "zx": -z * log_y + m * over_x,
@@ -227,6 +222,31 @@ def _antiderivatives(
     }
 
 
-def _log_sum(a: np.ndarray, R: np.ndarray, b: np.ndarray, c: float) -> np.ndarray:
+def raised_antiderivatives(
+    x: np.ndarray, y: np.ndarray, z: np.ndarray | float
+) -> tuple[np.ndarray, ...]:
+    """Return the antiderivatives in x and y of six kernels at a height z, at corners x, y != 0.
+
+    They belong to 1/R, 1/(R + z) - x²/(R (R + z)²), the same with y, x y/(R (R + z)²),
+    x/(R (R + z)) and y/(R (R + z)), mm. Their transforms are exp(-k z)/k times 1, k_x²/k²,
+    k_y²/k², -k_x k_y/k², -i k_x/k and -i k_y/k, times 2 pi.
+    """
+    R = np.sqrt(x**2 + y**2 + z**2)
+    log_x, log_y = _log_sum(x, R, y, z), _log_sum(y, R, x, z)  # ln(R + x), ln(R + y)
+    solid_angle = np.arctan2(x * y, z * R)
+    # atan(y z/(x R)) - atan(y/x), and with x and y exchanged.
+    turn_x = np.arctan2(x * y * (z - R), x**2 * R + y**2 * z)
+    turn_y = np.arctan2(x * y * (z - R), y**2 * R + x**2 * z)
+    return (
+        x * log_y + y * log_x - z * solid_angle,
+        x * log_y + z * turn_x,
+        y * log_x + z * turn_y,
+        z * np.log(R + z) - R,
+        y * np.log(R + z) + z * log_y - x * turn_x,
+        x * np.log(R + z) + z * log_x - y * turn_y,
+    )
+
+
+def _log_sum(a: np.ndarray, R: np.ndarray, b: np.ndarray, c: np.ndarray | float) -> np.ndarray:
     """Return ln(R + a) without cancellation for a < 0; R² = a² + b² + c²."""
     return np.where(a >= 0.0, np.log(R + np.abs(a)), np.log(b**2 + c**2) - np.log(R + np.abs(a)))

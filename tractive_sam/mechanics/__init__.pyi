@@ -54,6 +54,10 @@ from .hertz_contact import hertz_line as hertz_line
 from .law import Law as Law
 from .law import describe as describe
 from .law import fingerprint as fingerprint
+from .layers import Layer as Layer
+from .layers import LayeredBody as LayeredBody
+from .layers import LinearHalfSpaces as LinearHalfSpaces
+from .layers import contact_modulus as contact_modulus
 from .steel import RollingMarch as RollingMarch
 from .steel import Steel as Steel
 from .steel import limit_from_bending as limit_from_bending

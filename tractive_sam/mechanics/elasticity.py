@@ -80,6 +80,20 @@ class Material:
         """Young's modulus E = 2 G (1 + nu), MPa."""
         return 2 * self.shear * (1 + self.poisson)
 
+    @property
+    def compliances(self) -> np.ndarray:
+        """Response k (S_zz, S_LL, S_TT, |S_Lz|) of the surface to waves, 1/MPa, shape (4,).
+
+        See `tractive_sam.mechanics.layers`.
+        """
+        nu = self.poisson
+        return np.array((1.0 - nu, 1.0 - nu, 1.0, 0.5 - nu)) / self.shear
+
+    @property
+    def images(self) -> tuple[np.ndarray, np.ndarray]:
+        """Heights (0,) and amplitudes (4, 0) of the response that depends on wave numbers: none."""
+        return np.empty(0), np.empty((4, 0))
+
 
 @dataclass(frozen=True)
 class CombinedMaterial:
@@ -255,6 +269,29 @@ class Elasticity(Law, ABC):
         xx, yy, zz = (self.coefficients(k, (1, 1), dx, dy)[0, 0] for k in ("xx", "yy", "zz"))
         return np.broadcast_to(np.diag([xx / zz, yy / zz]), (normal.shape[1], 2, 2))
 
+    def periodic(
+        self, component: str, period: tuple[int, int], dx: float, dy: float
+    ) -> np.ndarray | None:
+        """Return the spectrum of periodic displacements, for preconditioners; default: None.
+
+        A law defines it if the coefficients within a period have a spectrum that is not positive.
+
+        Parameters
+        ----------
+        component : str
+            One of "xx", "xy", "yy", "zz".
+        period : (int, int)
+            (p_x, p_y), elements.
+        dx, dy : float
+            Sides of an element, mm.
+
+        Returns
+        -------
+        ndarray, shape (p_x, p_y/2 + 1), or None
+            mm/MPa, without division by the number of elements; None: that of the coefficients.
+        """
+        return None
+
     def spanning(self, length: float) -> "Elasticity":
         """Return the law for a mesh of a length in x, mm, as strips need; default: this law."""
         return self
@@ -323,7 +360,7 @@ class HalfSpaces(Elasticity):
 
         Parameters as in `Elasticity.coefficients`.
         """
-        r1, xx, yy, xy, x2, y2 = _integrals_of(dx, dy).at(*offsets)
+        r1, xx, yy, xy, x2, y2 = integrals_of(dx, dy).at(*offsets)
         nu, K = self.material.poisson, self.material.coupling
         match component:
             case "xx":
@@ -471,7 +508,7 @@ class _ElementIntegrals:
         return table[:, :nx, :ny]
 
 
-_integrals_of = lru_cache(maxsize=8)(_ElementIntegrals)
+integrals_of = lru_cache(maxsize=8)(_ElementIntegrals)
 """The integrals of elements by their sides."""
 
 
@@ -547,6 +584,18 @@ class InterfacialLayer(Elasticity):
         Parameters as in `Elasticity.opening`.
         """
         return self.bodies.opening(normal, dx, dy)
+
+    def periodic(
+        self, component: str, period: tuple[int, int], dx: float, dy: float
+    ) -> np.ndarray | None:
+        """Return the spectrum of the bodies plus the compliance of the layer; None if unknown.
+
+        Parameters as in `Elasticity.periodic`.
+        """
+        spectrum = self.bodies.periodic(component, period, dx, dy)
+        if spectrum is not None and component in ("xx", "yy"):
+            return spectrum + self.compliance
+        return spectrum
 
     def spanning(self, length: float) -> "InterfacialLayer":
         """Return bodies and layer for a mesh of the given length in x, mm."""

@@ -37,7 +37,7 @@ from tractive_sam.compute import (
     padded_length,
 )
 from tractive_sam.kernels.linear_algebra import row_products
-from tractive_sam.mechanics import Elasticity, Frame, HalfSpaces
+from tractive_sam.mechanics import Elasticity, Frame, HalfSpaces, LinearHalfSpaces
 from tractive_sam.operators.zone_inverse import ZoneInverse
 
 Box = tuple[slice, slice]
@@ -227,7 +227,7 @@ def transform_displacement(
     """
     padded, sides = lattice.padded, (lattice.dx, lattice.dy)
     # Many scenes have the same bodies on the same mesh. At most 64 MiB are stored.
-    store = type(elasticity) is HalfSpaces and padded[0] * padded[1] <= 2**17
+    store = type(elasticity) in (HalfSpaces, LinearHalfSpaces) and padded[0] * padded[1] <= 2**17
     transform = _stored_transform if store else _transform_table
     return transform(elasticity, padded, sides, component, period or padded, difference)
 
@@ -241,6 +241,10 @@ def _transform_table(
     difference: bool,
 ) -> np.ndarray:
     """Return the spectrum of displacements on elements with these sides."""
+    if period != padded and not difference:
+        spectrum = elasticity.periodic(component, period, *sides)
+        if spectrum is not None:
+            return spectrum / (period[0] * period[1])
     offsets = padded[0] // 2 + 1 + difference, padded[1] // 2 + 1
     scaled = elasticity.coefficients(component, offsets, *sides) / (period[0] * period[1])
     return transform_quadrant(scaled, _PARITY[component], period, difference)

@@ -280,10 +280,12 @@ def caveats(history: HistoryData) -> dict[str, str]:
 
     "utilisation" so close to the surface that it depends on the mesh and has no error bar,
     "stress" that elements may miss, "width" of bodies that the contact fills, "p_max" that no
-    material withstands or that is too small for the materials, "angle_range" of a conformal wheel.
+    material withstands or that is too small for the materials, "angle_range" of a conformal wheel,
+    "layers" that wear thins or removes.
     """
     notes = {
         "angle_range": _describe_conformity(history),
+        "layers": _describe_worn_layers(history),
         "stress": _describe_missed_stress(history),
         "p_max": _describe_implausible_pressure(history),
         "utilisation": _describe_shallow_utilisation(history),
@@ -299,6 +301,31 @@ def _describe_conformity(history: HistoryData) -> str:
     columns = [name for name in ("angle_range", "block_angle_range") if name in history.columns]
     largest = [np.nan_to_num(history[name]).max(initial=0.0) for name in columns]
     return "; ".join(conformity_notes(float(max(largest, default=0.0))))
+
+
+def _describe_worn_layers(history: HistoryData, share: float = 0.1) -> str:
+    """Describe layers that wear has thinned by more than a share or removed; else an empty text."""
+    texts = []
+    for body in BODIES if len(history) else ():
+        layers = getattr(history.scene.body, body).layer
+        column = f"wear_profile_{body}"
+        column = column if column in history.columns else "wear_max"
+        if not layers or column not in history.columns:
+            continue
+        worn = float(np.nan_to_num(history[column]).max(initial=0.0))
+        thickness = layers[0].thickness
+        if worn > share * thickness:
+            text = (
+                f"wear has removed {worn:.3g} of the {thickness:g} mm of the layer of body {body}"
+            )
+            if worn >= thickness:
+                text = f"worn through: wear of {worn:.3g} mm, and the layer of body {body} is "
+                text += f"{thickness:g} mm thick"
+            texts.append(text)
+    if not texts:
+        return ""
+    cure = "the contact is computed with unworn layers: use fewer wear.revolutions, and continue "
+    return f"{'; '.join(texts)}; {cure}with a thinner layer"
 
 
 def _describe_implausible_pressure(history: HistoryData) -> str:

@@ -26,16 +26,16 @@ from tractive_sam.schema import describe_tables, required
 
 def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
     """Yield rows on the coupling of pressure and tractions, and on the tangential problem."""
-    K = model.scene.material.coupling
+    K = "layers" if model.scene.body.is_layered else f"K = {model.scene.material.coupling:.4g}"
     coupling = "none: tractions do not change the pressure, which is solved first"
     if model.elasticity.coupled and model.transmits:
         coupling = (
             "of unlike bodies: pressure makes the surfaces slip and tractions lift them, so both "
-            f"is solved at once (K = {K:.4g}, 0 for like bodies)"
+            f"is solved at once ({K}, 0 for like bodies)"
         )
     elif model.elasticity.coupled:
         coupling = (
-            f"of unlike bodies (K = {K:.4g}), but without friction there are no tractions to lift "
+            f"of unlike bodies ({K}), but without friction there are no tractions to lift "
             "the surfaces: only the pressure is solved"
         )
     tangential = "stick and slip"

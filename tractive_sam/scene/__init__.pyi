@@ -2,6 +2,7 @@
 
 from .bodies import Bodies as Bodies
 from .bodies import Body as Body
+from .bodies import BodyLayer as BodyLayer
 from .bodies import Bulk as Bulk
 from .bodies import Fatigue as Fatigue
 from .bodies import FatigueVolume as FatigueVolume

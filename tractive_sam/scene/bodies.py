@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field
@@ -12,9 +13,12 @@ from tractive_sam.mechanics import (
     CombinedMaterial,
     HertzContact,
     HertzLine,
+    Layer,
+    LayeredBody,
     Material,
     combine,
     combined_radius,
+    contact_modulus,
     hertz,
     hertz_line,
 )
@@ -208,6 +212,85 @@ HEAT_CHECKS: tuple[Check, ...] = (
 """Checks between [heat] and the other tables."""
 
 
+def _material_of(table: BodyLayer | Body) -> Material:
+    """Return the elastic constants of a layer, or of a body below its layers."""
+    if table.young is not None:
+        return Material.from_young(table.young, table.poisson)
+    assert table.shear is not None  # as exactly one of both is given
+    return Material(table.shear, table.poisson)
+
+
+class BodyLayer(Table):
+    """Layer of a body, bonded to the layer or body below: a coating, a case, a rubber cover.
+
+    Examples
+    --------
+    >>> carbon = ts.BodyLayer(thickness=0.003, young=300e3, poisson=0.2)
+    >>> round(carbon.material.shear)
+    125000
+    """
+
+    key_advice: ClassVar[Mapping[str, str]] = {
+        "hardness": "hardness of the body, which wears",
+        "thermal": "thermal of the body: heat flows as in the body below",
+    }
+    thickness: Positive = entry("thickness, mm")
+    young: Positive | None = optional("Young's modulus, MPa")
+    shear: Positive | None = optional("shear modulus, MPa")
+    poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
+
+    @property
+    def material(self) -> Material:
+        """Elastic constants of the layer."""
+        return _material_of(self)
+
+
+def _check_layers(
+    entries: ValidEntries, moduli: float = 1e4, thicknesses: float = 1e4
+) -> Iterator[Fault]:
+    """Report layers that differ too much for the response to be resolved.
+
+    Parameters
+    ----------
+    entries : ValidEntries
+        Entries of a body.
+    moduli, thicknesses : float
+        Largest ratios of Young's moduli of layers and body, and of thicknesses.
+    """
+    layers = entries["layer"]
+    if not layers:
+        return
+    young = entries["young"]
+    if young is None and entries["shear"] is not None:
+        young = 2.0 * entries["shear"] * (1.0 + entries["poisson"])
+    if young is None:
+        return
+    for k, layer in enumerate(layers):
+        ratio = layer.material.young / young
+        if not 1.0 / moduli <= ratio <= moduli:
+            key = "young" if layer.young is not None else "shear"
+            value = f"{getattr(layer, key):g}, {ratio:.3g} times the body's"
+            cure = f"a modulus from {1 / moduli:g} to {moduli:g} times that of the body below"
+            yield Fault(f"layer[{k}].{key}", value, cure)
+            return
+    thickness = [layer.thickness for layer in layers]
+    if max(thickness) > thicknesses * min(thickness):
+        k = thickness.index(min(thickness))
+        cure = f"at least {max(thickness) / thicknesses:g} mm, a share of the thickest layer"
+        yield Fault(f"layer[{k}].thickness", f"{thickness[k]:g}", cure)
+        return
+    body = LayeredBody(
+        tuple(Layer(layer.thickness, layer.material) for layer in layers),
+        Material.from_young(young, entries["poisson"]),
+    )
+    try:
+        _ = body.images
+    except ValueError:
+        cure = "moduli that differ less, or fewer layers: the response is not resolved"
+        yield Fault("layer", f"{len(layers)} layers", cure)
+
+
 class Body(Table):
     """Body: elastic constants, radii of curvature, hardness, density and thermal properties.
 
@@ -242,15 +325,27 @@ class Body(Table):
         "density, kg/m3, for the worn mass; the default is for steel", default=7850.0
     )
     thermal: InnerTable[Thermal | None] = optional("thermal properties")
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
+    layer: tuple[BodyLayer, ...] = entry(
+        "layers from the surface down, bonded to each other and to the body",
+        "at least one layer, [[body.A.layer]]",
+        (),
+        min_length=1,
+        max_length=100,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"), _check_layers)
 
     @property
     def material(self) -> Material:
-        """Elastic constants of the body."""
-        if self.young is not None:
-            return Material.from_young(self.young, self.poisson)
-        assert self.shear is not None  # as exactly one of both is given
-        return Material(self.shear, self.poisson)
+        """Elastic constants of the body, below its layers."""
+        return _material_of(self)
+
+    @property
+    def response(self) -> Material | LayeredBody:
+        """Elastic constants of a homogeneous body, also of one with equal layers, or the layers."""
+        layers = [Layer(layer.thickness, layer.material) for layer in self.layer]
+        while layers and layers[-1].material == self.material:
+            layers.pop()
+        return LayeredBody(tuple(layers), self.material) if layers else self.material
 
 
 def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
@@ -261,6 +356,38 @@ def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
         cure = "a hardness for both bodies or for none: their ratio gives the shares in the wear"
         hardness = entries[f"{bodies[0]}.hardness"]  # if valid; otherwise it has its own fault
         yield Fault(f"{missing}.hardness", f"nothing, and {hardness:g} for body {bodies[0]}", cure)
+
+
+@lru_cache(64)
+def _layered_contact(
+    A: Material | LayeredBody,
+    B: Material | LayeredBody,
+    radii: tuple[float, float],
+    prescribed: tuple[tuple[str, float | None], ...],
+) -> HertzContact | HertzLine:
+    """Return the Hertz contact whose modulus is that of the bodies for waves of its length."""
+    load = dict(prescribed)
+
+    def contact(log_modulus: float) -> HertzContact | HertzLine:
+        e_star, (radius_x, radius_y) = math.exp(log_modulus), radii
+        if radius_y == math.inf:
+            return hertz_line(e_star, radius_x, load["load"], pressure=load["pressure"])
+        return hertz(e_star, radius_x, radius_y, **load)
+
+    # With a larger modulus the contact is smaller and meets more of the layers; the moduli of all
+    # lengths enclose the solution.
+    depth = sum(layer.thickness for body in (A, B) for layer in getattr(body, "layers", ()))
+    lengths = [depth * 10.0 ** (0.25 * k) for k in range(-24, 25)]
+    moduli = [math.log(contact_modulus(A, B, length)) for length in lengths]
+    low, high = min(moduli), max(moduli)
+    for _ in range(30):
+        middle = 0.5 * (low + high)
+        length = contact(middle).mean_semi_axis
+        if math.log(contact_modulus(A, B, length)) > middle:
+            low = middle
+        else:
+            high = middle
+    return contact(0.5 * (low + high))
 
 
 class Bodies(Table):
@@ -286,6 +413,16 @@ class Bodies(Table):
             radii = f", R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
             text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
+            for k, layer in enumerate(body.layer):
+                moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
+                yield Row(f"layer {k} of {name}", f"{layer.thickness:g} mm, {moduli}", brief=True)
+        if self.is_layered:
+            text = "bonded; the wear and the heat change neither thickness nor moduli"
+            yield Row("layers", f"{text}; heat flows as in the body below")
+            if (contact := scene.hertz) is not None:
+                modulus = self.contact_modulus(contact.mean_semi_axis)
+                text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
+                yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
         pair, (radius_x, radius_y) = self.material, self.radii
         yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
         if scene.wheelset is None:
@@ -300,6 +437,29 @@ class Bodies(Table):
     def material(self) -> CombinedMaterial:
         """Combined elastic constants of the pair of bodies."""
         return combine(self.A.material, self.B.material)
+
+    @property
+    def is_layered(self) -> bool:
+        """Whether the response of a body depends on the length of the contact."""
+        return any(isinstance(body, LayeredBody) for body in self.responses.values())
+
+    @property
+    def responses(self) -> dict[str, Material | LayeredBody]:
+        """Elastic constants or layers of each body."""
+        return {"A": self.A.response, "B": self.B.response}
+
+    @property
+    def coupled(self) -> bool:
+        """Whether pressure causes tangential displacement: the bodies are dissimilar."""
+        if self.is_layered:
+            return len(set(self.responses.values())) == 2
+        return self.material.coupling != 0.0
+
+    def contact_modulus(self, length: float) -> float:
+        """Return the contact modulus E*, MPa; of layers for waves as long as a contact, mm."""
+        if not self.is_layered:
+            return self.material.plane_strain_modulus
+        return contact_modulus(self.A.response, self.B.response, length)
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -323,17 +483,24 @@ class Bodies(Table):
     def hertz(self, load: Load) -> HertzContact | HertzLine | None:
         """Return the Hertz contact under a load; None if radii or approach close no contact.
 
-        Infinitely long bodies have a line contact under a load per length.
+        Infinitely long bodies have a line contact under a load per length. The contact of bodies
+        with layers is that of homogeneous bodies with their `contact_modulus`: an estimate.
         """
         radius_x, radius_y = self.radii
-        e_star = self.material.plane_strain_modulus
         if not 0 < radius_x < math.inf:
             return None
-        if self.infinitely_long and load.approach is None:
-            return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
-        if not 0 < radius_y < math.inf or (load.approach is not None and load.approach <= 0):
+        is_line = self.infinitely_long and load.approach is None
+        if not is_line and not 0 < radius_y < math.inf:
             return None  # without a [gap] there is no contact
+        if load.approach is not None and load.approach <= 0:
+            return None
         prescribed = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
+        if self.is_layered:
+            load_items = tuple(prescribed.items())
+            return _layered_contact(self.A.response, self.B.response, self.radii, load_items)
+        e_star = self.material.plane_strain_modulus
+        if is_line:
+            return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
         return hertz(e_star, radius_x, radius_y, **prescribed)
 
     def normal_load(self, load: Load) -> float | None:

@@ -3,7 +3,13 @@
 import math
 from collections.abc import Iterator
 
-from tractive_sam.mechanics import HertzContact, HertzLine, full_slip_force, load_to_carry
+from tractive_sam.mechanics import (
+    HertzContact,
+    HertzLine,
+    LayeredBody,
+    full_slip_force,
+    load_to_carry,
+)
 from tractive_sam.schema import Check, Fault, ValidEntries, not_both, shorten, warn
 
 from .bodies import HEAT_CHECKS, Bodies
@@ -366,8 +372,8 @@ def _check_bodies_can_touch(entries: ValidEntries) -> Iterator[Fault]:
 def _check_grid_contains_contact(entries: ValidEntries) -> Iterator[Fault]:
     """Report a grid smaller than the contact."""
     elastic = entries["elasticity"]
-    if elastic is not None and elastic.named_law:
-        return  # a coating changes the size of the contact
+    if (elastic is not None and elastic.named_law) or entries["body"].is_layered:
+        return  # layers change the size of the contact: the Hertz contact is an estimate
     if entries["gap"] is not None or entries["wheel"] is not None:
         return  # the Hertz ellipse is not the contact
     half_length, contact = entries["grid.half_length"] or (), entries["body"].hertz(entries["load"])
@@ -501,6 +507,32 @@ def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"observer[{k}].name", name, "each observer once")
 
 
+def _check_layers_combine(entries: ValidEntries) -> Iterator[Fault]:
+    """Report layers with keys and tables that hold for homogeneous bodies only."""
+    layered = [b for b in "AB" if isinstance(entries["body"].responses[b], LayeredBody)]
+    if not layered:
+        return
+    key = ", ".join(f"body.{body}.layer" for body in layered)
+    elastic, pressure = entries["elasticity"], entries["load.pressure"]
+    if elastic is not None and elastic.named_law:
+        cure = "layers or a user-defined law, not both: the law gives the response of both bodies"
+        yield Fault(f"{key}, elasticity.law", f"{elastic.named_law}, with layers", cure)
+    if pressure is not None:
+        cure = "load.normal or load.approach: the Hertz pressure is that of homogeneous bodies"
+        yield Fault("load.pressure", f"{shorten(pressure)}, with {key}", cure)
+    if entries["wheel"] is not None:
+        cure = "no layers: the contacts of a wheel are found for homogeneous bodies"
+        yield Fault(key, "with [wheel]", cure)
+    for table in ("subsurface", "fatigue"):
+        if entries[table] is None:
+            continue
+        for body in (body for body in entries[f"{table}.bodies"] if body in layered):
+            others = [other for other in "AB" if other not in layered]
+            cure = f"bodies = {others}" if others else f"no [{table}]"
+            cure += ": the stress below the surface is computed in bodies without layers only"
+            yield Fault(f"{table}.bodies", f"body {body}, with body.{body}.layer", cure)
+
+
 SCENE_CHECKS: tuple[Check, ...] = (
     _check_stress_history,
     *FORCE_CHECKS,
@@ -510,6 +542,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_wear_has_friction,
     _check_falling_law_has_speed,
     _check_bodies_can_touch,
+    _check_layers_combine,
     _check_grid_contains_contact,
     _check_slender_contact_has_grid,
     _check_a_body_turns,

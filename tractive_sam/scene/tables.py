@@ -246,9 +246,10 @@ class Load(Table):
         if scene.wheelset is not None:
             return  # reported with the wheelset; its patches are no Hertz contacts
         hertz, unit = scene.hertz, scene.force_unit
+        by = "by Hertz, with the equivalent modulus" if scene.body.is_layered else "by Hertz"
         key, value = self.prescribed_key, getattr(self, self.prescribed_key)
         name, unit_of_key = {"normal": ("P", unit), "approach": ("approach", "mm")}.get(
-            key, ("p0", "MPa by Hertz, unworn")
+            key, ("p0", f"MPa {by}, unworn")
         )
         text = f"{name} = {value:g} {unit_of_key}"
         if hertz is None:
@@ -256,7 +257,7 @@ class Load(Table):
             return
         computed = {
             "P": f"P = {hertz.load:.6g} {unit}",
-            "p0": f"p0 = {hertz.p0:.6g} MPa by Hertz, unworn",
+            "p0": f"p0 = {hertz.p0:.6g} MPa {by}, unworn",
         }
         rest = " and ".join(part for symbol, part in computed.items() if symbol != name)
         yield Row("load", f"{text}: {rest}", brief=True)

@@ -789,7 +789,7 @@ def _is_mirror_symmetric(scene: Scene) -> bool:
 
 def _reverses_with_creepages(scene: Scene) -> bool:
     """Return whether forces reverse with creepages: no elastic coupling, no user-defined law."""
-    return bool(scene.material.coupling == 0.0) and not _has_named_law(scene)
+    return not scene.body.coupled and not _has_named_law(scene)
 
 
 def _has_named_law(scene: Scene) -> bool:

@@ -1,0 +1,170 @@
+"""Layers bonded to a body: their response to waves, and influence coefficients."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import tractive_sam as ts
+from tractive_sam.mechanics.layers import _fit_images
+
+BASE = ts.Material(1.0, 0.3)
+THREE = ts.LayeredBody(
+    (
+        ts.Layer(0.2, ts.Material(4.0, 0.25)),
+        ts.Layer(0.3, ts.Material(0.5, 0.45)),
+        ts.Layer(0.5, ts.Material(2.0, 0.3)),
+    ),
+    ts.Material(1.0, 0.35),
+)
+
+
+def coated(shear, thickness=1.0, poisson=0.3, base=BASE):
+    return ts.LayeredBody((ts.Layer(thickness, ts.Material(shear, poisson)),), base)
+
+
+@pytest.mark.parametrize(
+    ("shear", "kh", "expected"),
+    [
+        (4.0, 0.5, (2.20692234, 0.94817642, 1.56649686, 0.60064962)),
+        (4.0, 1.0, (1.57224354, 0.88101019, 1.17675506, 0.56921976)),
+        (4.0, 2.0, (0.91048476, 0.78218463, 1.02222298, 0.33049062)),
+        (0.25, 1.0, (0.40367786, 0.60462819, 0.84979452, 0.06072063)),
+        (10.0, 0.5, (4.83745858, 1.15198917, 1.86119869, 1.22999171)),
+        (0.1, 0.5, (0.20314910, 0.45445150, 0.53728815, 0.01791224)),
+    ],
+)
+def test_response_of_a_coating(shear, kh, expected):
+    """Normalised by the modulus of the coating; an independent solution of all waves at once."""
+    found = shear * coated(shear).response(np.array([kh]))[:, 0]
+    np.testing.assert_allclose(found, expected, atol=6e-9)  # digits of the expected values
+
+
+def test_response_of_three_layers():
+    found = np.array((1.0, 10.0)) * THREE.response(np.array((1.0, 10.0))) / (1.0, 10.0)
+    expected = [
+        (0.54625078, 0.34380101, 0.62010126, 0.09256199),
+        (0.26827990, 0.21846772, 0.25722014, 0.11221771),
+    ]
+    np.testing.assert_allclose(found.T, expected, atol=6e-9)  # digits of the expected values
+
+
+def test_closed_form_of_normal_response():
+    """O'Sullivan & King, J. Tribol. 110 (1988) 235-240."""
+    k, shear, nu, below = np.geomspace(0.01, 30.0, 40), 7.0, 0.2, 0.4
+    a = 1.0 - 4.0 * (1.0 - nu) / (1.0 + shear * (3.0 - 4.0 * below))
+    b = (shear - 1.0) / (shear + 3.0 - 4.0 * nu)
+    fall = np.exp(-2.0 * k)
+    above = 1.0 + 4.0 * b * k * fall - a * b * fall**2
+    ratio = above / (1.0 - (a + b + 4.0 * b * k**2) * fall + a * b * fall**2)
+    found = coated(shear, 1.0, nu, ts.Material(1.0, below)).response(k)[0]
+    np.testing.assert_allclose(found, ratio * (1.0 - nu) / shear, rtol=1e-10)  # rounding
+
+
+@pytest.mark.parametrize("kh", [1e-6, 1e-3, 1.0, 50.0, 2000.0])
+def test_equal_layers_are_a_homogeneous_body(kh):
+    steel = ts.Material(8e4, 0.3)
+    layers = tuple(ts.Layer(h, steel) for h in (0.1, 1.0, 0.4))
+    found = ts.LayeredBody(layers, steel).response(np.array([kh]))[:, 0]
+    # Waves that are long compared with the layers are almost linearly dependent.
+    np.testing.assert_allclose(found, steel.compliances, rtol=1e-9)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.499, 0.5])
+@pytest.mark.parametrize("shear", [1e-3, 0.1, 10.0, 1e3])
+def test_exponentials_fit_the_response(shear, poisson):
+    body = coated(shear, 0.3, poisson)
+    heights, amplitudes = body.images
+    k = np.geomspace(1e-7, 200.0, 501)
+    fitted = body.compliances[:, None] + amplitudes @ np.exp(-np.outer(heights, k))
+    response = body.response(k)
+    # Twice the error at which no further heights are tried, as other waves are tested.
+    assert (abs(fitted - response) / response[[0, 1, 2, 1]]).max() < 2e-6
+
+
+@dataclass(frozen=True)
+class ByQuadrature(ts.SpectralHalfSpaces):
+    """Integrals over the waves, which also hold for responses without closed form."""
+
+    body: ts.LayeredBody
+
+    @property
+    def surface(self):
+        return ts.HalfSpaces(self.body.layers[0].material, self.B)
+
+    def spectrum(self, component, kx, ky):
+        k = np.hypot(kx, ky)
+        of_A = self.body.response(k.ravel()).reshape(4, *k.shape)
+        of_B = np.array((1.0, 1.0, 1.0, -1.0)) * self.B.compliances
+        zz, along, across, lift = of_A + of_B[:, None, None]
+        return {
+            "zz": zz / k,
+            "xx": (across + (along - across) * (kx / k) ** 2) / k,
+            "yy": (across + (along - across) * (ky / k) ** 2) / k,
+            "xy": (along - across) * kx * ky / k**3,
+            "xz": 1j * lift * kx / k**2,
+            "yz": 1j * lift * ky / k**2,
+        }[component]
+
+
+@pytest.mark.parametrize("sides", [(0.1, 0.1), (0.3, 0.1), (1.5, 1.0)])
+@pytest.mark.parametrize("component", ["xx", "xy", "yy", "zz", "xz", "yz"])
+def test_coefficients_against_quadrature(component, sides):
+    other, body = ts.Material(3.0, 0.25), coated(4.0)
+    found = ts.LinearHalfSpaces(body, other).coefficients(component, (30, 20), *sides)
+    waves = ByQuadrature(BASE, other, 1.0, body)
+    expected = waves.coefficients(component, (30, 20), *sides)
+    # The fit of the response by exponentials has an error of 1e-9 here, of S_Lz 3e-9.
+    np.testing.assert_allclose(found, expected, atol=5e-9 * abs(expected).max())
+
+
+@pytest.mark.parametrize("component", ["zz", "xx", "xy", "xz"])
+def test_homogeneous_bodies_have_the_coefficients_of_half_spaces(component):
+    pair, sides = (ts.Material(2.0, 0.2), ts.Material(5.0, 0.4)), (0.1, 0.15)
+    found = ts.LinearHalfSpaces(*pair).coefficients(component, (20, 20), *sides)
+    expected = ts.HalfSpaces(*pair).coefficients(component, (20, 20), *sides)
+    np.testing.assert_allclose(found, expected, atol=1e-15 * abs(expected).max())  # rounding
+
+
+@pytest.mark.parametrize(("row", "component"), [(0, "zz"), (1, "xx"), (2, "yy")])
+def test_strips_are_long_rectangles(row, component):
+    """Differences of displacements by strips are integrals over waves along x."""
+    law, dx = ts.LinearHalfSpaces(coated(5.0, 0.4), BASE, datum=3.0), 0.05
+    table = law.coefficients(component, (60, 1), dx, 1.0)[:, 0]
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    edges = np.linspace(0.0, 400.0, 1601)
+    k = (edges[:-1, None] + 0.125 * (1.0 + nodes)).ravel()
+    weights = np.tile(0.125 * weights, 1600)
+    change = coated(5.0, 0.4).response(k)[row] - coated(5.0).compliances[row]
+    places = dx * np.arange(1, 60)
+    # Of the change from the surface, which ends at k = 18/h.
+    mean = dx * np.sinc(0.5 * k * dx / np.pi)
+    raised = ((np.cos(np.outer(places, k)) - 1.0) * mean) @ (weights * change / k) / np.pi
+    surface = ts.LinearHalfSpaces(ts.Material(5.0, 0.3), BASE, datum=3.0)
+    plain = surface.coefficients(component, (60, 1), dx, 1.0)[:, 0]
+    found = (table - plain)[1:] - (table - plain)[0]
+    np.testing.assert_allclose(found, raised, atol=1e-8 * abs(raised).max())  # the fit
+
+
+def test_strip_far_away_acts_as_on_the_base():
+    law = ts.LinearHalfSpaces(coated(5.0, 0.4), coated(5.0, 0.4), datum=3.0)
+    base = ts.LinearHalfSpaces(BASE, BASE, datum=3.0)
+    both = [b.coefficients("zz", (4001, 1), 1.0, 1.0)[:, 0] for b in (law, base)]
+    steps = [np.diff(table)[[2000, -1]] for table in both]
+    np.testing.assert_allclose(*steps, rtol=1e-4)  # (h/x)² times the stiffness ratio
+
+
+def test_like_layers_are_not_coupled_and_unlike_ones_are():
+    assert not ts.LinearHalfSpaces(coated(4.0), coated(4.0)).coupled
+    assert ts.LinearHalfSpaces(coated(4.0), BASE).coupled
+
+
+@pytest.mark.parametrize("thickness", [0.0, -1.0, np.inf, np.nan])
+def test_thickness_must_be_positive(thickness):
+    with pytest.raises(ValueError, match="thickness"):
+        ts.Layer(thickness, BASE)
+
+
+def test_response_that_exponentials_do_not_resolve_is_refused():
+    with pytest.raises(ValueError, match="not resolved"):
+        _fit_images(coated(4.0), good=0.0, largest_error=0.0)

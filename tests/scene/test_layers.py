@@ -1,0 +1,74 @@
+"""Faults and descriptions of scenes with layers."""
+
+import pytest
+
+import tractive_sam as ts
+
+SCENE = ts.Scene.builtin("coated-roller")
+LAYER = {"thickness": 0.1, "young": 3e3, "poisson": 0.4}
+STRESS = {"planes": ["y=0"]}
+
+
+@pytest.mark.parametrize(
+    ("key", "changes"),
+    [
+        ("body.A.layer[0].thickness", {"body.A.layer": [LAYER | {"thickness": 0.0}]}),
+        ("body.A.layer[0].thickness", {"body.A.layer": [LAYER | {"thickness": -1.0}]}),
+        ("body.A.layer[0].thickness", {"body.A.layer": [LAYER | {"thickness": float("inf")}]}),
+        ("body.A.layer[0].thickness", {"body.A.layer": [LAYER | {"thickness": "thin"}]}),
+        ("body.A.layer[0].thickness", {"body.A.layer": [{"young": 3e3, "poisson": 0.4}]}),
+        ("body.A.layer[0].poisson", {"body.A.layer": [LAYER | {"poisson": 0.6}]}),
+        ("body.A.layer[0].poisson", {"body.A.layer": [{"young": 3e3, "thickness": 0.4}]}),
+        ("young", {"body.A.layer": [{"thickness": 0.1, "poisson": 0.4}]}),
+        ("shear", {"body.A.layer": [LAYER | {"shear": 1e3}]}),
+        ("body.A.layer[0].young", {"body.A.layer": [LAYER | {"young": 0.0}]}),
+        ("body.A.layer[1].young", {"body.A.layer": [LAYER, LAYER | {"young": 1e10}]}),
+        ("body.A.layer[0].young", {"body.A.layer": [LAYER | {"young": 1e-3}]}),
+        ("body.A.layer[1].thickness", {"body.A.layer": [LAYER, LAYER | {"thickness": 1e-7}]}),
+        ("body.A.layer", {"body.A.layer": []}),
+        ("body.A.layer", {"body.A.layer": "steel"}),
+        ("hardness", {"body.A.layer": [LAYER | {"hardness": 3.0}]}),
+        ("depth", {"body.A.layer": [LAYER | {"depth": 3.0}]}),
+        ("load.pressure", {"load": {"pressure": 100.0}}),
+        ("subsurface.bodies", {"subsurface": STRESS}),
+        ("fatigue.bodies", {"fatigue": {"shear_yield": 300.0}}),
+        ("body.A.layer, elasticity.law", {"elasticity": {"law": "film_laws:Winkler"}}),
+    ],
+)
+def test_faults_name_the_key(key, changes):
+    with pytest.raises(ts.SceneError) as error:
+        SCENE.replace(**changes)
+    assert key in str(error.value)
+
+
+def test_layers_of_a_wheel_are_refused():
+    wheel = ts.Scene.builtin("wheel-rail")
+    with pytest.raises(ts.SceneError, match=r"body\.B\.layer"):
+        wheel.replace(**{"body.B.layer": [LAYER]})
+
+
+def test_stress_of_the_other_body_is_allowed():
+    scene = SCENE.replace(subsurface=STRESS | {"bodies": ["B"]})
+    assert scene.subsurface.bodies == ("B",)
+
+
+def test_layers_in_toml_and_by_key():
+    assert ts.Scene.from_toml_text(SCENE.to_toml()) == SCENE
+    softer = SCENE.with_set(["body.A.layer[0].young=1000"])
+    assert softer.body.A.layer[0].young == 1000.0
+    assert softer.fingerprint() != SCENE.fingerprint()
+    assert softer.hertz.a > SCENE.hertz.a
+
+
+def test_explain_lists_the_layers():
+    text = str(ts.explain(SCENE))
+    assert "layer 0 of A" in text
+    assert "equivalent modulus" in text
+
+
+def test_estimated_contact_lies_between_those_of_both_materials():
+    stiff, soft = (
+        SCENE.replace(**{"body.A.layer": None}),
+        SCENE.replace(**{"body.A.layer": None, "body.A.young": 3.6e3, "body.A.poisson": 0.4}),
+    )
+    assert stiff.hertz.a < SCENE.hertz.a < soft.hertz.a
