@@ -462,16 +462,13 @@ def contact_modulus(A: SurfaceResponse, B: SurfaceResponse, length: float) -> fl
     return float(2.0 / compliance)
 
 
-_NEAR = 12.0
-"""Distance from an element, in its longest side, beyond which Gauss points integrate over it."""
-
-
 def _load_rectangles(
     component: str,
     offsets: tuple[int, int],
     sides: tuple[float, float],
     heights: np.ndarray,
     amplitudes: np.ndarray,
+    near: float = 12.0,
 ) -> np.ndarray:
     """Return the displacement of surfaces at heights by a unit traction on an element, mm/MPa.
 
@@ -486,20 +483,22 @@ def _load_rectangles(
         mm.
     amplitudes : ndarray, shape (4, m)
         See `SurfaceResponse.images`.
+    near : float
+        Distance from an element, in its longest side, beyond which Gauss points integrate over it.
     """
     table = np.empty(offsets)
     x, y = (side * np.arange(n) for side, n in zip(sides, offsets, strict=True))
     distance, longest = np.hypot(x[:, None], y), max(sides)
-    near = np.nonzero(distance <= _NEAR * longest)
-    columns, rows = near[0].max() + 1, near[1].max() + 1
-    low = heights <= _NEAR * longest
+    close = np.nonzero(distance <= near * longest)
+    columns, rows = close[0].max() + 1, close[1].max() + 1
+    low = heights <= near * longest
     corners = _add_corners(component, (columns, rows), sides, heights[low], amplitudes[:, low])
-    table[near] = corners[near]
+    table[close] = corners[close]
     high = _Radial(component, heights[~low], amplitudes[:, ~low])
-    table[near] += _integrate(high.at, x[near[0]], y[near[1]], sides, 3)
+    table[close] += _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
     radial = _Radial(component, heights, amplitudes)
-    radial = radial.interpolated((_NEAR - 1.0) * longest, distance[-1, -1] + longest)
-    for least, most, points in ((_NEAR, 40.0, 3), (40.0, np.inf, 2)):
+    radial = radial.interpolated((near - 1.0) * longest, distance[-1, -1] + longest)
+    for least, most, points in ((near, 40.0, 3), (40.0, np.inf, 2)):
         part = np.nonzero((distance > least * longest) & (distance <= most * longest))
         table[part] = _integrate(radial.interpolate, x[part[0]], y[part[1]], sides, points)
     return table / (2.0 * np.pi)
@@ -632,6 +631,7 @@ def _load_strips(
     heights: np.ndarray,
     amplitudes: np.ndarray,
     datum: float,
+    near: float = 12.0,
 ) -> np.ndarray:
     """Return the displacement of strips at heights by a unit traction on a strip, mm/MPa.
 
@@ -665,8 +665,8 @@ def _load_strips(
     raised = sum(
         0.5 * dx * w * kernel(x + 0.5 * dx * t) for t, w in zip(nodes, weights, strict=True)
     )
-    near = (x <= _NEAR * dx)[:, None] & (d <= _NEAR * dx)
+    close = (x <= near * dx)[:, None] & (d <= near * dx)
     corners = dx * (np.arange(offsets[0] + 1) - 0.5)
-    raised = np.where(near, np.diff(antiderivative(corners), axis=0), raised)
+    raised = np.where(close, np.diff(antiderivative(corners), axis=0), raised)
     table[:, 0] = (first * surface + raised @ rows[component][1:]) / (2.0 * np.pi)
     return table
