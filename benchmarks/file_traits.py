@@ -216,11 +216,12 @@ def scale_heading(text: str, factor: float, offset: float = 0.0) -> Callable:
     return change
 
 
-def write_thousands(sheet: Sheet, rng: np.random.Generator) -> Sheet:
+def write_thousands(sheet: Sheet, rng: np.random.Generator, mark: str = ",") -> Sheet:
     values = 1e5 * sheet.values
-    cells = {(i, k): f"{v:,.1f}" for i, row in enumerate(values) for k, v in enumerate(row)}
-    if not any("," in text for text in cells.values()):
+    texts = {(i, k): f"{v:,.1f}" for i, row in enumerate(values) for k, v in enumerate(row)}
+    if not any("," in text for text in texts.values()):
         return sheet
+    cells = {place: text.replace(",", mark) for place, text in texts.items()}
     return replace(sheet, cells=cells, separator=";")
 
 
@@ -326,7 +327,7 @@ def head(*lines: str) -> Callable:
 
 
 def name_inward(sheet: Sheet, rng: np.random.Generator) -> Sheet:
-    if sheet.settings.get("kind") != "rail" or sheet.names != ("y", "z"):
+    if sheet.settings.get("kind") != "rail" or sheet.names != ("y", "z") or not sheet.header:
         return sheet
     units = ("millimetre", *sheet.units[1:])  # the header that states the sign is not omitted
     return replace(sheet, names=("-y", "z"), units=units, values=sheet.values * (-1, 1))
@@ -389,13 +390,29 @@ TRAITS = {
     "upside down in words": scale_heading("# z is upside down", -1.0),
     **{f"words {text!r}": scale_heading(f"# {text}", factor) for text, factor in
        (("divided by two", 0.5), ("sign reversed", -1.0), ("per wheelset", 2.0), ("volts", 3.0),
-        ("logarithmic", 1.5), ("raw, uncalibrated", 0.7), ("hundredths", 0.01))},
+        ("logarithmic", 1.5), ("raw, uncalibrated", 0.7), ("hundredths", 0.01),
+        ("log10 of the values", 1.5))},
     "remark with a number": head("# tare: 50 N"),
     "columns in a heading": head("# Columns: 14"),
     "factor in a name": put(header="1000*{name} [{unit}]"),
     "sign in a name": put(header="-{name} [{unit}]"),
     "size in a heading": head("# Width: 6.5 mm", "# Height: 9 mm"),
     "points in a heading": head("Points: 4"),
+    "sep= line": lambda s, rng: replace(s, heading=(f"sep={s.separator}", *s.heading)),
+    **{f"gain after {mark!r}": scale_heading(f"{mark} gain = 2", 2.0) for mark in
+       ("//", "*", "REM", ";")},
+    "unit with a factor": scale_heading("# Value units: 1e-4 m", 0.1),
+    "per cent in a comment": scale_heading("# values in per cent", 0.01),
+    "factor below the table": lambda s, rng: replace(
+        scale_heading("", 0.5)(s, rng), heading=s.heading, tail=b"# all values x 0.5\n" + s.tail
+    ),
+    "summary below the table": lambda s, rng: replace(s, tail=b"mean;0.1\nmax;0.2\n" + s.tail),
+    "dashes below the header": put(between={0: ("--------",)}),
+    "flags": lambda s, rng: replace(s, row_end=lambda row, mark=s.separator: f"{mark}OK"),
+    "quoted decimal commas": put(separator=",", decimal=",", digits='"{:.12g}"'),
+    "thousands with apostrophes": lambda s, rng: write_thousands(s, rng, "'"),
+    "exponents after blanks": put(digits="{:.11e}", exponent=" e"),
+    "units in cells": put(digits="{:.12g} mm"),
     "row count": lambda s, rng: replace(s, heading=(*s.heading, str(len(s.values)))),
     **{f"cell {text!r}": cell(text) for text in
        ("nan", "", "-", "-9999", "n/a", "O.1", "1_0", "50 %", "inf", "0.1 0.2", "1e", "--",

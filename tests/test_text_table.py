@@ -151,3 +151,12 @@ def test_units_are_converted_to_those_of_a_meaning():
     assert find_scale("um", "depth, mm") == LENGTHS["um"]
     assert find_scale("um", "normal load P, N") is None
     assert find_scale("furlong", "depth, mm") is None
+
+
+def test_a_rule_below_the_header_and_the_separator_of_a_spreadsheet_are_no_content():
+    table = parse_table("sep=;\ny [mm];z [um]\n----------\n1;2\n3;4\n")
+    assert table.names == ("y", "z")
+    assert table.units == ("mm", "um")
+    assert not table.find_unused(table.units)
+    with pytest.raises(TextError, match="no rows below the header; line 2, '1 mm;2 mm'"):
+        parse_table("y;z\n1 mm;2 mm\n")

@@ -64,8 +64,8 @@ def _write_patterns() -> dict[str, str]:
         rf"\bunits?\b[^=]*=\W*{number}|"  # units: 0.1 mm
         r"\b10\s*(?:\^|\*\*)|\b10[⁻⁺⁰-⁹²³]|\b\d[\d.]*\s*[*·×]\s*[^\W\d]",  # 2 * value
         # What no reader names: all other remarks state something.
-        "nothing": r"^\W*(?:(?:begin|by|channel|data|end|eof|file|first|hand|kind|measured|of|one|"
-        r"pass|points?|rig|run|scan|second|stylus|start|test|the|third|three|two)(?:\W+|$))*$",
+        "nothing": r"^sep=\W?$|^\W*(?:(?:begin|by|channel|data|end|eof|file|first|hand|kind|of|one|"
+        r"measured|pass|points?|rig|run|scan|second|stylus|start|test|the|third|three|two)(?:\W+|$))*$",
         # What maps and traces use or refuse.
         "unit of values": r"^(?![^=]*(?:\b[xy]\b|lateral))[^=]*\bunits?\b[^=]*=",
         "size": r"^(?:width|height)=([\d.e+-]+)\s*(\S+)$",
@@ -500,7 +500,7 @@ def _separate_comments(text: str, first_line: int) -> tuple[list[Remark], list[R
             raise TextError(value, "a line for each row")
         if content[:1] in ("#", "!") or re.match(r"%(?!\s*[;,\t])", content):
             remarks.append(Remark(number, content.lstrip("#%! ")))
-        elif content:
+        elif not re.fullmatch(r"[-=_]{4,}|", content):  # a rule below a header
             mark = comment.search(line) if _NUMBER_LIKE.match(line) else None
             if mark:
                 remarks.append(Remark(number, line[mark.end() :].strip()))
@@ -599,7 +599,8 @@ def _find_first_row(
             return above + 1
         mixed += [k] * (kind == "mixed")
     if not mixed:
-        raise TextError("no rows below the header", "a row of numbers for each point")
+        value = f"no rows below the header; {body[-1].place}, is none"
+        raise TextError(value, "a row of numbers for each point, without units")
     return mixed[0]
 
 
