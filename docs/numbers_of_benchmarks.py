@@ -979,6 +979,20 @@ def fit_posterior() -> str:
     return format_columns(read_rows("fit_posterior.csv"), columns)
 
 
+def spread() -> str:
+    """Return errors of percentiles and Sobol indices, and how often intervals contain them."""
+    columns = {
+        "outcome": ("outcome", str),
+        "samples": ("samples", number(".0f")),
+        "of them on the fine mesh": ("fine", number(".0f")),
+        "error of percentiles, %": ("error of percentiles %", number(".2g")),
+        "percentile within the interval, %": ("covered %", number(".1f")),
+        "error of indices": ("error of indices", number(".1g")),
+        "index within the interval, %": ("indices covered %", number(".1f")),
+    }
+    return format_columns(read_rows("spread.csv"), columns)
+
+
 def fit_cost() -> str:
     """Return the cost of fits."""
     columns = {
@@ -1075,5 +1089,6 @@ TABLES = {
         fit_coverage,
         fit_cost,
         fit_posterior,
+        spread,
     )
 }

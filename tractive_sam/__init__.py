@@ -47,6 +47,8 @@ stress_volume, fatigue
 
 **Fits** fit, FitDesign, FitResult, open_fit, FitError
 
+**Spreads** spread, SpreadDesign, SpreadResult, open_spread, SpreadError
+
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
 Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
 Layer, Material, WearLaw, WearConditions, Energy, PerBody, SlidingShare; StressCriterion,

@@ -11,8 +11,13 @@ from .documents import open_any as open_any
 from .fitting import FitDesign as FitDesign
 from .fitting import FitError as FitError
 from .fitting import FitResult as FitResult
+from .fitting import SpreadDesign as SpreadDesign
+from .fitting import SpreadError as SpreadError
+from .fitting import SpreadResult as SpreadResult
 from .fitting import fit as fit
 from .fitting import open_fit as open_fit
+from .fitting import open_spread as open_spread
+from .fitting import spread as spread
 from .levels import Levels as Levels
 from .levels import compare_levels as compare_levels
 from .lookup import CreepTable as CreepTable

@@ -358,6 +358,64 @@ class FitDocument(Document["fitting.FitResult"]):
         return fitting.explain_fit(self.content.design)
 
 
+class AnswerDocument(Document["fitting.QuestionResult"]):
+    """The file of a question to a scene (.nc), which may be incomplete."""
+
+    def __init__(self, path: str | PathLike[str], content: fitting.QuestionResult):
+        super().__init__(path, content)
+        self.status, self.message = content.status, content.message
+        self.is_complete = content.status == "done"
+
+    @property
+    def title(self) -> str:
+        """Title of the question, or of its scene."""
+        return self.content.title
+
+    def tables(self) -> dict[str, TextTable]:
+        """Return the tables of the result, if it is complete, and its status and cost."""
+        rows = self.content.tables() if self.content.finished else {}
+        tables = {name: TextTable.from_dicts(table) for name, table in rows.items()}
+        return tables | {"Summary": TextTable.from_labels(self.content.summary())}
+
+    def notes(self) -> list[str]:
+        """Return what the result rests on and leaves open."""
+        return [*self.content.notes]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return all numbers by name."""
+        return self.content.to_dict()
+
+    def drawings(self) -> Iterator[plot.Drawing]:
+        """Yield the figures of the result."""
+        if not self.content.finished:
+            name = self.content.kind()
+            raise ValueError(f"{self.path} is not complete yet; tractive-sam {name} resumes it")
+        return self.content.drawings()
+
+    def source(self) -> str:
+        """Return the file of the question."""
+        return self.content.design.to_toml()
+
+    def version(self) -> str:
+        """Return the version that computed it."""
+        return str(self.content.dataset.attrs.get("version", ""))
+
+
+class SpreadDocument(AnswerDocument):
+    """The file of a spread."""
+
+    noun = "a spread"
+
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Any:
+        """Open the file of a spread; ResultsError if it is none."""
+        return fitting.open_spread(path)
+
+    def explain(self, workers: int | None = None) -> Description:
+        """Describe the design of the spread."""
+        return fitting.explain_spread(self.content.design)
+
+
 class TableDocument(Document[Any]):
     """A creep-force table, a file (.nc) or a built-in one."""
 
@@ -583,6 +641,26 @@ class FitRequest(Request["fitting.FitDesign"]):
         return fitting.explain_fit(self.content)
 
 
+class SpreadRequest(Request["fitting.SpreadDesign"]):
+    """The file that requests a spread."""
+
+    noun, command = "the file of a spread", "tractive-sam spread {} -o FILE.nc"
+
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Any:
+        """Read the file of a spread; SpreadError with every fault."""
+        return fitting.SpreadDesign.from_toml(path)
+
+    @property
+    def title(self) -> str:
+        """Title of the spread."""
+        return self.content.spread.title
+
+    def explain(self, workers: int | None = None) -> Description:
+        """Describe uncertain keys, outcomes and cost of the spread."""
+        return fitting.explain_spread(self.content)
+
+
 class TableRequest(Request["tables.TableDesign"]):
     """The design of a creep-force table."""
 
@@ -609,14 +687,16 @@ def find_kind(path: str | PathLike[str]) -> type[Document[Any]]:
     if Path(path).is_dir():
         return StudyDocument
     if tables.is_table(path):
-        has_fit = str(path).endswith(".nc") and store.netcdf_format(path).startswith("fit ")
-        return FitDocument if has_fit else TableDocument
+        format = store.netcdf_format(path) if str(path).endswith(".nc") else ""
+        answers: dict[str, type[Document[Any]]] = {"fit": FitDocument, "spread": SpreadDocument}
+        return answers.get(format.partition(" ")[0], TableDocument)
     if Path(path).suffix in RESULTS:
         return ResultsDocument
     if tables.is_design(path):
         return TableRequest
-    if fitting.is_fit_design(path):
-        return FitRequest
+    if question := fitting.question_of(path):
+        requests: dict[str, type[Document[Any]]] = {"fit": FitRequest, "spread": SpreadRequest}
+        return requests[question]
     return StudyRequest if studies.is_study(path) else SceneRequest
 
 

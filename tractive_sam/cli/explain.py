@@ -38,7 +38,7 @@ def explain(
 ) -> None:
     """Describe what the model includes and neglects, and estimate memory and time.
 
-    SCENE may also be a study, a fit, a creep-force table, or the design of a table.
+    SCENE may also be a study, a fit, a spread, a creep-force table, or the design of a table.
 
     Parameters
     ----------

@@ -1,8 +1,9 @@
 """``tractive-sam fit``: coefficients from measurements, with intervals."""
 
+from collections.abc import Callable
 from pathlib import Path
 from time import monotonic
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,6 +13,7 @@ from tractive_sam.cli.output import (
     incomplete_exit,
     invalid_exit,
     print_message,
+    print_note,
     report_compiling,
     report_interrupt,
     report_warnings,
@@ -21,14 +23,31 @@ from tractive_sam.cli.scene_input import Allow
 from tractive_sam.cli.show import print_document
 from tractive_sam.description import format_duration
 
+Output = Annotated[
+    Path,
+    typer.Option("--output", "-o", metavar="FILE.nc",
+                 help="The result (netCDF), from which an interrupted command resumes."),
+]  # fmt: skip
+Workers = Annotated[
+    int,
+    typer.Option(min=0, metavar="N", help="Processes on this machine; 0: this process."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="Scheduler of dask.distributed, whose workers compute."),
+]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace a file that contains another scene.")
+]
+
 
 def fit(
     file: Annotated[Path, typer.Argument(metavar="FIT.toml")],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.nc")],
+    output: Output,
     design: Annotated[bool, typer.Option("--design")] = False,
     scene: Annotated[Path | None, typer.Option(metavar="OUT.toml")] = None,
-    workers: Annotated[int, typer.Option(min=0, metavar="N")] = 0,
-    overwrite: Annotated[bool, typer.Option("--overwrite")] = False,
+    workers: Workers = 0,
+    overwrite: Overwrite = False,
     allow: Allow = None,
     quiet: Quiet = False,
 ) -> None:
@@ -38,16 +57,10 @@ def fit(
     ----------
     file
         A fit file (TOML).
-    output
-        The result (netCDF), from which an interrupted fit resumes.
     design
         Also rank the tests [[fit.test]] by the reduction of the uncertainty.
     scene
         Also write the scene with the fitted values.
-    workers
-        Number of processes on this machine; 0: this process.
-    overwrite
-        Replace a file that contains the fit of another scene.
     """
     if output.suffix != ".nc":
         raise invalid_exit(f"{output}: the result is a netCDF file; use FILE.nc")
@@ -93,3 +106,58 @@ def fit(
         raise incomplete_exit(
             "no convergence; raise fit.iterations, or start from the values in the file"
         )
+
+
+def spread(
+    file: Annotated[Path, typer.Argument(metavar="SPREAD.toml")],
+    output: Output,
+    workers: Workers = 0,
+    scheduler: Scheduler = None,
+    overwrite: Overwrite = False,
+    allow: Allow = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compute how far results scatter with uncertain keys, and which keys cause it.
+
+    Parameters
+    ----------
+    file
+        A spread file (TOML): the scene, and the distributions of its uncertain keys.
+    """
+    from tractive_sam.fitting import spread as compute
+
+    _answer(compute, file, output, workers, scheduler, overwrite, quiet, say=print_note)
+
+
+def _answer(
+    compute: Callable[..., Any], file: Path, output: Path, workers: int, scheduler: str | None,
+    overwrite: bool, quiet: bool, **options: Any,
+) -> Any:  # fmt: skip
+    """Answer a question with progress, print the result, and exit unless it is done."""
+    from tractive_sam.documents import open_any
+
+    if output.suffix != ".nc":
+        raise invalid_exit(f"{output}: the result is a netCDF file; use FILE.nc")
+    check_folder(output)
+    if scheduler is not None and workers:
+        raise invalid_exit("--workers: not with a scheduler; start its workers by dask worker")
+    note = f"{output} holds the computations so far; repeat the command to resume from them"
+    with report_interrupt(note), report_compiling(), show_progress() as update, report_warnings():
+        began = printed = monotonic()
+
+        def report(done: Any) -> None:
+            nonlocal printed
+            contacts, rolls, _ = done.cost
+            text = f"{contacts} contacts, {rolls} rolls, {format_duration(monotonic() - began)}"
+            is_due = monotonic() - printed > 60.0
+            printed = monotonic() if is_due else printed
+            update(done.share, text, text if is_due else "")
+
+        result = compute(file, output, workers=workers, scheduler=scheduler, overwrite=overwrite,
+                         progress=report, **options)  # fmt: skip
+    if not quiet:
+        print_document(open_any(output))
+    print_message(f"{output}: {result.status}")
+    if result.status != "done":
+        raise incomplete_exit(f"{result.status}: {result.message}")
+    return result

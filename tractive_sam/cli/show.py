@@ -33,12 +33,12 @@ def show(
     as_json: Annotated[bool, typer.Option("--json")] = False,
     as_csv: Annotated[bool, typer.Option("--csv")] = False,
 ) -> None:
-    """Print a results file, even while its run is in progress, a creep-force table, or a fit.
+    """Print a results file, even of a running run, a creep-force table, a fit or a spread.
 
     Parameters
     ----------
     file
-        A results file, a creep-force table, or a fit.
+        A results file, a creep-force table, a fit or a spread.
     as_json
         Print every record as JSON instead of tables.
     as_csv

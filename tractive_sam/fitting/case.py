@@ -139,8 +139,10 @@ class FitCase:
 
     @property
     def is_steady(self) -> bool:
-        """Whether the scene of the case is a single contact, so that nothing is rolled."""
-        return is_steady(self.scene)
+        """Whether the scene is a single contact with all columns, so that nothing is rolled."""
+        quantities = index_by_name(COLUMNS)
+        known = (quantities[name.partition(" ")[0]].of for name in self.columns)
+        return is_steady(self.scene) and None not in known
 
     @cached_property
     def digest(self) -> str:
@@ -391,22 +393,24 @@ class InWorkers:
 
 
 @contextmanager
-def compute_with(number: int) -> Iterator[Compute]:
-    """Yield what computes cases: this process for 0 workers, else `number` worker processes.
+def compute_with(number: int, scheduler: str | None = None) -> Iterator[Compute]:
+    """Yield what computes cases: this process, `number` processes, or workers of a scheduler.
 
     Parameters
     ----------
     number : int
         Processes; 0: this one.
+    scheduler : str, optional
+        Address of a scheduler of dask.distributed; its workers compute what is worthwhile.
     """
-    if not number:
+    if not number and scheduler is None:
         yield InProcess()
         return
     from tractive_sam.studies import check_installed  # noqa: PLC0415 - loads dask
 
     check_installed()
     with ExitStack() as stack:
-        yield InWorkers(number, stack)
+        yield InWorkers(number, stack, _cluster=None if scheduler is None else (scheduler, None))
 
 
 @dataclass
@@ -428,6 +432,8 @@ class Evaluations:
         Called after each case that was computed, and after each iteration of the search.
     searched : list of (float, float)
         Time, s, and chi-square of each iteration of the search, priors included.
+    share : float
+        Share of the cases of the last call of `answers` that are known, 0 to 1.
     """
 
     compute: Compute
@@ -436,6 +442,7 @@ class Evaluations:
     interval: float = 2.0
     progress: Callable[["Evaluations"], None] | None = None
     searched: list[tuple[float, float]] = field(default_factory=list)
+    share: float = 0.0
     _saved: float = field(default_factory=monotonic)
 
     def answers(self, cases: Mapping[Name, FitCase]) -> dict[Name, Answer]:
@@ -444,7 +451,8 @@ class Evaluations:
         if missing:
             digests = list(missing)
             try:
-                for k, answer in self.compute(list(missing.values())):
+                for number, (k, answer) in enumerate(self.compute(list(missing.values()))):
+                    self.share = (len(cases) - len(missing) + number + 1) / len(cases)
                     self.add(digests[k], answer)
             except BaseException:
                 self.write()
@@ -559,8 +567,10 @@ def drop_tables(scene: Scene, columns: Iterable[str], unworn: bool) -> Scene:
             without = scene.replace(**{name: None}, **unused)
             if all(quantity.applies(without) for quantity in wanted):
                 scene = without
+    below = "subsurface", "fatigue"  # a steady contact has these, too, if it is rolled
     for quantity in wanted:
-        if not quantity.applies(scene) or (quantity.of is None and is_steady(scene)):
+        is_of_roll = quantity.of is None and not "".join(quantity.needs).startswith(below)
+        if not quantity.applies(scene) or (is_of_roll and is_steady(scene)):
             needs = " and ".join(f"[{name}]" for name in quantity.needs) or "[wear] or [transient]"
             raise SceneError([Fault("observe", quantity.name, f"only with {needs} in the scene")])
     return scene
@@ -662,10 +672,8 @@ def grid_entries(grid: Grid) -> dict[str, Any]:
     return entries | ({"grid.centre": grid.centre[axes]} if any(grid.centre) else {})
 
 
-def on_finer_mesh(scene: Scene) -> Scene:
-    """Return a scene on a mesh of equal extent with 1.5 times as many elements along each axis."""
-    # Ratio of the numbers of elements of the finer mesh and the mesh, along each axis.
-    refinement = 1.5
+def on_finer_mesh(scene: Scene, refinement: float = 1.5) -> Scene:
+    """Return a scene on an equally large mesh, `refinement` times as many elements per axis."""
     grid = Model(scene, read_measured_gap(scene)).grid
     n_x, n_y = (2 * round(0.5 * (refinement * n - 1)) + 1 if n > 1 else 1 for n in grid.elements)
     return scene.replace(**grid_entries(replace(grid, elements=(n_x, n_y))))

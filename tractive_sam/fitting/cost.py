@@ -1,12 +1,14 @@
-"""Describe a fit before it is made: parameters, data sets, and the time of an iteration."""
+"""Describe a fit or a spread before it is computed: keys, data sets or outcomes, and time."""
 
 import numpy as np
 
 from tractive_sam.description import Description, Section, format_duration
-from tractive_sam.fitting.case import FitCase, exact_columns, is_steady
+from tractive_sam.fitting.case import Evaluations, FitCase, exact_columns, is_steady
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import FitDesign, Parameters
+from tractive_sam.fitting.distributions import SpreadDesign
 from tractive_sam.fitting.problem import Series, groups_of
+from tractive_sam.fitting.response import Response
 from tractive_sam.fitting.run import read_all
 from tractive_sam.studies import estimate_times
 
@@ -78,3 +80,36 @@ def _describe_data(measured: Measured, kind: str) -> str:
     body = f" of body {data.body}" if data.body else ""
     along = f" over {', '.join(data.vary)}" if data.vary else ""
     return f"{measured.points} values of {', '.join(data.observe)}{body}{along}, from {kind}"
+
+
+def explain_spread(design: SpreadDesign) -> Description:
+    """Return sections that describe the uncertain keys, the outcomes and the runs of a spread.
+
+    Raises
+    ------
+    SpreadError
+        With every fault of the scene at the medians.
+    """
+    done = Evaluations(lambda cases: iter(()))
+    inputs, table = design.inputs()[0], design.spread
+    point = np.array([one.values(np.zeros(1))[0] for one in inputs])
+    keys = [one.key for one in inputs]
+    response = Response(table.scene, tuple(keys), table.outcomes, done)
+    (seconds,) = estimate_times([response.scene_at(point)], with_files=False)
+    wanted = table.samples if table.indices is None else table.indices
+    runs = table.samples + wanted * (1 + len(inputs))
+    outcomes = [(str(one), one.label) for one in table.outcomes]
+    each = f"about {format_duration(seconds)} each and {format_duration(seconds * runs)} in all"
+    work = [
+        ("linear estimate", f"at most {2 * len(inputs) + 2} runs"),
+        ("samples", f"{table.samples} runs, at most {table.most}"),
+        ("Sobol indices", f"about {wanted * (1 + len(inputs))} runs"),
+        (
+            "time",
+            f"{each}, of one core" + (", less on the coarse mesh" * (table.coarse is not None)),
+        ),
+    ]
+    rows = [(one.key, one.text) for one in inputs]
+    return Description(
+        (Section("Uncertain keys", rows), Section("Outcomes", outcomes), Section("Work", work))
+    )

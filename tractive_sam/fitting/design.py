@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self, cast
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -72,7 +72,7 @@ def start_of(scene: Scene, key: str, start: float | None) -> float:
         raise SceneError([Fault(key, shorten(value), "the key of a number")])
     first = value if start is None else start
     if first is None:
-        raise SceneError([Fault(key, "nothing", "a value in the scene, or a start")])
+        raise SceneError([Fault(key, "nothing", "a value in the scene, or a first one")])
     return float(first)
 
 
@@ -540,7 +540,60 @@ class Fit(Table):
         return next((table for table in self.parameter if table.key == key), Parameter(key=key))
 
 
-class FitDesign(Document):
+class QuestionDocument(Document):
+    """File of a question to a scene: the table that is named as the question has the scene."""
+
+    @classmethod
+    def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
+        """Read the scene that the table names; raise the error of the class with its faults."""
+        name = cls.error_class.subject
+        table = entries.get(name)
+        if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):
+            try:
+                scene = table["scene"]
+                inner_scene = Scene.from_name(scene) if isinstance(scene, str) else Scene(**scene)
+            except SceneError as error:
+                under = [fault.under(f"{name}.scene") for fault in error.faults]
+                raise cls.error_class(under) from None
+            entries[name] = {**table, "scene": inner_scene}
+        return entries
+
+    @classmethod
+    def read(cls, design: Self | Mapping[str, Any] | str | PathLike[str]) -> Self:
+        """Return a design from a file, from its tables or its first table, or as it is.
+
+        Raises
+        ------
+        SceneError
+            With every fault.
+        """
+        if isinstance(design, cls):
+            return design
+        if isinstance(design, Mapping):
+            name = cls.error_class.subject
+            return cls(**(design if name in design else {name: design}))
+        return cls.from_toml(cast("str", design))
+
+    @classmethod
+    def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
+        """Put a folder before paths of a scene file and the files of a scene; return the tables."""
+        table = tables.get(cls.error_class.subject)
+        match table:
+            case {"scene": str(name)} if isinstance(table, dict) and (folder / name).is_file():
+                table["scene"] = str(folder / name)
+            case {"scene": dict(scene)}:
+                Scene.resolve_files(folder, scene)
+        return tables
+
+    def fix_files(self) -> Self:
+        """Return the design whose scene has its files as they are now, for all computations."""
+        name = self.error_class.subject
+        table = getattr(self, name)
+        fixed = table.model_copy(update={"scene": table.scene.with_current_files(fix=True)})
+        return self.model_copy(update={name: fixed})
+
+
+class FitDesign(QuestionDocument):
     """A fit file: the table [fit] with its data sets, parameters and tests.
 
     Raises
@@ -560,27 +613,9 @@ class FitDesign(Document):
     error_class: ClassVar[type[SceneError]] = FitError
 
     @classmethod
-    def prepare(cls, entries: dict[str, Any], faults: list[Fault]) -> dict[str, Any]:
-        """Read the scene that the table [fit] names; FitError with its faults."""
-        table = entries.get("fit")
-        if isinstance(table, Mapping) and isinstance(table.get("scene"), str | Mapping):
-            try:
-                scene = table["scene"]
-                inner_scene = Scene.from_name(scene) if isinstance(scene, str) else Scene(**scene)
-            except SceneError as error:
-                raise FitError(fault.under("fit.scene") for fault in error.faults) from None
-            entries["fit"] = {**table, "scene": inner_scene}
-        return entries
-
-    @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:
         """Put a folder before paths of data files and a scene file there; return the tables."""
-        match tables:
-            case {"fit": {"scene": str(name)} as fit} if (folder / name).is_file():
-                fit["scene"] = str(folder / name)
-            case {"fit": {"scene": dict(scene)}}:
-                Scene.resolve_files(folder, scene)
-        match tables:
+        match super().resolve_files(folder, tables):
             case {"fit": {"data": list(data)}}:
                 for data_set in data:
                     match data_set:
@@ -589,12 +624,13 @@ class FitDesign(Document):
         return tables
 
 
-def is_fit_design(path: str | PathLike[str]) -> bool:
-    """Return whether a file is TOML with the table [fit]."""
+def question_of(path: str | PathLike[str]) -> str:
+    """Return which question a file of TOML contains: "fit" or "spread"; "" for other files."""
     try:
-        return "fit" in FitDesign.read_tables(path)
+        tables = FitDesign.read_tables(path)
     except SceneError:
-        return False
+        return ""
+    return next((name for name in ("fit", "spread") if isinstance(tables.get(name), dict)), "")
 
 
 def _keys_at_rest(key: str) -> list[str]:

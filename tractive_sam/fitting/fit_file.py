@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -12,11 +11,11 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tractive_sam.extra_packages import xarray
-from tractive_sam.extras import check_extra
 from tractive_sam.fitting.case import Answer
 from tractive_sam.fitting.design import Fit, FitDesign
 from tractive_sam.fitting.estimate import Estimate
 from tractive_sam.fitting.problem import FitProblem
+from tractive_sam.fitting.response import restore_answers
 from tractive_sam.fitting.results import DONE, FitResult, Gain, Intervals
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.run import describe_differences
@@ -165,27 +164,6 @@ def write_fit(path: str | PathLike[str], result: FitResult) -> None:
     write_netcdf(path, result.dataset)
 
 
-def make_dataset(
-    variables: Mapping[str, tuple[tuple[str, ...], Any, str, str]], attributes: Mapping[str, Any]
-) -> xarray.Dataset:
-    """Return an xarray Dataset from variables (dimensions, values, unit, description).
-
-    Parameters
-    ----------
-    variables : mapping of str to tuple
-        Dimensions, values, unit and description by name.
-    attributes : mapping
-        Attributes of the dataset.
-    """
-    check_extra("xarray", "fit")
-    data_variables = {}
-    for name, (dims, values, unit, meaning) in variables.items():
-        array = np.asarray(values)
-        plain = array.astype(object) if array.dtype.kind == "U" else array
-        data_variables[name] = (dims, plain, {"units": unit, "long_name": meaning})
-    return xarray.Dataset(data_variables, attrs={"format": FIT_FORMAT, **attributes})
-
-
 Variables: TypeAlias = dict[str, tuple]
 """Dimensions, values, unit and description by name."""
 
@@ -289,6 +267,7 @@ def attributes_of(best: Estimate, fit: Fit) -> dict[str, Any]:
     low, high = best.chi2_range(fit.level)
     solves, rolls, convolutions = best.problem.evaluations.cost
     return {
+        "format": FIT_FORMAT,
         "status": DONE if best.iterations < fit.iterations else "not converged",
         "message": best.message,
         "chi2": best.chi2,
@@ -362,54 +341,7 @@ def read_answers(
     if "answer" not in data or data.attrs.get("version") != versions()["tractive-sam"]:
         return {}  # another version may compute other numbers
     try:
-        return _restore(data)
+        return restore_answers(data)
     except Exception as error:  # of numbers and texts that were changed
         cure = "remove it, and fit again"
         raise DamagedError(f"{path} is damaged ({error}): {cure}") from error
-
-
-def _restore(data: Any) -> dict[str, Answer]:
-    """Return the answers by digest from the variables of a dataset."""
-    flat, answers, first = data["answer_numbers"].values, {}, 0
-    names = ("answer", "answer_layout", "answer_message", "answer_cost")
-    for digest, layout, message, cost in zip(*(data[name].values for name in names), strict=True):
-        numbers = arrays_of(str(layout), flat[first:])
-        first += sum(array.size for array in numbers.values())
-        contacts, rolls, convolutions = cost.tolist()
-        answers[str(digest)] = Answer(
-            numbers, int(contacts), int(rolls), convolutions, str(message)
-        )
-    return answers
-
-
-def answer_variables(answers: Mapping[str, Answer]) -> dict[str, tuple]:
-    """Return the variables that store the answers of all computations; {} without any."""
-    if not answers:
-        return {}
-    numbers = [np.ravel(array) for answer in answers.values() for array in answer.numbers.values()]
-    layouts = [layout_of(answer.numbers) for answer in answers.values()]
-    messages = [answer.message for answer in answers.values()]
-    costs = [(answer.contacts, answer.rolls, answer.convolutions) for answer in answers.values()]
-    flat = np.concatenate([np.zeros(0), *numbers, np.zeros(1)])
-    return {
-        "answer": (("answers",), [*answers], "1", "hash of a computation"),
-        "answer_layout": (("answers",), layouts, "1", "names and shapes of its numbers"),
-        "answer_message": (("answers",), messages, "1", "why it failed"),
-        "answer_cost": (("answers", "cost"), costs, "1", "contacts, rolls, transforms"),
-        "answer_numbers": (("numbers",), flat, "1", "numbers of all computations"),
-    }
-
-
-def layout_of(numbers: Mapping[str, np.ndarray]) -> str:
-    """Return the names and shapes of arrays as JSON text."""
-    return json.dumps([[name, list(np.shape(array))] for name, array in numbers.items()])
-
-
-def arrays_of(layout: str, flat: np.ndarray) -> dict[str, np.ndarray]:
-    """Return arrays by name from their layout and all their numbers in one flat array."""
-    arrays, first = {}, 0
-    for name, shape in json.loads(layout):
-        count = math.prod(shape)
-        arrays[name] = flat[first : first + count].reshape(shape)
-        first += count
-    return arrays

@@ -26,10 +26,9 @@ from tractive_sam.fitting.design import (
 )
 from tractive_sam.fitting.estimate import Estimate, Loss, ProfileLikelihood, Search
 from tractive_sam.fitting.fit_file import (
+    FIT_FORMAT,
     Variables,
-    answer_variables,
     attributes_of,
-    make_dataset,
     parameter_variables,
     point_variables,
     read_answers,
@@ -38,6 +37,7 @@ from tractive_sam.fitting.fit_file import (
     write_fit,
 )
 from tractive_sam.fitting.problem import FitProblem, Series
+from tractive_sam.fitting.response import answer_variables, make_dataset
 from tractive_sam.fitting.results import FitResult, Gain, Intervals
 from tractive_sam.scene import hash_files, hashes_of
 from tractive_sam.schema import Fault, PlausibilityWarning, warn
@@ -409,7 +409,7 @@ def fit(
     """
     check_extra("xarray", "fit")
     check_extra("h5netcdf", "fit")
-    document = _fix_files(read_design(design))
+    document = read_design(design).fix_files()
     table = document.fit
     if next_test and not table.test:
         raise FitError([Fault("fit.test", "nothing", "at least one [[fit.test]] to choose from")])
@@ -472,18 +472,7 @@ def read_design(design: FitDesign | Mapping[str, Any] | str | PathLike[str]) -> 
     FitError
         With every fault.
     """
-    if isinstance(design, FitDesign):
-        return design
-    if isinstance(design, Mapping):
-        return FitDesign(fit=design.get("fit", design))
-    return FitDesign.from_toml(design)
-
-
-def _fix_files(document: FitDesign) -> FitDesign:
-    """Return a design whose scene has its files as they are now, for all computations."""
-    scene = document.fit.scene.with_current_files(fix=True)
-    table = document.fit.model_copy(update={"scene": scene})
-    return document.model_copy(update={"fit": table})
+    return FitDesign.read(design)
 
 
 def _hash_files(document: FitDesign) -> dict[str, str]:
@@ -523,6 +512,7 @@ def _unfinished(document: FitDesign, done: Evaluations, files: Mapping[str, str]
     """Return the result of a running fit: no estimates, only the answers so far."""
     design = ((), document.to_toml(), "1", "the fit file")
     attributes = {
+        "format": FIT_FORMAT,
         "status": "running",
         "message": f"computations stored: {len(done.stored)}; run the fit again to resume it",
         "version": versions()["tractive-sam"],

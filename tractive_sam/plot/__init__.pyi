@@ -70,7 +70,9 @@ from .study import confidence_ellipses as confidence_ellipses
 from .study import creep_force_curve as creep_force_curve
 from .study import error_over_time as error_over_time
 from .study import fitted_curve as fitted_curve
+from .study import percentile_band as percentile_band
 from .study import profile_likelihood as profile_likelihood
+from .study import scatter_causes as scatter_causes
 from .study import study_curves as study_curves
 from .study import study_map as study_map
 from .study import study_samples as study_samples

@@ -644,3 +644,103 @@ def _ellipses(
                   label=f"{share:.0%}")  # fmt: skip
     axes.plot(*centre, "+", color=LOOK.vermillion, label="estimate")
     axes.set_title(f"correlation {correlation:.2f}", loc="right", fontsize=9)
+
+
+@apply_style
+def scatter_causes(
+    keys: Sequence[str],
+    ends: np.ndarray,
+    nominal: float,
+    causes: Sequence[str],
+    shares: Mapping[str, np.ndarray],
+    label: str,
+    *,
+    title: str = "",
+) -> Figure:
+    """Draw how far uncertain keys move an outcome (tornado), and the share of each cause.
+
+    Parameters
+    ----------
+    keys : sequence of str
+        The d uncertain keys.
+    ends : ndarray, shape (2, d)
+        The outcome at the low and the high end of each key; nan if it is unknown.
+    nominal : float
+        The outcome with all keys at their medians.
+    causes : sequence of str
+        The c independent causes.
+    shares : mapping of str to ndarray
+        Shares of the variance by the name of the index: shape (c,), or (3, c) with the low and high
+        ends of their intervals.
+    label : str
+        Label of the outcome, with its unit.
+    title : str
+        Title of the figure.
+
+    Examples
+    --------
+    >>> ends, shares = np.array([[0.9, 1.2], [1.1, 0.8]]), {"total": np.array([0.2, 0.8])}
+    >>> names = ["load.normal", "friction.mu"]
+    >>> plot.scatter_causes(names, ends, 1.0, names, shares, "wear (mm)")
+    <Figure size ...>
+    """
+    figure = new_figure(1.7, 0.3 + 0.08 * max(len(keys), len(causes)))
+    left, right = figure.subplots(1, 2)
+    order = np.argsort(np.nan_to_num(np.abs(ends[1] - ends[0])))
+    for place, k in enumerate(order):
+        for value, colour in zip(ends[:, k], (LOOK.blue, LOOK.vermillion), strict=True):
+            left.barh(place, value - nominal, left=nominal, color=colour)
+    left.axvline(nominal, color=LOOK.grey, linewidth=0.8)
+    left.set_yticks(range(len(keys)), [keys[k] for k in order])
+    left.set_xlabel(f"{label}, keys at 5 % (blue) and 95 %")
+    left.xaxis.set_major_locator(MaxNLocator(5))
+    ranks = np.argsort(np.atleast_2d(list(shares.values())[-1])[0])
+    for number, (name, values) in enumerate(shares.items()):
+        value, *ends_of_bar = np.atleast_2d(values)[:, ranks]
+        low, high = ends_of_bar or (value, value)
+        height = 0.8 / len(shares)
+        places = np.arange(len(causes)) + (number - 0.5 * (len(shares) - 1)) * height
+        reach = np.maximum([value - low, high - value], 0.0)
+        right.barh(places, value, height, xerr=reach, label=name, error_kw={"elinewidth": 0.8})
+    right.set_yticks(range(len(causes)), [fill(causes[k], 30) for k in ranks])
+    right.set_xlabel("share of the variance")
+    right.legend(loc="lower right")
+    set_title(figure, title)
+    return figure
+
+
+@apply_style
+def percentile_band(
+    places: np.ndarray, percentiles: np.ndarray, values: np.ndarray, label: str, *, title: str = ""
+) -> Figure:
+    """Draw percentiles of a quantity over revolutions or distances as a band.
+
+    Parameters
+    ----------
+    places : ndarray, shape (n,)
+        Revolutions or distances.
+    percentiles : ndarray, shape (k,)
+        The percentiles, 0 to 100.
+    values : ndarray, shape (n, k)
+        Their values.
+    label : str
+        Label of the quantity, with its unit.
+    title : str
+        Title of the figure.
+
+    Examples
+    --------
+    >>> values = np.array([[1.0, 1.2, 1.5], [1.9, 2.2, 2.9]])
+    >>> plot.percentile_band(np.array([100, 200]), np.array([5, 50, 95]), values, "depth (mm)")
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.72)
+    order, across = np.argsort(places), np.argsort(percentiles)
+    x, rising = places[order], values[np.ix_(order, across)]
+    axes.fill_between(x, rising[:, 0], rising[:, -1], color=LOOK.blue, alpha=0.2, linewidth=0)
+    for curve, percent in zip(rising.T, percentiles[across], strict=True):
+        axes.plot(x, curve, "o-", markersize=3, label=f"{percent:g} %")
+    axes.set(xlabel="revolution or distance (mm)", ylabel=fill(label, 40))
+    axes.legend()
+    set_title(figure, title)
+    return figure
