@@ -115,6 +115,15 @@ RUNS = {
         "twin-discs-isotropic",
         ["wear.revolutions=60", "grid.elements=[128, 256]"],
     ),
+    "wear of dissimilar bodies": (
+        "twin-discs",
+        [
+            "body.A.young=120e3",
+            "grid.half_length=[0.5, 1.6]",
+            "wear.revolutions=30",
+            "grid.elements=[128, 128]",
+        ],
+    ),
     "transient": ("fretting", ["grid.elements=[128, 128]"]),
     "heat": ("hot-discs", []),
     "fatigue": ("spheres", FATIGUE),

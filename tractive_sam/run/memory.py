@@ -137,12 +137,12 @@ def _rectangles(model: Model) -> tuple[float, float]:
     spectra and buffers; those of eight sizes remain.
     """
     scene, hertz = model.scene, model.scene.hertz
-    if scene.wear is None:
+    if scene.wear is None or fields_per_operator(model) == 3:  # coupled: on the mesh
         return 1.0, 0.0
     most = min(7, max(0, _count_records(model) - 2))
     mu = (0.0, 0.0) if scene.friction is None else scene.friction.mu
     rates = scene.wear.per_work(mu) if any(mu) else None
-    if fields_per_operator(model) == 3 or not isinstance(hertz, HertzContact) or not rates:
+    if not isinstance(hertz, HertzContact) or not rates:
         return 1.0, min(3, most)
     # Full slip at the middle of the contact. Of the approach, a depth of a seventeenth changes the
     # size once; measured on `twin-discs` after 2 to 1000 revolutions, on which a part sticks.
