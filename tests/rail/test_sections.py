@@ -209,6 +209,9 @@ def test_keys_that_need_another_rail_are_faults(rails, change, key):
         ("0 1\n2\n0 0 0\n1\n0 'a.prr'\n5 'b.prr'\n", "b.prr"),
         ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n5 -2 99\n", "marks"),
         ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n0 0 99\n", "marks"),
+        ("0 1\n2\n0 0 0\n1\n0 'a.prr'\n5 'a.prr'\n9 'a.prr'\n", "1 further lines"),
+        ("0 1\n2\n0 0 0\n1\n0 'a.prr' 2\n5 'a.prr' 2\n", "other than two entries"),
+        ("0 1\n2\n2 0 0\n1\n0 'a.prr'\n5 'a.prr'\n5 0 99\n0 0 99\n", "other positions"),
         ("0 1\nmany\n0 0 0\n1\n", "many"),
     ],
 )
@@ -218,6 +221,19 @@ def test_files_that_are_no_sections_are_faults(tmp_path, text, message):
     path.write_text(text)
     with pytest.raises(ts.SceneError, match=message):
         scene(path)
+
+
+@pytest.mark.parametrize(
+    ("remark", "named"),
+    [("offset and scale, m", True), ("scale 0.5", True), ("offset, scale [mm]", False)],
+)
+def test_a_comment_with_a_unit_or_scale_is_named(rails, remark, named):
+    path = rails("level", lambda x: 0.0, lambda x: 0.0, head=f"0.0 1.0 % {remark}")
+    notes = scene(path).rail.curve.notes if not named else ()
+    if named:
+        with pytest.warns(ts.SceneWarning, match=f"level.slcs that are not used: .*{remark}"):
+            scene(path)
+    assert not notes
 
 
 def test_a_locus_needs_one_profile(rails):

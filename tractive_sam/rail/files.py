@@ -215,8 +215,8 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
     notes = []
     offsets = np.array([_read_number(statements, f"{axis}offset") for axis in "xy"])
     points = (values + offsets) * (-1.0 if mirrored else 1.0, 1.0)
-    remarks, rest = [remark.text for remark in table.remarks], len(table.rows[0]) - len(columns)
-    if "the first column holds row numbers" in remarks or (columns == [1, 2] and not table.names):
+    rest = len(table.rows[0]) - len(columns)
+    if columns == [1, 2] and not table.names:
         notes.append("the first column is taken for row numbers")
     elif rest and "columndef" not in statements and not table.names and side is None:
         notes.append(f"the first two columns are used, and {rest} more are not")

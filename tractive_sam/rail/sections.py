@@ -15,6 +15,7 @@ import scipy  # its parts are loaded when first used
 from numpy.typing import ArrayLike
 
 from tractive_sam.input_file import read_text
+from tractive_sam.text_table import Remark, find_length_units, list_first
 
 from .files import ProfileError
 from .profile import Array, Profile, interpolate_run, rotation
@@ -222,9 +223,15 @@ def read_sections(path: str | PathLike[str], read: Callable[[Path], Profile]) ->
     """
     try:
         text = read_text(path, max_bytes=10**6, encoding=None)
-        lines = (re.split("[%!]", line)[0].strip() for line in text.splitlines())
-        entries = [re.findall(r"'[^']*'|[^\s,]+", line) for line in lines if line]
-        return _from_lines(entries, Path(path).parent, read)
+        parts = [re.split("[%!]", f"{line}%", maxsplit=1) for line in text.splitlines()]
+        entries = [re.findall(r"'[^']*'|[^\s,]+", line) for line, _ in parts if line.strip()]
+        rail = _from_lines(entries, Path(path).parent, read)
+        remarks = [Remark(k, comment.strip(" %!")) for k, (_, comment) in enumerate(parts, 1)]
+        other = [
+            r.place for r in remarks if r.states("scale") or {*find_length_units(r.text)} - {"mm"}
+        ]
+        note = f"comments of {Path(path).name} that are not used: {list_first(other, 3)}"
+        return replace(rail, notes=(*rail.notes, note)) if other else rail
     except (OSError, ValueError) as error:
         raise ProfileError(f"{path}: cannot be read: {error}") from None
     except IndexError:
@@ -243,13 +250,19 @@ def _from_lines(
     x = scale * (offset + np.array([float(row[0]) for row in rows]))
     if len(rows) != number or number < 2 or not (np.diff(x) > 0.0).all():
         raise ValueError(f"{len(rows)} sections; allowed: {number} (at least 2), at increasing x")
+    if (further := lines[4 + number * (1 + (marks > 1)) :]) or {*map(len, rows)} != {2}:
+        value = f"{len(further)} further lines" if further else "sections of other than two entries"
+        raise ValueError(f"{value}; allowed: a position and a file, then 2 marks or more, or none")
     profiles = [read(folder / row[1].strip("'")) for row in rows]
     ends = np.array([[0.0, profile.s[-1]] for profile in profiles])
     if marks < 2:
         return RailSections.from_profiles(x, profiles, ends)
-    table = [row[1:] for row in lines[4 + number : 4 + 2 * number]]
+    places, *_ = zip(*rows, strict=True)
+    table = [row[1:] for row in lines[4 + number :]]
     if [*map(len, table)] != [marks] * number:
         raise ValueError(f"{len(table)} rows of marks; allowed: {number} rows of {marks}")
+    if [float(row[0]) for row in lines[4 + number :]] != [*map(float, places)]:
+        raise ValueError("marks at other positions than the sections; allowed: the same positions")
     given = np.array(table, dtype=float)
     arcs = _with_absent_marks(np.minimum(given, ends[:, 1:]), x, ends)
     falls = (np.diff(arcs, axis=1) <= 0.0).any() or (np.isfinite(arcs).sum(axis=1) < 2).any()
