@@ -349,11 +349,12 @@ def print_table(table: TextTable) -> None:
             box=box.SIMPLE_HEAD, show_header=bool(table.headings), pad_edge=not table.headings
         )
         styles = ("",) * len(table.headings) or ("bold", "", "", "dim")
+        is_wide = len(max(table.to_text().splitlines(), key=len)) > console().width
         for number, style in enumerate(styles):
             printed.add_column(
                 table.headings[number] if table.headings else "",
                 justify="right" if number in table.numbers else "left",
-                no_wrap=number in table.numbers,
+                no_wrap=number in table.numbers and not is_wide,
                 style=style,
             )
     for row in table.rows:
