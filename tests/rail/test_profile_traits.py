@@ -204,6 +204,12 @@ TRAITS = {
     },
     "a side above the points": Trait(lines(head="Side: left"), note="Side = left"),
     "a unit above the points": Trait(lines("{:.5f} {:.5f}", head="Units: cm", change=scale(0.1))),
+    "a unit above the points that a key replaces": Trait(
+        lines(head="Units: cm"), note="unit = mm replaces cm", keys={"unit": "mm"}
+    ),
+    "a SIMPACK unit that a key replaces": Trait(
+        simpack(units="units.len.f = 1."), note="replaces units.len.f = 1", keys={"unit": "mm"}
+    ),
     "an unknown unit above the points": Trait(lines(head="Units: furlong"), error="furlong"),
     "many entries": Trait(lines("{:.4f} {:.4f} # 3"), note=", and "),
     "descriptions": Trait(lines(head="Date: 2024-05-17\nTime: 12:30:05\n# speed: 80 km/h")),

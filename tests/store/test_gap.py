@@ -422,6 +422,21 @@ def test_attributes_that_are_not_used_are_refused_or_named(tmp_path, place, name
         read_gap(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "settings"),
+    [
+        ("# Value units: m\n" + MATRIX, {"step": [1.0, 1.0]}),
+        ("y [mm];separation [m]\n0;1\n1;2\n2;1\n", {"length_unit": "mm"}),
+    ],
+)
+def test_a_unit_that_the_scene_replaces_is_named(tmp_path, text, settings):
+    path = write_text(tmp_path / "map.txt", text)
+    plain = read_gap(ts.Gap(file=path, unit="m", **settings))[2]
+    with pytest.warns(ts.SceneWarning, match="in um, as the scene states, and not in m"):
+        other = read_gap(ts.Gap(file=path, unit="um", **settings))[2]
+    np.testing.assert_allclose(1e6 * other, plain)
+
+
 @pytest.mark.parametrize("kind", [bool, complex])
 def test_arrays_of_other_than_real_numbers_are_refused(tmp_path, kind):
     np.save(tmp_path / "a.npy", SEPARATION.astype(kind))

@@ -148,6 +148,9 @@ def _read_simpack(
         raise ValueError(f"columns {', '.join(table.labels)}; allowed: y, z, and a weight")
     factor = _find_simpack_unit(keys, unit)
     notes = _describe_unused([*unused, *table.remarks])
+    stated = _read_number(keys, "units.len.f", 1e3 / factor)
+    if not math.isclose(factor * stated, 1e3, rel_tol=1e-3):
+        notes.append(f"unit = {unit} replaces units.len.f = {stated:g}, which the file states")
     if values.shape[1] == 3 and np.ptp(values[:, 2]) > 0.0:
         notes.append("the weights of the points, their third column, are not used")
     points, inside = _apply_steps(values[:, :2], keys)
@@ -227,6 +230,8 @@ def _read_columns(table: TextTable, unit: str | None, side: Side | None) -> tupl
     units |= {find_length_unit(text) or text for text in stated}
     if len(units) > 1 and unit is None:
         raise ValueError(f"units {', '.join(sorted(units))}; allowed: one unit, or give unit")
+    if replaced := ", ".join(sorted(units - {unit})) if unit else "":
+        notes.append(f"unit = {unit} replaces {replaced}, which the file states")
     name = unit or (units.pop() if units else "mm")
     if name not in UNITS:
         raise ValueError(f"unit {name}; allowed: {', '.join(UNITS)}, or give unit")

@@ -56,6 +56,7 @@ def read_heading(settings: scene.Gap, table: TextTable) -> dict[str, Any]:
         is_unit = bool(remark.states("unit of values")) and not remark.states("scale")
         if units and is_above and not table.names and is_unit:
             stated["unit"] = units[0]
+            _name_replaced_unit(settings, "values", units[0], settings.unit)
         elif units and (size := remark.states("size")):
             stated[remark.key] = float(size[1]) * LENGTHS[units[0]]
         elif not _is_layout(settings, table, remark, is_matrix):
@@ -182,7 +183,15 @@ def agree_units(
     if len({*units[:-1]}) > 1:
         listed = ", ".join(f"{name} in {unit}" for name, unit in pairs[:-1])
         raise TextError(listed, "one unit for x and y")
+    for name, unit, used in zip(names, stated, units, strict=True):
+        _name_replaced_unit(settings, name, unit, used)
     return units[0] or "mm", units[-1] or "mm"
+
+
+def _name_replaced_unit(settings: scene.Gap, name: str, stated: str, used: str | None) -> None:
+    """Warn if the scene replaces a unit that a file states."""
+    if stated and used and stated != used:
+        note(settings, f"{name} in {used}, as the scene states, and not in {stated}, as the file")
 
 
 def note(settings: scene.Gap, text: str) -> None:
