@@ -14,9 +14,11 @@ Page: docs/theory/elasticity.md
 import sys
 import warnings
 from dataclasses import dataclass
+from functools import cached_property
 from time import process_time
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from timing import seconds, show, write
 
 import tractive_sam as ts
@@ -129,13 +131,22 @@ class ByQuadrature(ts.SpectralHalfSpaces):
 
     body: ts.LayeredBody
 
+    @cached_property
+    def spline(self):
+        """The response by the logarithm of the wave number, interpolated."""
+        log_k = np.linspace(-20.0, 20.0, 8001) - np.log(self.length)
+        return CubicSpline(log_k, self.body.response(np.exp(log_k)).T)
+
     @property
     def surface(self):
         return ts.HalfSpaces(self.body.layers[0].material, self.B)
 
+    def opening(self, normal, dx, dy):
+        return ts.LinearHalfSpaces(self.body, self.B).opening(normal, dx, dy)
+
     def spectrum(self, component, kx, ky):
         k = np.hypot(kx, ky)
-        of_A = self.body.response(k.ravel()).reshape(4, *k.shape)
+        of_A = np.moveaxis(self.spline(np.log(k)), -1, 0)
         of_B = np.array((1.0, 1.0, 1.0, -1.0)) * self.B.compliances
         zz, along, across, lift = of_A + of_B[:, None, None]
         return {

@@ -21,8 +21,8 @@ Names by topic
 --------------
 **Compute** solve, roll, solve_many, explain, study, explain_study, build_table
 
-**Scene** Scene, Bodies, Body, BodyLayer, Load, Creepage, Friction, Wear, Coefficients, WearLaws,
-Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Strength, Residual,
+**Scene** Scene, Bodies, Body, BodyLayer, Stiffness, Load, Creepage, Friction, Wear, Coefficients,
+WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Strength, Residual,
 ResidualStress, Heat, Bulk, Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
@@ -51,9 +51,9 @@ stress_volume, fatigue
 
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
 Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
-Layer, Material, WearLaw, WearConditions, Energy, PerBody, SlidingShare; StressCriterion,
-CycleCriterion, DangVan, Crossland, Findley, FatemiSocie, OrthogonalShear, VolumeLife, Woehler,
-Steel; allow_laws
+Layer, Material, TransverseMaterial, WearLaw, WearConditions, Energy, PerBody, SlidingShare;
+StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie, OrthogonalShear,
+VolumeLife, Woehler, Steel; allow_laws
 
 **Errors** SceneError, SceneWarning, NotConverged, GapError, ResultsError, StudyError, TableError
 

@@ -46,6 +46,7 @@ from .mechanics import Slope as Slope
 from .mechanics import SpectralHalfSpaces as SpectralHalfSpaces
 from .mechanics import Steel as Steel
 from .mechanics import StressCriterion as StressCriterion
+from .mechanics import TransverseMaterial as TransverseMaterial
 from .mechanics import VolumeLife as VolumeLife
 from .mechanics import WearConditions as WearConditions
 from .mechanics import WearLaw as WearLaw
@@ -107,6 +108,7 @@ from .scene import Scene as Scene
 from .scene import Sets as Sets
 from .scene import Solver as Solver
 from .scene import Stage as Stage
+from .scene import Stiffness as Stiffness
 from .scene import Strength as Strength
 from .scene import Subsurface as Subsurface
 from .scene import Thermal as Thermal

@@ -173,7 +173,7 @@ def _elasticity(scene: Scene) -> Elasticity:
     A, B, radius = scene.materials["A"], scene.materials["B"], scene.body.radii[0]
     # Flat bodies have no radius: `Strips.spanning` sets the datum by the mesh.
     datum = radius if 0.0 < radius < math.inf else 0.0
-    if not scene.body.is_layered:
+    if scene.body.is_isotropic:
         bodies: Elasticity = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
     else:
         of_A, of_B = scene.body.responses.values()

@@ -57,6 +57,7 @@ from .law import fingerprint as fingerprint
 from .layers import Layer as Layer
 from .layers import LayeredBody as LayeredBody
 from .layers import LinearHalfSpaces as LinearHalfSpaces
+from .layers import TransverseMaterial as TransverseMaterial
 from .layers import contact_modulus as contact_modulus
 from .steel import RollingMarch as RollingMarch
 from .steel import Steel as Steel

@@ -1,4 +1,4 @@
-"""Half-spaces that are known by their response to waves: layers bonded to a body, and others.
+"""Half-spaces by their response to waves: layers bonded to a body, transverse isotropy.
 
 Under tractions with the wave number k in the direction L, the surface of a half-space is displaced
 along L, across it (T) and along its normal z. Four functions describe the response of a body that
@@ -6,9 +6,9 @@ is isotropic in its surface:
 
     k S_zz, k S_LL, k S_TT and k |S_Lz|, 1/MPa,
 
-of a homogeneous isotropic body (1 - nu)/G, (1 - nu)/G, 1/G and (1 - 2 nu)/(2 G). Those of layers
-depend on k. Each layer has plane waves that decay from its upper face and others that decay from
-its lower face, so that no exponential grows. A recursion over the layers from below gives the
+of a homogeneous isotropic body (1 - nu)/G, (1 - nu)/G, 1/G and (1 - 2 nu)/(2 G). Only those of
+layers depend on k. Each layer has plane waves that decay from its upper face and others that decay
+from its lower face, so that no exponential grows. A recursion over the layers from below gives the
 traction over the displacement of each face; it is stable for any thickness.
 
 The displacement by a load on an element follows from exponentials of the wave number,
@@ -158,6 +158,71 @@ class LayeredBody:
             If exponentials do not fit the response.
         """
         return _fit_images(self)
+
+
+@dataclass(frozen=True)
+class TransverseMaterial:
+    """Material that is isotropic in its surface, with the axis of symmetry along the normal.
+
+    With g = sqrt(C11 C33) the response is k S_zz = 2/E*, k S_LL = k S_zz sqrt(C33/C11), k S_TT =
+    1/sqrt(C44 C66), k |S_Lz| = 1/(g + C13), and
+
+        E* = 2 sqrt(((g² - C13²)/C11) / (1/C44 + 2/(g + C13))).
+
+    The tangential problem is therefore that of an isotropic material with other constants (Turner,
+    Int. J. Solids Struct. 16 (1980) 409-419).
+
+    Parameters
+    ----------
+    C11, C12, C13, C33, C44 : float
+        Elastic stiffness, MPa; the index 3 is the normal of the surface.
+
+    Raises
+    ------
+    ValueError
+        If the elastic energy is not positive.
+
+    Examples
+    --------
+    >>> zinc = ts.TransverseMaterial(165e3, 31.1e3, 50e3, 61.8e3, 39.6e3)
+    >>> round(2.0 / zinc.compliances[0])
+    69618
+    """
+
+    C11: float
+    C12: float
+    C13: float
+    C33: float
+    C44: float
+
+    def __post_init__(self) -> None:
+        stable = abs(self.C12) < self.C11 and self.C44 > 0.0 and self.C33 > 0.0
+        if not (stable and self.C33 * (self.C11 + self.C12) > 2.0 * self.C13**2):
+            raise ValueError(
+                f"the stiffness {self} is not that of a stable material: C11 > |C12|, C33 and C44 "
+                "above 0 and C33 (C11 + C12) > 2 C13² must hold"
+            )
+
+    @property
+    def compliances(self) -> np.ndarray:
+        """Response k (S_zz, S_LL, S_TT, |S_Lz|) at all wave numbers, 1/MPa, shape (4,)."""
+        g, C66 = np.sqrt(self.C11 * self.C33), 0.5 * (self.C11 - self.C12)
+        lift = 1.0 / (g + self.C13)
+        zz = np.sqrt((1.0 / self.C44 + 2.0 * lift) * self.C11 / (g**2 - self.C13**2))
+        return np.array(
+            (zz, zz * np.sqrt(self.C33 / self.C11), 1.0 / np.sqrt(self.C44 * C66), lift)
+        )
+
+    @property
+    def images(self) -> tuple[np.ndarray, np.ndarray]:
+        """Heights (0,) and amplitudes (4, 0) of the response that depends on wave numbers: none."""
+        return np.empty(0), np.empty((4, 0))
+
+    @property
+    def tangential(self) -> Material:
+        """Isotropic material with the same tangential response."""
+        _, along, across, _ = self.compliances
+        return Material(1.0 / float(across), float(min(1.0 - along / across, 0.5)))
 
 
 def _waves(

@@ -26,7 +26,8 @@ from tractive_sam.schema import describe_tables, required
 
 def _describe_creepage(_table: Any, model: Model) -> Iterator[Row]:
     """Yield rows on the coupling of pressure and tractions, and on the tangential problem."""
-    K = "layers" if model.scene.body.is_layered else f"K = {model.scene.material.coupling:.4g}"
+    body = model.scene.body
+    K = f"K = {body.material.coupling:.4g}" if body.is_isotropic else "layers or anisotropy"
     coupling = "none: tractions do not change the pressure, which is solved first"
     if model.elasticity.coupled and model.transmits:
         coupling = (

@@ -2,7 +2,6 @@
 
 from .bodies import Bodies as Bodies
 from .bodies import Body as Body
-from .bodies import BodyLayer as BodyLayer
 from .bodies import Bulk as Bulk
 from .bodies import Fatigue as Fatigue
 from .bodies import FatigueVolume as FatigueVolume
@@ -26,6 +25,8 @@ from .inputs import describe_changes as describe_changes
 from .inputs import hash_files as hash_files
 from .inputs import hashes_of as hashes_of
 from .inputs import use_contents as use_contents
+from .layers import BodyLayer as BodyLayer
+from .layers import Stiffness as Stiffness
 from .load_history import Binned as Binned
 from .load_history import LoadHistory as LoadHistory
 from .load_history import blocks_of as blocks_of

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import AfterValidator, Field
@@ -16,6 +15,7 @@ from tractive_sam.mechanics import (
     Layer,
     LayeredBody,
     Material,
+    TransverseMaterial,
     combine,
     combined_radius,
     contact_modulus,
@@ -37,12 +37,19 @@ from tractive_sam.schema import (
     ValidEntries,
     describe_law_names,
     entry,
-    exactly_one,
     not_both,
     optional,
     shorten,
 )
 
+from .layers import (
+    BodyLayer,
+    Stiffness,
+    check_constants,
+    check_layers,
+    isotropic_material,
+    layered_contact,
+)
 from .steel import Strength, check_strength_of_bodies, find_surface_strength
 from .tables import Load, check_distinct
 
@@ -212,85 +219,6 @@ HEAT_CHECKS: tuple[Check, ...] = (
 """Checks between [heat] and the other tables."""
 
 
-def _material_of(table: BodyLayer | Body) -> Material:
-    """Return the elastic constants of a layer, or of a body below its layers."""
-    if table.young is not None:
-        return Material.from_young(table.young, table.poisson)
-    assert table.shear is not None  # as exactly one of both is given
-    return Material(table.shear, table.poisson)
-
-
-class BodyLayer(Table):
-    """Layer of a body, bonded to the layer or body below: a coating, a case, a rubber cover.
-
-    Examples
-    --------
-    >>> carbon = ts.BodyLayer(thickness=0.003, young=300e3, poisson=0.2)
-    >>> round(carbon.material.shear)
-    125000
-    """
-
-    key_advice: ClassVar[Mapping[str, str]] = {
-        "hardness": "hardness of the body, which wears",
-        "thermal": "thermal of the body: heat flows as in the body below",
-    }
-    thickness: Positive = entry("thickness, mm")
-    young: Positive | None = optional("Young's modulus, MPa")
-    shear: Positive | None = optional("shear modulus, MPa")
-    poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
-
-    @property
-    def material(self) -> Material:
-        """Elastic constants of the layer."""
-        return _material_of(self)
-
-
-def _check_layers(
-    entries: ValidEntries, moduli: float = 1e4, thicknesses: float = 1e4
-) -> Iterator[Fault]:
-    """Report layers that differ too much for the response to be resolved.
-
-    Parameters
-    ----------
-    entries : ValidEntries
-        Entries of a body.
-    moduli, thicknesses : float
-        Largest ratios of Young's moduli of layers and body, and of thicknesses.
-    """
-    layers = entries["layer"]
-    if not layers:
-        return
-    young = entries["young"]
-    if young is None and entries["shear"] is not None:
-        young = 2.0 * entries["shear"] * (1.0 + entries["poisson"])
-    if young is None:
-        return
-    for k, layer in enumerate(layers):
-        ratio = layer.material.young / young
-        if not 1.0 / moduli <= ratio <= moduli:
-            key = "young" if layer.young is not None else "shear"
-            value = f"{getattr(layer, key):g}, {ratio:.3g} times the body's"
-            cure = f"a modulus from {1 / moduli:g} to {moduli:g} times that of the body below"
-            yield Fault(f"layer[{k}].{key}", value, cure)
-            return
-    thickness = [layer.thickness for layer in layers]
-    if max(thickness) > thicknesses * min(thickness):
-        k = thickness.index(min(thickness))
-        cure = f"at least {max(thickness) / thicknesses:g} mm, a share of the thickest layer"
-        yield Fault(f"layer[{k}].thickness", f"{thickness[k]:g}", cure)
-        return
-    body = LayeredBody(
-        tuple(Layer(layer.thickness, layer.material) for layer in layers),
-        Material.from_young(young, entries["poisson"]),
-    )
-    try:
-        _ = body.images
-    except ValueError:
-        cure = "moduli that differ less, or fewer layers: the response is not resolved"
-        yield Fault("layer", f"{len(layers)} layers", cure)
-
-
 class Body(Table):
     """Body: elastic constants, radii of curvature, hardness, density and thermal properties.
 
@@ -309,7 +237,11 @@ class Body(Table):
     }
     young: Positive | None = optional("Young's modulus, MPa")
     shear: Positive | None = optional("shear modulus, MPa")
-    poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)
+    poisson: Real | None = optional("Poisson's ratio", ge=0, le=0.5)
+    stiffness: InnerTable[Stiffness | None] = optional(
+        "stiffness of a material that is isotropic in the surface only, in place of a modulus and "
+        "Poisson's ratio"
+    )
     radius_x: Radius = entry("radius in the rolling direction, mm", "a number, or inf (flat)")
     radius_y: Radius = entry("radius in the lateral direction, mm", "a number, or inf (flat)")
     hardness: Positive = entry(
@@ -332,16 +264,20 @@ class Body(Table):
         min_length=1,
         max_length=100,
     )
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"), _check_layers)
+    checks: ClassVar[tuple[Check, ...]] = (check_constants, check_layers)
 
     @property
     def material(self) -> Material:
-        """Elastic constants of the body, below its layers."""
-        return _material_of(self)
+        """Elastic constants of the body, below its layers; of [stiffness] the tangential ones."""
+        if self.stiffness is not None:
+            return self.stiffness.material.tangential
+        return isotropic_material(self.young, self.shear, self.poisson)
 
     @property
-    def response(self) -> Material | LayeredBody:
+    def response(self) -> Material | LayeredBody | TransverseMaterial:
         """Elastic constants of a homogeneous body, also of one with equal layers, or the layers."""
+        if self.stiffness is not None:
+            return self.stiffness.material
         layers = [Layer(layer.thickness, layer.material) for layer in self.layer]
         while layers and layers[-1].material == self.material:
             layers.pop()
@@ -356,38 +292,6 @@ def _check_hardness_of_both(entries: ValidEntries) -> Iterator[Fault]:
         cure = "a hardness for both bodies or for none: their ratio gives the shares in the wear"
         hardness = entries[f"{bodies[0]}.hardness"]  # if valid; otherwise it has its own fault
         yield Fault(f"{missing}.hardness", f"nothing, and {hardness:g} for body {bodies[0]}", cure)
-
-
-@lru_cache(64)
-def _layered_contact(
-    A: Material | LayeredBody,
-    B: Material | LayeredBody,
-    radii: tuple[float, float],
-    prescribed: tuple[tuple[str, float | None], ...],
-) -> HertzContact | HertzLine:
-    """Return the Hertz contact whose modulus is that of the bodies for waves of its length."""
-    load = dict(prescribed)
-
-    def contact(log_modulus: float) -> HertzContact | HertzLine:
-        e_star, (radius_x, radius_y) = math.exp(log_modulus), radii
-        if radius_y == math.inf:
-            return hertz_line(e_star, radius_x, load["load"], pressure=load["pressure"])
-        return hertz(e_star, radius_x, radius_y, **load)
-
-    # With a larger modulus the contact is smaller and meets more of the layers; the moduli of all
-    # lengths enclose the solution.
-    depth = sum(layer.thickness for body in (A, B) for layer in getattr(body, "layers", ()))
-    lengths = [depth * 10.0 ** (0.25 * k) for k in range(-24, 25)]
-    moduli = [math.log(contact_modulus(A, B, length)) for length in lengths]
-    low, high = min(moduli), max(moduli)
-    for _ in range(30):
-        middle = 0.5 * (low + high)
-        length = contact(middle).mean_semi_axis
-        if math.log(contact_modulus(A, B, length)) > middle:
-            low = middle
-        else:
-            high = middle
-    return contact(0.5 * (low + high))
 
 
 class Bodies(Table):
@@ -409,9 +313,13 @@ class Bodies(Table):
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows: moduli and radii of each body, combined modulus and radii."""
         for name, body in (("A", self.A), ("B", self.B)):
-            material = body.material
+            material, other = body.material, body.response
             radii = f", R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
             text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
+            if isinstance(other, TransverseMaterial):
+                modulus = 2.0 / other.compliances[0]
+                tangential = f"G = {material.shear:.6g} MPa, nu = {material.poisson:.4g}"
+                text = f"E* = {modulus:.6g} MPa for pressure, {tangential} for traction"
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
             for k, layer in enumerate(body.layer):
                 moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
@@ -424,7 +332,11 @@ class Bodies(Table):
                 text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
                 yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
         pair, (radius_x, radius_y) = self.material, self.radii
-        yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
+        if self.is_isotropic:
+            yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
+        elif not self.is_layered:
+            modulus = self.contact_modulus(1.0)
+            yield Row("combined modulus", f"E* = {modulus:.6g} MPa for pressure")
         if scene.wheelset is None:
             yield Row("combined radii", f"R_x = {radius_x:.6g} mm, R_y = {radius_y:.6g} mm")
 
@@ -444,20 +356,25 @@ class Bodies(Table):
         return any(isinstance(body, LayeredBody) for body in self.responses.values())
 
     @property
-    def responses(self) -> dict[str, Material | LayeredBody]:
+    def is_isotropic(self) -> bool:
+        """Whether both bodies are homogeneous and isotropic."""
+        return all(isinstance(body, Material) for body in self.responses.values())
+
+    @property
+    def responses(self) -> dict[str, Material | LayeredBody | TransverseMaterial]:
         """Elastic constants or layers of each body."""
         return {"A": self.A.response, "B": self.B.response}
 
     @property
     def coupled(self) -> bool:
         """Whether pressure causes tangential displacement: the bodies are dissimilar."""
-        if self.is_layered:
-            return len(set(self.responses.values())) == 2
-        return self.material.coupling != 0.0
+        if self.is_isotropic:
+            return self.material.coupling != 0.0
+        return len(set(self.responses.values())) == 2
 
     def contact_modulus(self, length: float) -> float:
         """Return the contact modulus E*, MPa; of layers for waves as long as a contact, mm."""
-        if not self.is_layered:
+        if self.is_isotropic:
             return self.material.plane_strain_modulus
         return contact_modulus(self.A.response, self.B.response, length)
 
@@ -497,8 +414,8 @@ class Bodies(Table):
         prescribed = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
         if self.is_layered:
             load_items = tuple(prescribed.items())
-            return _layered_contact(self.A.response, self.B.response, self.radii, load_items)
-        e_star = self.material.plane_strain_modulus
+            return layered_contact(self.A.response, self.B.response, self.radii, load_items)
+        e_star = self.contact_modulus(1.0)  # of all lengths
         if is_line:
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)
         return hertz(e_star, radius_x, radius_y, **prescribed)

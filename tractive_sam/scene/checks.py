@@ -7,6 +7,7 @@ from tractive_sam.mechanics import (
     HertzContact,
     HertzLine,
     LayeredBody,
+    Material,
     full_slip_force,
     load_to_carry,
 )
@@ -507,30 +508,32 @@ def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
             yield Fault(f"observer[{k}].name", name, "each observer once")
 
 
-def _check_layers_combine(entries: ValidEntries) -> Iterator[Fault]:
-    """Report layers with keys and tables that hold for homogeneous bodies only."""
-    layered = [b for b in "AB" if isinstance(entries["body"].responses[b], LayeredBody)]
-    if not layered:
+def _check_responses_combine(entries: ValidEntries) -> Iterator[Fault]:
+    """Report layers and [stiffness] with keys and tables that hold for other bodies only."""
+    responses = entries["body"].responses
+    others = {b: body for b, body in responses.items() if not isinstance(body, Material)}
+    if not others:
         return
-    key = ", ".join(f"body.{body}.layer" for body in layered)
+    kinds = {b: "layer" if isinstance(v, LayeredBody) else "stiffness" for b, v in others.items()}
+    key = ", ".join(f"body.{body}.{kind}" for body, kind in kinds.items())
     elastic, pressure = entries["elasticity"], entries["load.pressure"]
     if elastic is not None and elastic.named_law:
-        cure = "layers or a user-defined law, not both: the law gives the response of both bodies"
-        yield Fault(f"{key}, elasticity.law", f"{elastic.named_law}, with layers", cure)
-    if pressure is not None:
+        cure = "one of them: a user-defined law gives the response of both bodies"
+        yield Fault(f"{key}, elasticity.law", f"{elastic.named_law}, with {key}", cure)
+    if pressure is not None and "layer" in kinds.values():
         cure = "load.normal or load.approach: the Hertz pressure is that of homogeneous bodies"
         yield Fault("load.pressure", f"{shorten(pressure)}, with {key}", cure)
     if entries["wheel"] is not None:
-        cure = "no layers: the contacts of a wheel are found for homogeneous bodies"
+        cure = "nothing: the contacts of a wheel are found for homogeneous, isotropic bodies"
         yield Fault(key, "with [wheel]", cure)
     for table in ("subsurface", "fatigue"):
-        if entries[table] is None:
-            continue
-        for body in (body for body in entries[f"{table}.bodies"] if body in layered):
-            others = [other for other in "AB" if other not in layered]
-            cure = f"bodies = {others}" if others else f"no [{table}]"
-            cure += ": the stress below the surface is computed in bodies without layers only"
-            yield Fault(f"{table}.bodies", f"body {body}, with body.{body}.layer", cure)
+        for body in others if entries[table] is not None else ():
+            if body not in entries[f"{table}.bodies"]:
+                continue
+            known = [name for name in "AB" if name not in others]
+            cure = f"bodies = {known}" if known else f"no [{table}]"
+            cure += ": the stress below the surface is known in homogeneous, isotropic bodies only"
+            yield Fault(f"{table}.bodies", f"body {body}, with body.{body}.{kinds[body]}", cure)
 
 
 SCENE_CHECKS: tuple[Check, ...] = (
@@ -542,7 +545,7 @@ SCENE_CHECKS: tuple[Check, ...] = (
     _check_wear_has_friction,
     _check_falling_law_has_speed,
     _check_bodies_can_touch,
-    _check_layers_combine,
+    _check_responses_combine,
     _check_grid_contains_contact,
     _check_slender_contact_has_grid,
     _check_a_body_turns,
