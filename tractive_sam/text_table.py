@@ -4,13 +4,14 @@ import csv
 import math
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from os import PathLike
 from typing import NamedTuple, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tractive_sam.input_file import read_text
 
@@ -383,6 +384,22 @@ class TextTable:
         labels, names, units = (texts[1:] for texts in (self.labels, self.names, self.units))
         table = replace(self, labels=labels, names=names, units=units)
         return replace(table, rows=[row[1:] for row in self.rows], remarks=[*self.remarks, remark])
+
+
+def equal_columns(columns: Mapping[str, ArrayLike]) -> dict[str, np.ndarray]:
+    """Return columns of finite numbers, each of shape (rows,); a TextError for others."""
+    try:
+        arrays = {name: np.asarray(values, float).ravel() for name, values in columns.items()}
+    except (ValueError, TypeError):
+        raise TextError("no numbers", "numbers in every row") from None
+    if len({array.size for array in arrays.values()} - {0}) != 1:
+        sizes = ", ".join(f"{array.size} values of {name}" for name, array in arrays.items())
+        raise TextError(sizes, "columns of equal length, with a row for each measurement")
+    for name, array in arrays.items():
+        if (wrong := np.flatnonzero(~np.isfinite(array))).size:
+            value = f"{array[wrong[0]]} in row {wrong[0] + 1} of {name}"
+            raise TextError(value, "finite numbers in every row")
+    return arrays
 
 
 def list_first(texts: Sequence[str], most: int) -> str:

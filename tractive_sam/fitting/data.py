@@ -13,7 +13,14 @@ from tractive_sam.fitting.design import COORDINATES, DEPTH, Data, FitError, Nois
 from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import Fault, shorten, suggest_name, warn
-from tractive_sam.text_table import TextError, TextTable, find_marks, list_first, read_table
+from tractive_sam.text_table import (
+    TextError,
+    TextTable,
+    equal_columns,
+    find_marks,
+    list_first,
+    read_table,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,16 +201,9 @@ def _table_of(data: Data, key: str) -> TextTable:
         if note := table.find_unused(table.units):
             warn(f"{key}: {Path(str(data.file)).name}: {note}")
         return table
-    columns = {
-        name: [str(value) for value in np.atleast_1d(np.asarray(values, dtype=object))]
-        for name, values in data.values.items()
-    }
-    if len({*map(len, columns.values())}) > 1:
-        texts = (f"{len(values)} values of {name}" for name, values in columns.items())
-        raise TextError(", ".join(texts), "columns of equal length")
-    rows, names = [*map(list, zip(*columns.values(), strict=True))], tuple(columns)
-    if not rows:
-        raise TextError("no rows", "a row for each measurement")
+    columns = equal_columns(data.values)
+    rows = [[*map(str, row)] for row in np.column_stack([*columns.values()]).tolist()]
+    names = tuple(columns)
     return TextTable(rows, [*range(1, len(rows) + 1)], names, names, ("",) * len(names))
 
 

@@ -31,6 +31,7 @@ from tractive_sam.schema import (
 from tractive_sam.text_table import (
     TextError,
     TextTable,
+    equal_columns,
     find_marks,
     list_first,
     parse_number,
@@ -376,18 +377,10 @@ def _columns(
         return _read(Path(measured))
     _check_names(measured)
     try:
-        columns = {name: np.asarray(values, float).ravel() for name, values in measured.items()}
-    except (ValueError, TypeError):
-        raise SceneError([Fault("columns", "no numbers", "numbers in every row")]) from None
-    lengths = {values.size for values in columns.values()}
-    if len(lengths) != 1 or lengths == {0}:
-        value, allowed = f"{len(columns)} of {sorted(lengths)} rows", "columns of equal length"
-        raise SceneError([Fault("columns", value, allowed)])
-    for name, values in columns.items():
-        for row in np.flatnonzero(~np.isfinite(values)):
-            value = f"{values[row]} in row {row + 1} of {name}"
-            raise SceneError([Fault("columns", value, "finite numbers in every row")])
-    return columns, [f"row {k + 1}" for k in range(*lengths)]
+        columns = equal_columns(measured)
+    except TextError as error:
+        raise SceneError([Fault("columns", error.value, error.allowed)]) from None
+    return columns, [f"row {k + 1}" for k, _ in enumerate(next(iter(columns.values())))]
 
 
 def _check_names(names: Iterable[str]) -> None:
