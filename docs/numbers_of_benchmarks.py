@@ -610,6 +610,19 @@ def block_order() -> str:
     return format_columns(read_rows("block_order_ratios.csv"), columns)
 
 
+def roller() -> str:
+    """Return the pressure along a roller by profile and tilt."""
+    columns = {
+        "profile": ("profile", str),
+        "tilt (mrad)": ("tilt", number(".1f")),
+        "least pressure over 80 % of the length": ("least", number(".3f")),
+        "largest pressure there": ("most", number(".3f")),
+        "largest pressure": ("largest", number(".3f")),
+        "moment (N mm)": ("moment", number(".0f")),
+    }
+    return format_columns(read_rows("roller.csv"), columns)
+
+
 def steel_rolled() -> str:
     """Return the residual stress that rolling leaves, by depth, for several peak pressures."""
     columns = {
@@ -1051,6 +1064,7 @@ TABLES = {
         fatigue_spread,
         block_order,
         fatigue_cost,
+        roller,
         steel_rolled,
         steel_case,
         stepping,

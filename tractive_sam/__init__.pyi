@@ -104,6 +104,7 @@ from .scene import Profiles as Profiles
 from .scene import RailTable as RailTable
 from .scene import Residual as Residual
 from .scene import ResidualStress as ResidualStress
+from .scene import RollerProfile as RollerProfile
 from .scene import Scene as Scene
 from .scene import Sets as Sets
 from .scene import Solver as Solver

@@ -170,9 +170,10 @@ class _Systems:
     @property
     def _problem(self) -> Problem:
         """Dimensionless problem of the model with the wear depth of the contact."""
-        return self.model.problem(
-            (self.model.undeformed_gap + self.contact.wear) / self.model.units.gap
-        )
+        model, tilt = self.model, self.contact.tilt
+        if model.scene.load.moment is not None:  # at the tilt that was found
+            model = model.tilted(tilt)
+        return model.problem((model.undeformed_gap + self.contact.wear) / model.units.gap)
 
     @property
     def applications(self) -> int:

@@ -302,7 +302,8 @@ def rough_maps(
         scene.body.contact_modulus(math.sqrt(half_length[0] * half_length[-1])),
         _pressure(scene.under_largest_load, half_length),
     )
-    if measured is not None:
+    # Points beyond the ends of a roller do not touch, and its profile is smooth.
+    if measured is not None and not scene.body.has_roller:
         yield "gap", Roughness(measured, e_star, pressure)
     if profiles:
         for table, profile in zip(scene.schedule.profiles, profiles, strict=True):

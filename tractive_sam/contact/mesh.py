@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from tractive_sam.contact.measured import Gap, refine_for_maps, rough_maps
+from tractive_sam.mechanics import hertz_line
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid
 from tractive_sam.scene import ALONG, MAX_ELEMENTS, Scene
@@ -118,7 +119,9 @@ def _usual_grid(scene: Scene, measured: Gap | None, finer: float, patches: Seque
     if scene.line:
         half, number = _line_extent(scene, measured, length, finer)
         return Grid.from_half_lengths(half, elements or (number,))
-    if scene.hertz is None:
+    if scene.body.has_roller:
+        half_length, side = _extent_of_roller(scene, length, finer)
+    elif scene.hertz is None:
         half_length, side = _extent_of_gap(required(measured, "gap"), length, finer)
     else:
         lateral = worn_margin if wears else MARGIN
@@ -147,6 +150,25 @@ def _line_extent(
     half = [block.hertz.a for block in (scene.spectrum.scenes if scene.spectrum else (scene,))]
     length = length or (MARGIN * max(half),)
     return length, 2 * int(0.5 * across_line * finer * length[0] / min(half)) + 1
+
+
+def _extent_of_roller(
+    scene: Scene, length: tuple[float, ...] | None, finer: float
+) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return half lengths and element sides of the mesh of a roller, from its nominal line contact.
+
+    Tilt and ends widen the contact by up to about a half. Along a roller the pressure changes
+    slowly: elements are four times as long as wide there.
+    """
+    rollers = [body for body in (scene.body.A, scene.body.B) if body.profile is not None]
+    width = max(required(body.width, "body.width") for body in rollers)
+    modulus, radius = scene.material.plane_strain_modulus, scene.body.radii[0]
+    if scene.normal_load is None:
+        a = math.sqrt(2.0 * radius * required(scene.load.approach, "load.approach"))
+    else:
+        a = hertz_line(modulus, radius, scene.normal_load / width).a
+    dx = 4.0 * a / (ACROSS * finer)
+    return (length[0], length[1]) if length else (1.6 * a, 0.51 * width), (dx, 4.0 * dx)
 
 
 def _extent_of_gap(

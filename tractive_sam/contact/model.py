@@ -299,6 +299,16 @@ class Model:
             gap = gap + taken
         return gap if self.datum == "vertex" else gap - gap.min()
 
+    def tilted(self, tilt: float) -> "Model":
+        """Return the model with rollers at an angle of their axes, mrad, beside that of the scene.
+
+        It shares the operators and the units.
+        """
+        _ = self.operators, self.units
+        model = copy(self)
+        model.__dict__["undeformed_gap"] = self.undeformed_gap + 1e-3 * tilt * self.grid.y
+        return model
+
     def add_initial_wear(self, worn: np.ndarray | float) -> np.ndarray:
         """Return a wear depth of both bodies plus the depth worn before the start, mm."""
         before = self.initial_wear

@@ -10,6 +10,7 @@ The other wheel is computed for it with an equal load, on a rail and with fricti
 where the wheelset stands in the middle of the track, it is the mirror image.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -289,17 +290,66 @@ def equilibrium(
         return max(solve_patches(model, depth, start, tolerance), key=lambda contact: contact.P)
     tolerance = tolerance or model.scene.solver.tolerance
     meter = ConvolutionMeter(model.operators.lattice.padded)
-    if model.scene.heat is None:
-        contact = _equilibrium(model, depth, start, tolerance)
-    else:
-        contact = solve_with_heat(
+
+    def solve(model: Model, start: State | None, tolerance: float = tolerance) -> State:
+        if model.scene.heat is None:
+            return _equilibrium(model, depth, start, tolerance)
+        return solve_with_heat(
             model, lambda warm, start: _equilibrium(warm, depth, start, tolerance), start
         )
+
+    moment = model.scene.load.moment
+    if moment is None:
+        contact = replace(solve(model, start), tilt=model.scene.load.tilt or 0.0)
+    else:
+        contact = _find_tilt(model, partial(solve, tolerance=min(tolerance, 1e-9)), start, moment)
     contact = contact.with_cost(replace(contact.cost, **meter.work))
     few = min(contact.elements_across) < FewestElements.contact and contact.touching.any()
     if check_resolution and contact.converged and few:
         return replace(contact, status=Status.NOT_RESOLVED, note=not_resolved(contact))
     return contact
+
+
+def _find_tilt(
+    model: Model, solve: Solve, start: State | None, moment: float, most: int = 15
+) -> State:
+    """Solve a contact at the tilt at which its pressure has a moment about x, by secants.
+
+    The moment falls as the tilt rises. The error of the moment is 1e-9 of the load times the
+    half length of the mesh, or what the solution of the contact leaves after `most` steps.
+
+    Parameters
+    ----------
+    model : Model
+        The model without tilt.
+    solve : callable
+        Solves a model from a similar contact.
+    start : State or None
+        A similar contact, with its tilt.
+    moment : float
+        Prescribed moment, N mm.
+    most : int
+        Largest number of solutions.
+    """
+    tilt, cost, before = 0.0 if start is None else start.tilt, Cost(), None
+    for _ in range(most):
+        contact = solve(model.tilted(tilt), start)
+        contact = replace(contact, tilt=tilt)
+        cost = cost + contact.cost
+        if not contact.converged or not contact.touching.any():
+            break
+        missed = contact.Mx - moment
+        length = contact.P * model.grid.half_length[1]
+        if abs(missed) <= 1e-9 * length:
+            break
+        if before is None or missed == before[1]:
+            # By a twentieth of the approach at the ends of the contact.
+            step = 50.0 * contact.approach / max(contact.half_width_y, model.grid.dy)
+            step = math.copysign(step, missed)
+        else:
+            step = -missed * (tilt - before[0]) / (missed - before[1])
+        before, start, tilt = (tilt, missed), contact, tilt + step
+    return contact.with_cost(cost)
 
 
 def solve_patches(
@@ -404,7 +454,8 @@ def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]
     contacts = _solve_blocks(model)
     for _ in range(GROWTHS):
         # A mesh chosen from a measured gap cannot grow beyond the gap.
-        chosen = not model.scene.has_fixed_domain and model.scene.hertz is not None
+        known = model.scene.hertz is not None or model.scene.body.has_roller
+        chosen = not model.scene.has_fixed_domain and known
         if all(contact.status is not Status.OFF_GRID for contact in contacts) or not chosen:
             break
         model = model.on(enlarge(model.grid))

@@ -19,6 +19,7 @@ from .fields import line_pressures as line_pressures
 from .fields import line_slip as line_slip
 from .fields import line_traction as line_traction
 from .fields import pressure as pressure
+from .fields import pressure_along_roller as pressure_along_roller
 from .fields import pressure_over_revolutions as pressure_over_revolutions
 from .fields import pressure_profiles as pressure_profiles
 from .fields import slip_over_revolutions as slip_over_revolutions

@@ -187,6 +187,46 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
     return figure
 
 
+@contact_figure(
+    "pressure-along-roller",
+    needs=[
+        WIDE,
+        Need(
+            lambda view: view.contact.scene.body.has_roller,
+            "a roller: add body.A.profile to the scene",
+        ),
+    ],
+)
+def pressure_along_roller(view: ContactView) -> Figure:
+    """Peak pressure and load per length over the position along a roller.
+
+    Raises
+    ------
+    ValueError
+        If no body has a profile.
+
+    Examples
+    --------
+    >>> steel, inf = {"young": 208e3, "poisson": 0.3}, float("inf")
+    >>> roller = steel | {"radius_x": 6.0, "radius_y": inf, "width": 12.0, "profile": "logarithmic"}
+    >>> ring = steel | {"radius_x": 40.0, "radius_y": inf}
+    >>> load = {"normal": 1e4, "tilt": 0.5}
+    >>> tilted = ts.solve(ts.Scene(body={"A": roller, "B": ring}, load=load))
+    >>> plot.pressure_along_roller(tilted)
+    <Figure size ...>
+    """
+    contact = view.contact
+    title = f"pressure along the roller; tilt {contact.tilt:.3g} mrad"
+    figure, axes = new_axes(1.2, 0.7, view.describe(title))
+    per_length = contact.pressure.sum(axis=0) * contact.grid.dx
+    axes.plot(view.y, contact.pressure.max(axis=0), color=LOOK.blue, label="peak pressure (MPa)")
+    axes.plot(view.y, per_length, color=LOOK.vermillion, label="load per length (N/mm)")
+    axes.set(xlabel="$y$ (mm)", ylabel="MPa, N/mm")
+    axes.set_ylim(bottom=0.0)
+    axes.legend(loc="lower center")
+    return figure
+
+
 @contact_figure("slip", needs=[SINGLE_ROW], shown=has_traction)
 def line_slip(view: ContactView) -> Figure:
     """Slip of A over B in a line contact over x: over rolling speed, or in a shift's step.

@@ -352,6 +352,7 @@ def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray])
         wear=fields["wear"],
         approach=number["approach"],
         xi_x=number["xi_x"],
+        tilt=number.get("tilt", 0.0),
         xi_y=number["xi_y"],
         spin=number["spin"],
         rolling_resistance=number["work_supplied"] + creeping,

@@ -285,6 +285,8 @@ class State:
         and results files do not contain it.
     heat : FlashTemperature or None
         For scenes with [heat]: temperatures of both surfaces, and the heat flux into them.
+    tilt : float
+        Angle between the axes of rollers with a profile, mrad, prescribed or found for a moment.
     frame : Frame or None
         Scaled tribological frame of the friction law; None without friction.
     traction_bound : ndarray or None
@@ -334,6 +336,7 @@ class State:
     volumes: Mapping[str, float] | None = field(default=None, repr=False)
     jacobian: "xarray.DataArray | None" = field(default=None, repr=False)
     heat: FlashTemperature | None = field(default=None, repr=False)
+    tilt: float = 0.0
     frame: Frame | None = None
     traction_bound: np.ndarray | None = field(default=None, repr=False)
     laws: Any = field(default_factory=dict, repr=False)
@@ -488,6 +491,11 @@ class State:
         """Spin moment on A, N mm."""
         along_x, along_y = self.traction[1].sum(axis=1), self.traction[0].sum(axis=0)
         return self._integral(self.grid.x @ along_x - self.grid.y @ along_y)
+
+    @cached_property
+    def Mx(self) -> float:
+        """Moment of the pressure about the x axis, the integral of p y, N mm."""
+        return self._integral(self.pressure.sum(axis=0) @ self.grid.y)
 
     @property
     def p_max(self) -> float:

@@ -34,6 +34,7 @@ from .plausibility import conformity_notes as conformity_notes
 from .plausibility import edge_notes as edge_notes
 from .plausibility import pressure_notes as pressure_notes
 from .plausibility import scene_notes as scene_notes
+from .roller import RollerProfile as RollerProfile
 from .scene import FILE_KEYS as FILE_KEYS
 from .scene import Scene as Scene
 from .scene import builtin_names as builtin_names

@@ -50,6 +50,7 @@ from .layers import (
     isotropic_material,
     layered_contact,
 )
+from .roller import RollerProfile
 from .steel import Strength, check_strength_of_bodies, find_surface_strength
 from .tables import Load, check_distinct
 
@@ -230,8 +231,8 @@ class Body(Table):
     """
 
     key_advice: ClassVar[Mapping[str, str]] = {
-        "tilt": "[gap] with heights that rise across the track, for axes that are not parallel",
-        "crown": "radius_y, the radius across the track, or [gap] for other shapes",
+        "tilt": "load.tilt, for rollers, or [gap] with heights that rise across the track",
+        "crown": "radius_y, the radius across the track, profile of a roller, or [gap]",
         "hardness_depth": "[fatigue.A] or [fatigue.B] with depth and hardness; body.A.hardness is "
         "for the wear law",
     }
@@ -252,6 +253,10 @@ class Body(Table):
     width: Positive | None = optional(
         "lateral width, mm, centred at y = 0; edges are not modelled, but a note is printed if "
         "the contact is near an edge"
+    )
+    profile: InnerTable[RollerProfile | None] = optional(
+        "profile of a roller across the track: a table, the name of a form, or a text file with "
+        "the columns y and depth"
     )
     density: Positive = entry(
         "density, kg/m3, for the worn mass; the default is for steel", default=7850.0
@@ -331,6 +336,17 @@ class Bodies(Table):
                 modulus = self.contact_modulus(contact.mean_semi_axis)
                 text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
                 yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
+        for name, body in (("A", self.A), ("B", self.B)):
+            if body.profile is not None:
+                kept = {
+                    k: v for k, v in body.profile.entries().items() if k not in ("y", "heights")
+                }
+                text = ", ".join(f"{key} = {value}" for key, value in kept.items())
+                tilt = f"; tilt {scene.load.tilt:g} mrad" if scene.load.tilt else ""
+                if scene.load.moment is not None:
+                    tilt = f"; tilt found for the moment {scene.load.moment:g} N mm"
+                ends = "material beyond the ends counts as half-space"
+                yield Row(f"roller {name}", f"width {body.width:g} mm, {text}{tilt}; {ends}")
         pair, (radius_x, radius_y) = self.material, self.radii
         if self.is_isotropic:
             yield Row("combined modulus", f"E* = {pair.E_star:.6g} MPa, nu = {pair.poisson:.4g}")
@@ -391,6 +407,11 @@ class Bodies(Table):
         """Share of each body in the wear depth, inverse to its hardness (paper, eq. 34)."""
         total = self.A.hardness + self.B.hardness
         return {"A": self.B.hardness / total, "B": self.A.hardness / total}
+
+    @property
+    def has_roller(self) -> bool:
+        """Whether a body has a profile."""
+        return self.A.profile is not None or self.B.profile is not None
 
     @property
     def infinitely_long(self) -> bool:

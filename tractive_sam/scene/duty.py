@@ -41,6 +41,7 @@ _ALTERNATIVES: tuple[tuple[tuple[str, ...], ...], ...] = (
     (("load.force_y",), ("creepage.lateral",)),
     (("friction.mu",), ("friction.static",)),
     (("friction.kinetic", "friction.half_speed"), ("friction.A", "friction.B")),
+    (("load.tilt",), ("load.moment",)),
     (("gap.file",), ("gap.x", "gap.y", "gap.separation")),
     (("fatigue.shear_yield",), ("fatigue.yield_strength",)),
     *(

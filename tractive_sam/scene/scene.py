@@ -55,9 +55,10 @@ from .duty import (
     parse_settings,
 )
 from .friction import Friction, without_zero_friction
-from .inputs import Gap, Input, InputName, InputPath
+from .inputs import TEXTS, Gap, Input, InputName, InputPath
 from .load_history import LoadHistory, add_blocks
 from .plausibility import scene_notes
+from .roller import add_roller_gap, check_roller, check_tilt
 from .schedule import ObserverTable, ProcessTable, Schedule, Transient
 from .steel import Residual, check_rolled_stress, find_steel
 from .tables import (
@@ -198,7 +199,12 @@ class Scene(Document):
     )
     load_history: InnerTable[LoadHistory | None] = optional("the load history of the blocks")
     solver: InnerTable[Solver] = entry("the solver", default=Solver())
-    checks: ClassVar[tuple[Check, ...]] = (*SCENE_CHECKS, check_rolled_stress)
+    checks: ClassVar[tuple[Check, ...]] = (
+        *SCENE_CHECKS,
+        check_rolled_stress,
+        check_roller,
+        check_tilt,
+    )
     internal: ClassVar[frozenset[str]] = frozenset(
         (
             *(
@@ -233,11 +239,14 @@ class Scene(Document):
     @classmethod
     def unfold(cls, tables: Mapping[Any, Any]) -> Mapping[Any, Any]:
         """Return tables with what follows from them: blocks, wheel contact, friction above 0."""
-        return add_wheel_contact(add_blocks(without_zero_friction(tables)))
+        tables = add_roller_gap(add_blocks(without_zero_friction(tables)), Bodies, Load)
+        return add_wheel_contact(tables)
 
     def entries(self) -> dict[str, Any]:
         """Return the entries that were set, nested, without ones computed from the wheel."""
         entries = super().entries()
+        if self.body.has_roller:
+            entries.pop("gap", None)  # it follows from the profiles
         return entries if self.wheelset is None else without_wheel_contact(entries, self.wheel_rail)
 
     @cached_property
@@ -567,6 +576,13 @@ class Scene(Document):
         for table in (tables.get("gap"), tables.get("load_history"), *over_depth):
             if isinstance(table, dict) and isinstance(table.get("file"), str):
                 table["file"] = str(folder / table["file"])
+        bodies = tables.get("body")
+        for body in bodies.values() if isinstance(bodies, dict) else ():
+            match body:
+                case {"profile": str(file)} if file.lower().endswith(TEXTS):
+                    body["profile"] = str(folder / file)
+                case {"profile": {"file": str(file)}}:
+                    body["profile"]["file"] = str(folder / file)
         resolve_profiles(folder, tables)
         match tables:
             case {"transient": {"profile": dict(profiles)}}:
@@ -613,6 +629,7 @@ FILE_KEYS = (
     "gap.file",
     "load_history.file",
     *(f"{table}.{body}.file" for table in ("residual", "fatigue") for body in "AB"),
+    *(f"body.{body}.profile.file" for body in "AB"),
     "transient.profile.A.file",
     "transient.profile.B.file",
 )

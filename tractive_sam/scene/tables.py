@@ -31,6 +31,7 @@ from tractive_sam.schema import (
     describe_tables,
     entry,
     exactly_one,
+    not_both,
     number_to_tuple,
     optional,
     shorten,
@@ -231,9 +232,22 @@ class Load(Table):
         "peak contact pressure p0 of the unworn bodies according to Hertz, MPa; the load "
         "follows from it"
     )
+    tilt: Real | None = optional(
+        "angle between the axes of rollers with a profile, mrad: they are farther apart at y > 0",
+        "a number from -100 to 100",
+        ge=-100,
+        le=100,
+    )
+    moment: Real | None = optional(
+        "moment of the pressure about the x axis, the integral of p y, N mm, in place of tilt, "
+        "which is found"
+    )
     force_x: Real | None = optional("prescribed force Q_x on body A, N or N/mm")
     force_y: Real | None = optional("prescribed force Q_y on body A, N or N/mm")
-    checks: ClassVar[tuple[Check, ...]] = (exactly_one("normal", "approach", "pressure"),)
+    checks: ClassVar[tuple[Check, ...]] = (
+        exactly_one("normal", "approach", "pressure"),
+        not_both("tilt", "moment"),
+    )
     key_advice: ClassVar[Mapping[str, str]] = {
         f"traction_{axis}": f"force_{axis}, the new name of the key" for axis in "xy"
     }
