@@ -192,7 +192,7 @@ def line_traction(source: Source, at: float | None = None, **named: float) -> Fi
     needs=[
         WIDE,
         Need(
-            lambda view: view.contact.scene.body.has_roller,
+            lambda view: view.contact.scene.gap is not None and view.contact.scene.body.has_roller,
             "a roller: add body.A.profile to the scene",
         ),
     ],
