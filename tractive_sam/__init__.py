@@ -22,8 +22,8 @@ Names by topic
 **Compute** solve, roll, solve_many, explain, study, explain_study, build_table
 
 **Scene** Scene, Bodies, Body, BodyLayer, Stiffness, RollerProfile, Load, Creepage, Friction, Wear,
-Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume, Strength, Residual,
-ResidualStress, Heat, Bulk, Thermal; builtin_names
+Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume,
+Strength, Residual, ResidualStress, Heat, Bulk, Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of

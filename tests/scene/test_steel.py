@@ -85,6 +85,12 @@ def test_rolling_needs_a_contact_of_radii():
     assert "residual.A.from" in faults(gap=gap, **table)
 
 
+def test_rolling_is_followed_in_homogeneous_bodies():
+    layer = {"thickness": 0.01, "young": 300e3, "poisson": 0.2}
+    table = {"fatigue": {"shear_yield": 300.0}, "residual": {"A": {"from": "rolling"}}}
+    assert "residual.A.from" in faults(**{"body.A.layer": [layer]}, **table)
+
+
 def write(path, text):
     path.write_text(text, encoding="utf-8")
     return str(path)

@@ -162,7 +162,7 @@ def _extent_of_roller(
     """
     rollers = [body for body in (scene.body.A, scene.body.B) if body.profile is not None]
     width = max(required(body.width, "body.width") for body in rollers)
-    modulus, radius = scene.material.plane_strain_modulus, scene.body.radii[0]
+    modulus, radius = scene.body.contact_modulus(0.1 * width), scene.body.radii[0]
     if scene.normal_load is None:
         a = math.sqrt(2.0 * radius * required(scene.load.approach, "load.approach"))
     else:

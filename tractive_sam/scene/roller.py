@@ -228,7 +228,7 @@ def _find_separation(
     separation = 1e-3 * tilt * y
     for body in rollers:
         length = body.width - 2.0 * body.profile.chamfer
-        modulus = pair.material.plane_strain_modulus
+        modulus = pair.contact_modulus(length)  # over the length of the roller
         amplitude = (body.profile.load or 0.0) / (math.pi * length * modulus)
         chamfer = np.maximum(np.abs(y) - 0.5 * length, 0.0)
         separation = separation + body.profile.depth(y, length, amplitude) + chamfer

@@ -409,6 +409,9 @@ def check_rolled_stress(entries: ValidEntries) -> Iterator[Fault]:
         if has_gap or entries["body"].hertz(entries["load"]) is None:
             cure = "depth with xx and yy: rolling is followed below a Hertz contact of radii"
             yield Fault(key, '"rolling" without a Hertz contact', cure)
+        elif not entries["body"].is_isotropic:
+            cure = "depth with xx and yy: rolling is followed in homogeneous, isotropic bodies"
+            yield Fault(key, '"rolling" with layers or a stiffness', cure)
         strength = None if fatigue is None else getattr(fatigue, body)
         has_yield = strength is not None and (strength.hardness or strength.shear_yield)
         if fatigue is None or not (has_yield or fatigue.shear_yield or fatigue.yield_strength):
