@@ -220,6 +220,15 @@ TRAITS = {
     "signs of SIMPACK columns": Trait(
         spoil(simpack(), b"point.begin", b"point.begin\n-y z"), error="columns -y, z"
     ),
+    "names of SIMPACK columns": Trait(
+        spoil(simpack(), b"point.begin",
+              b"point.begin\n! y value (lengths unit)  z value (lengths unit)")
+    ),
+    "names and rule of SIMPACK columns": Trait(
+        spoil(simpack(), b"point.begin",
+              b"point.begin\n!\n! y value (lengths unit)  z value (lengths unit)\n! ----  ----"),
+        note="y value",
+    ),
     "columns y and height": Trait(lines("{:.4f};{:.4f}", head="y [mm];height [mm]")),
     "Miniprof offset with a comma": Trait(miniprof("XOffset=2,0"), error="xoffset = '2,0'"),
     "Miniprof offset with a unit": Trait(miniprof("XOffset=2.0 mm"), error="xoffset = '2.0 mm'"),

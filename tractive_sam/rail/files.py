@@ -143,8 +143,8 @@ def _read_simpack(
     values = table.numbers()
     if values.shape[1] not in (2, 3):
         raise ValueError(f"{values.shape[1]} columns of points; allowed: y, z, and a weight")
-    names = [name.lower() for name in table.names]
-    if (names and names[:2] != ["y", "z"]) or any(table.units[:2]):
+    names = [name.lower().removesuffix(" value") for name in table.names]  # as SIMPACK writes them
+    if (names and names[:2] != ["y", "z"]) or {*table.units[:2]} - {"", "lengths unit"}:
         raise ValueError(f"columns {', '.join(table.labels)}; allowed: y, z, and a weight")
     factor = _find_simpack_unit(keys, unit)
     notes = _describe_unused([*unused, *table.remarks])
