@@ -101,6 +101,19 @@ def test_limits_of_thickness(thickness, young):
     assert coated.Qx == pytest.approx(homogeneous.Qx, rel=2e-3)
 
 
+def test_contact_of_a_graded_coating_is_that_of_many_layers():
+    scene = ts.Scene.builtin("coated-roller").replace(**SMALL)
+    one = {"thickness": 0.4, "young": 20e3, "poisson": 0.3, "gradient": "exponential"}
+    young = 20e3 * (208.0 / 20.0) ** ((np.arange(40) + 0.5) / 40)
+    many = [{"thickness": 0.01, "young": float(E), "poisson": 0.3} for E in young]
+    graded = ts.solve(scene.replace(**{"body.A.layer": [one]}))
+    grid = {"grid.half_length": graded.grid.half_length, "grid.elements": graded.grid.elements}
+    stepped = ts.solve(scene.replace(**{"body.A.layer": many}, **grid))
+    # The modulus changes by 6 % from layer to layer; of second order: 1/12 of its square.
+    assert stepped.p_max == pytest.approx(graded.p_max, rel=5e-4)
+    assert stepped.Qx == pytest.approx(graded.Qx, rel=5e-4)
+
+
 def test_friction_of_unlike_coated_bodies_dissipates_the_work_supplied():
     contact = ts.solve(ts.Scene.builtin("coated-roller").replace(**SMALL))
     assert contact.laws.elasticity.coupled

@@ -168,3 +168,57 @@ def test_thickness_must_be_positive(thickness):
 def test_response_that_exponentials_do_not_resolve_is_refused():
     with pytest.raises(ValueError, match="not resolved"):
         _fit_images(coated(4.0), good=0.0, largest_error=0.0)
+
+
+def graded(shear, poisson=0.3):
+    return ts.LayeredBody((ts.Layer(1.0, ts.Material(shear, poisson), "exponential"),), BASE)
+
+
+@pytest.mark.parametrize(
+    ("shear", "k", "expected"),
+    [
+        (4.0, 1.0, (2.09873557, 1.10542312, 1.78873626, 0.59424253)),
+        (4.0, 4.0, (1.07793361, 0.83488882, 1.18812814, 0.35196665)),
+        (0.25, 1.0, (0.26510477, 0.44387442, 0.55905391, 0.05751465)),
+    ],
+)
+def test_response_of_a_graded_layer(shear, k, expected):
+    """Roots of a quartic equation; normalised by the modulus of the surface."""
+    found = shear * graded(shear).response(np.array([k]))[:, 0]
+    np.testing.assert_allclose(found, expected, atol=6e-9)  # digits of the expected values
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("shear", [0.02, 30.0])
+def test_many_layers_tend_to_the_graded_one(shear, poisson):
+    """Of second order in their thickness."""
+    k, exact, errors = np.array((0.1, 1.0, 4.0)), graded(shear, poisson), []
+    for n in (20, 40):
+        moduli = shear ** (1.0 - (np.arange(n) + 0.5) / n)
+        layers = tuple(ts.Layer(1.0 / n, ts.Material(G, poisson)) for G in moduli)
+        response = ts.LayeredBody(layers, BASE).response(k)
+        errors.append(abs(response - exact.response(k)) / exact.response(k)[[0, 1, 2, 1]])
+    assert errors[1].max() < 0.02
+    assert (errors[1] < 0.3 * errors[0] + 1e-6).all()
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("shear", [1e-3, 0.1, 50.0])
+def test_exponentials_fit_the_response_of_a_graded_layer(shear, poisson):
+    body = graded(shear, poisson)
+    heights, amplitudes = body.images
+    k = np.geomspace(1e-3, 1e3, 301)
+    fitted = body.compliances[:, None] + amplitudes @ np.exp(-np.outer(heights, k))
+    # The error at which no further heights are tried, and at other waves.
+    assert (abs(fitted - body.response(k)) / body.response(k)[[0, 1, 2, 1]]).max() < 2e-6
+
+
+def test_gradient_without_change_is_a_plain_layer():
+    layers = tuple(ts.Layer(1.0, BASE, gradient) for gradient in ("none", "exponential"))
+    plain, same = (ts.LayeredBody((layer,), BASE).response(np.ones(1)) for layer in layers)
+    np.testing.assert_array_equal(plain, same)
+
+
+def test_unknown_gradient():
+    with pytest.raises(ValueError, match="gradient"):
+        ts.Layer(1.0, BASE, "linear")

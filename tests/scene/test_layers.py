@@ -28,6 +28,7 @@ STRESS = {"planes": ["y=0"]}
         ("body.A.layer", {"body.A.layer": []}),
         ("body.A.layer", {"body.A.layer": "steel"}),
         ("hardness", {"body.A.layer": [LAYER | {"hardness": 3.0}]}),
+        ("body.A.layer[0].gradient", {"body.A.layer": [LAYER | {"gradient": "linear"}]}),
         ("depth", {"body.A.layer": [LAYER | {"depth": 3.0}]}),
         ("load.pressure", {"load": {"pressure": 100.0}}),
         ("subsurface.bodies", {"subsurface": STRESS}),
@@ -72,3 +73,13 @@ def test_estimated_contact_lies_between_those_of_both_materials():
         SCENE.replace(**{"body.A.layer": None, "body.A.young": 3.6e3, "body.A.poisson": 0.4}),
     )
     assert stiff.hertz.a < SCENE.hertz.a < soft.hertz.a
+
+
+def test_graded_layer_is_softer_than_a_hard_one_on_a_soft_body():
+    hard = {"thickness": 0.5, "young": 2e6, "poisson": 0.3}
+    plain, graded = (
+        SCENE.replace(**{"body.A.layer": [hard | {"gradient": gradient}]})
+        for gradient in ("none", "exponential")
+    )
+    assert plain.hertz.a < graded.hertz.a < SCENE.replace(**{"body.A.layer": None}).hertz.a
+    assert "graded" in str(ts.explain(graded))

@@ -24,7 +24,7 @@ longest wave, and distant loads act exactly as on the body below the layers.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -63,12 +63,15 @@ class Layer:
     thickness : float
         Thickness, mm; positive.
     material : Material
-        Its elastic constants.
+        Its elastic constants; of a graded layer those at its upper face.
+    gradient : str
+        "none", or "exponential": the shear modulus changes with the depth as an exponential, up to
+        that of the layer or body below.
 
     Raises
     ------
     ValueError
-        If the thickness is not positive and finite.
+        If the thickness is not positive and finite, or if the gradient is unknown.
 
     Examples
     --------
@@ -78,10 +81,13 @@ class Layer:
 
     thickness: float
     material: Material
+    gradient: str = "none"
 
     def __post_init__(self) -> None:
         if not 0.0 < self.thickness < np.inf:
             raise ValueError(f"the thickness must be above 0 and finite, not {self.thickness}")
+        if self.gradient not in ("none", "exponential"):
+            raise ValueError(f'the gradient must be "none" or "exponential", not {self.gradient!r}')
 
 
 @dataclass(frozen=True)
@@ -130,21 +136,20 @@ class LayeredBody:
         """
         _, displacement, stress = _waves(self.base, k, 0.0, -1)
         stiffness = stress @ np.linalg.inv(displacement)  # over k
-        across = np.full(k.shape, self.base.shear)
+        across, below = np.full(k.shape, self.base.shear), self.base.shear
         for layer in reversed(self.layers):
-            h, material = layer.thickness, layer.material
-            fall, *down = _waves(material, k, h, -1)
-            _, *up = _waves(material, k, 0.0, 1)
+            # Stress over displacement at the upper face, from that at the lower face.
+            decay = np.log(layer.material.shear / below) / layer.thickness
+            graded = layer.gradient == "exponential" and abs(decay * layer.thickness) > 1e-6
+            down, up = _graded_waves(layer, k, decay) if graded else _even_waves(layer, k)
+            (top, bottom), (raised, lower) = down, up
             # Amplitudes of the waves from below, over those of the waves from above.
-            ahead, back = down[1] - stiffness @ down[0], up[1] - stiffness @ up[0]
-            reflected = -np.linalg.solve(back, ahead * fall) * fall
-            (_, *top), (_, *from_below) = _waves(material, k, 0.0, -1), _waves(material, k, -h, 1)
-            displacement, stress = (a + b @ reflected for a, b in zip(top, from_below, strict=True))
-            stiffness = stress @ np.linalg.inv(displacement)
-            lag = np.tanh(k * h)
-            across = material.shear * (
-                (across + material.shear * lag) / (material.shear + across * lag)
-            )
+            ahead, back = bottom[1] - stiffness @ bottom[0], lower[1] - stiffness @ lower[0]
+            reflected = -np.linalg.solve(back, ahead)
+            displacement, stress = (a + b @ reflected for a, b in zip(top, raised, strict=True))
+            stiffness = np.real(stress @ np.linalg.inv(displacement))
+            across = _raise_shear(layer, k, across, decay if graded else 0.0)
+            below = layer.material.shear
         (LL, Lz), (_, zz) = np.moveaxis(-np.linalg.inv(stiffness), 0, 2)
         return np.stack((zz, LL, 1.0 / across, Lz))
 
@@ -306,6 +311,81 @@ def _fit_images(
     return heights, amplitudes
 
 
+def _even_waves(layer: Layer, k: np.ndarray) -> tuple[Any, Any]:
+    """Return waves (displacement, stress/k) of a layer at its upper and lower face.
+
+    First those that decay with the depth, then those that grow; each is 1 at the face from which
+    it decays. See `_waves`.
+    """
+    h, material = layer.thickness, layer.material
+    fall, *bottom = _waves(material, k, h, -1)
+    _, *top = _waves(material, k, 0.0, -1)
+    _, *raised = _waves(material, k, -h, 1)
+    _, *lower = _waves(material, k, 0.0, 1)
+    bottom, raised = ([fall * values for values in pair] for pair in (bottom, raised))
+    return (top, bottom), (raised, lower)
+
+
+def _graded_waves(layer: Layer, k: np.ndarray, decay: float) -> tuple[Any, Any]:
+    """Return the waves of a graded layer as `_even_waves` does, complex.
+
+    With the modulus G exp(-g z) the equations of equilibrium have constant coefficients. Their
+    solutions are exp(l z) with l = g/2 +- sqrt(g²/4 + m), m = k² +- i k g sqrt(nu/(1 - nu)).
+
+    Parameters
+    ----------
+    layer : Layer
+        The layer.
+    k : ndarray, shape (n,)
+        Wave numbers, 1/mm.
+    decay : float
+        g, 1/mm.
+    """
+    h, shear = layer.thickness, layer.material.shear
+    nu = max(layer.material.poisson, 1e-8)  # at 0 two solutions are equal
+    part = (0.5 - nu) / (1.0 - nu)  # of the moduli G and lambda + 2 G
+    m = k**2 + 1j * k * decay * np.sqrt(nu / (1.0 - nu)) * np.array([[1.0], [-1.0]])
+    root = np.sqrt(0.25 * decay**2 + m)
+
+    def at_faces(power: np.ndarray, place: float) -> list[list[np.ndarray]]:
+        """Return the waves at the upper and the lower face, 1 at the face at `place`."""
+        x = -((1.0 - part) * power - part * decay) / k
+        z = part * m / k**2 - 1.0
+        xz = (power * x + k * z) / k
+        zz = (power * (m - k**2) - k**2 * decay) / k**3 + 2.0 * x
+        waves = (np.moveaxis(np.array(rows), 2, 0) for rows in ([x, z], [xz, zz]))
+        u, s = waves
+        each = []
+        for depth in (0.0, h):
+            fall = np.exp(power * (depth - place)).T[:, None, :]
+            each.append([u * fall, shear * np.exp(-decay * depth) * s * fall])
+        return each
+
+    return tuple(at_faces(0.5 * decay - root, 0.0)), tuple(at_faces(0.5 * decay + root, h))
+
+
+def _raise_shear(layer: Layer, k: np.ndarray, below: np.ndarray, decay: float) -> np.ndarray:
+    """Return stress over displacement across the waves, over k, from the lower to the upper face.
+
+    Parameters
+    ----------
+    layer : Layer
+        The layer.
+    k : ndarray, shape (n,)
+        Wave numbers, 1/mm.
+    below : ndarray, shape (n,)
+        The value at the lower face, MPa.
+    decay : float
+        g of the modulus G exp(-g z), 1/mm.
+    """
+    h, shear = layer.thickness, layer.material.shear
+    root = np.sqrt(0.25 * decay**2 + k**2)
+    down, up = (0.5 * decay - root) / k, (0.5 * decay + root) / k
+    lower = shear * np.exp(-decay * h)
+    reflected = -(lower * down + below) / (lower * up + below) * np.exp(-2.0 * root * h)
+    return -shear * (down + up * reflected) / (1.0 + reflected)
+
+
 def _fit_at_ratio(
     body: LayeredBody, ratio: float, per_height: int = 4
 ) -> tuple[np.ndarray, np.ndarray, float]:
@@ -324,10 +404,15 @@ def _fit_at_ratio(
     moduli = [layer.material.shear for layer in body.layers] + [body.base.shear]
     # A soft layer is felt up to waves of its depth times the ratio of the moduli.
     longest = 100.0 * depth * max(moduli) / min(moduli)
+    smallest, largest = 0.01 / longest, 40.0 / first
+    if any(layer.gradient != "none" for layer in body.layers):
+        smallest = max(smallest, 1e-3 / depth)  # longer ones lose digits
+    if body.layers[0].gradient != "none":  # the response tends to that of the surface as 1/k
+        first, largest = 1e-3 * first, 4e3 / first
     heights = 0.5 * first * ratio ** np.arange(np.log(longest / (0.5 * first)) / np.log(ratio))
-    shortest = first / 40.0
-    number = per_height * int(np.log(100.0 * longest / shortest) / np.log(ratio))
-    k = np.geomspace(0.01 / longest, 1.0 / shortest, number)
+    k = np.geomspace(
+        smallest, largest, per_height * int(np.log(largest / smallest) / np.log(ratio))
+    )
     response, surface = body.response(k), body.compliances
     change = body.base.compliances - surface
     # The response is positive, except for S_Lz, whose error counts against that of S_LL.

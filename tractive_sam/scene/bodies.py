@@ -12,7 +12,6 @@ from tractive_sam.mechanics import (
     CombinedMaterial,
     HertzContact,
     HertzLine,
-    Layer,
     LayeredBody,
     Material,
     TransverseMaterial,
@@ -283,7 +282,7 @@ class Body(Table):
         """Elastic constants of a homogeneous body, also of one with equal layers, or the layers."""
         if self.stiffness is not None:
             return self.stiffness.material
-        layers = [Layer(layer.thickness, layer.material) for layer in self.layer]
+        layers = [layer.layer for layer in self.layer]
         while layers and layers[-1].material == self.material:
             layers.pop()
         return LayeredBody(tuple(layers), self.material) if layers else self.material
@@ -328,6 +327,7 @@ class Bodies(Table):
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
             for k, layer in enumerate(body.layer):
                 moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
+                moduli += ", graded" if layer.gradient != "none" else ""
                 yield Row(f"layer {k} of {name}", f"{layer.thickness:g} mm, {moduli}", brief=True)
         if self.is_layered:
             text = "bonded; the wear and the heat change neither thickness nor moduli"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from tractive_sam.mechanics import (
     HertzContact,
@@ -97,11 +97,21 @@ class BodyLayer(Table):
     young: Positive | None = optional("Young's modulus, MPa")
     shear: Positive | None = optional("shear modulus, MPa")
     poisson: Real = entry("Poisson's ratio", ge=0, le=0.5)
+    gradient: Literal["none", "exponential"] = entry(
+        "change of the shear modulus over the depth: the same everywhere (none), or an exponential "
+        "from that of the layer at its upper face to that of what lies below",
+        default="none",
+    )
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property
+    def layer(self) -> Layer:
+        """The layer as part of an elastic law."""
+        return Layer(self.thickness, self.material, self.gradient)
+
+    @property
     def material(self) -> Material:
-        """Elastic constants of the layer."""
+        """Elastic constants of the layer, at its upper face."""
         return isotropic_material(self.young, self.shear, self.poisson)
 
 
@@ -140,7 +150,7 @@ def check_layers(
         yield Fault(f"layer[{k}].thickness", f"{thickness[k]:g}", cure)
         return
     body = LayeredBody(
-        tuple(Layer(layer.thickness, layer.material) for layer in layers),
+        tuple(layer.layer for layer in layers),
         Material.from_young(young, entries["poisson"]),
     )
     try:
