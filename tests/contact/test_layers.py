@@ -108,10 +108,10 @@ def test_contact_of_a_graded_coating_is_that_of_many_layers():
     many = [{"thickness": 0.01, "young": float(E), "poisson": 0.3} for E in young]
     graded = ts.solve(scene.replace(**{"body.A.layer": [one]}))
     grid = {"grid.half_length": graded.grid.half_length, "grid.elements": graded.grid.elements}
-    stepped = ts.solve(scene.replace(**{"body.A.layer": many}, **grid))
+    layered = ts.solve(scene.replace(**{"body.A.layer": many}, **grid))
     # The modulus changes by 6 % from layer to layer; of second order: 1/12 of its square.
-    assert stepped.p_max == pytest.approx(graded.p_max, rel=5e-4)
-    assert stepped.Qx == pytest.approx(graded.Qx, rel=5e-4)
+    assert layered.p_max == pytest.approx(graded.p_max, rel=5e-4)
+    assert layered.Qx == pytest.approx(graded.Qx, rel=5e-4)
 
 
 def test_friction_of_unlike_coated_bodies_dissipates_the_work_supplied():
