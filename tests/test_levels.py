@@ -109,3 +109,19 @@ def test_figure_and_table(circle):
     assert len(axes.lines) == 5  # four levels that apply, and the meshes
     assert LINEAR in repr(circle)
     assert "<table>" in circle._repr_html_()
+
+
+def test_profiles_are_part_of_every_level():
+    """The pressure of a crowned roller, whose profile is no radius, is the same on every mesh."""
+    crown = {"form": "crowned", "radius": 500.0}
+    entries = {
+        "body.A.radius_y": math.inf,
+        "body.B.radius_y": math.inf,
+        "body.A.width": 10.0,
+        "body.A.profile": crown,
+        "load": {"normal": 2000.0},
+    }
+    levels = ts.compare_levels(CIRCLE.replace(**entries), tolerance=5e-3)
+    meshes = [level for level in levels.levels if level.name.startswith("mesh")]
+    assert max(level.error for level in meshes) < 0.02
+    assert all(level.missing for level in levels.levels if level not in meshes)

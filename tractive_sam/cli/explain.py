@@ -10,10 +10,12 @@ from rich.table import Table
 
 import tractive_sam as ts
 from tractive_sam.cli.output import (
+    ExitStatus,
     console,
     invalid_exit,
     print_line,
     print_note,
+    refuse,
     report_compiling,
     report_warnings,
 )
@@ -63,7 +65,8 @@ def explain(
         if error is not None:
             if not isinstance(document, SceneRequest):
                 raise invalid_exit(f"--error: {scene} is {kind.noun}, and levels are of a scene")
-            levels = ts.compare_levels(document.content, max(error / 10.0, 1e-4))
+            with refuse(ts.NotConverged, status=ExitStatus.INCOMPLETE):
+                levels = ts.compare_levels(document.content, max(error / 10.0, 1e-4))
             sections = Description((*sections, levels.section(error)))
         for note in document.notes() if isinstance(document, StudyRequest) else ():
             print_note(note)
