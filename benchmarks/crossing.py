@@ -40,6 +40,18 @@ where FZ is 10 kN; with a prescribed load, its iteration ends without contact.
 PLANES = ((4.1777, 718.2019, -0.7640), (-2.4600, 782.0806, -0.0500))
 """x and y of the origin (mm) and angle (rad) of the planes of nose and wing rail that it prints."""
 
+PARTS = {
+    110.0: (1.260e4, 717.5, 0.02809, 2855),
+    118.9: (1.262e4, 721.1, 0.02811, 2861),
+    122.0: (1.261e4, 716.5, 0.02807, 2860),
+    126.0: (1.260e4, 715.0, 0.02813, 2837),
+    130.0: (1.293e4, 1291.0, 0.02791, 2893),
+}
+"""CONTACT on a rail beside which another one begins at 118.94 mm (its example ``mbench_intrup``).
+
+P, p_max, approach, |Q_x| by the position, mm, as printed, with y = 0.78 mm and elements of 0.2 mm.
+"""
+
 NUMBER = 13
 """Sections with both rails: the last ones of the file uk_interrupt_v2.slcs."""
 
@@ -127,19 +139,26 @@ def sample_patch(
     return replace(patch, wheel=wheel, rail=rail, origin=origin, angle=angle)
 
 
-def crossing_scene(sections: Path, wheel: Path, element: float) -> ts.Scene:
-    """Return the scene of the example, with elements of this size, mm."""
+def crossing_scene(
+    sections: Path,
+    wheel: Path,
+    element: float,
+    x: float = 160.0,
+    y: float = 3.52,
+    load: float = 1e4,
+) -> ts.Scene:
+    """Return the scene of an example, with elements of this size, mm."""
     steel = {"shear": 82e3, "poisson": 0.28}
     tables = {
         "body": {"A": steel, "B": steel},
         "wheel": {"profile": str(wheel)},
         "rail": {"profile": str(sections), "unit": "m", "inclination": math.inf},
         # VPITCH is -4.3481181 at 2 m/s.
-        "wheelset": {"x": 160.0, "y": 3.52, "roll": 0.0, "pitch": 4.3481181 * 0.46 / 2.0 - 1.0},
+        "wheelset": {"x": x, "y": y, "roll": 0.0, "pitch": 4.3481181 * 0.46 / 2.0 - 1.0},
         "friction": {"mu": 0.3},
         "solver": {"slip": "upwind"},
     }
-    tables["rail"]["origin"], tables["wheelset"]["load"] = [*ORIGIN], 1e4
+    tables["rail"]["origin"], tables["wheelset"]["load"] = [*ORIGIN], load
     half = np.max([p.half_length for p in ts.Scene(**tables).wheel_rail.patches], axis=0)
     elements = [2 * round(1.2 * length / element) + 1 for length in half]
     grid = {"half_length": [0.5 * element * n for n in elements], "elements": elements}
@@ -197,11 +216,31 @@ def solve_crossing(profiles: Path) -> list[dict[str, object]]:
     return rows
 
 
+def solve_parts(profiles: Path) -> list[dict[str, object]]:
+    """Return the contacts at positions before and after another rail begins, and printed values."""
+    rows = []
+    for x, printed in PARTS.items():
+        files = profiles / "uk_interrupt_v2.slcs", profiles / "MBench_S1002_v3.prw"
+        scene = crossing_scene(*files, 0.2, x, 0.78, printed[0])
+        # The printed force is normal; contact angles are about -0.05.
+        scene = scene.replace(**{"wheelset.load": None, "wheelset.normal_load": printed[0]})
+        contact = ts.solve(scene)
+        row: dict[str, object] = {"x": x}
+        for name, known in zip(("P", "p_max", "approach", "Qx"), printed, strict=True):
+            row |= {name: abs(float(getattr(contact, name))), f"{name} printed": known}
+        rows.append(row)
+    return rows
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("profiles", type=Path, help="folder testbank/profiles of CONTACT")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ts.SceneWarning)
-        rows = solve_crossing(parser.parse_args().profiles)
+        profiles = parser.parse_args().profiles
+        parts = solve_parts(profiles)
+        rows = solve_crossing(profiles)
+    write("wheel_rail_parts", parts)
     write("wheel_rail_crossing", rows)
+    show("A rail beside which another one begins", parts)
     show("Nose and wing rail of a crossing", rows)

@@ -152,6 +152,13 @@ def wheel_rail_crossing() -> str:
     return format_columns(read_rows("wheel_rail_crossing.csv"), columns)
 
 
+def wheel_rail_parts() -> str:
+    """Return computed and printed results on a rail beside which another one begins."""
+    columns = {"x, mm": ("x", number(".1f"))} | _computed_and_printed()
+    rows = read_rows("wheel_rail_parts.csv")
+    return format_columns(rows, {k: v for k, v in columns.items() if v[0] in rows[0]})
+
+
 def wheel_rail_spin() -> str:
     """Return forces of the central position of a wheelset for different points of the spin."""
     columns = {
@@ -1048,6 +1055,7 @@ TABLES = {
         wheel_rail,
         wheel_rail_patches,
         wheel_rail_crossing,
+        wheel_rail_parts,
         wheel_rail_spin,
         wheel_rail_pitch,
         conservation,

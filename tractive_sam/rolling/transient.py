@@ -436,7 +436,7 @@ class TransientProcess(Process[Moment]):
         share = 15.0 * (dx / half_width) ** 2 if half_width > 0.0 else 0.0
         return (
             f"; transient.step is not a whole number of elements of {dx:.4g} mm: near free rolling "
-            f"of dissimilar bodies, friction work and wear may differ by up to about {share:.1%}, "
+            f"of dissimilar bodies, work and wear may differ by up to about {share:.1%}, "
             f"and at the creepage of free rolling by {8.0 * share:.0%}, from those in steps of one "
             "element; refine grid.elements, or omit transient.step"
         )
