@@ -1013,6 +1013,20 @@ def spread() -> str:
     return format_columns(read_rows("spread.csv"), columns)
 
 
+def design() -> str:
+    """Return the number of runs of designs of twin discs."""
+    columns = {
+        "aim": ("design", str),
+        "keys": ("keys", number(".0f")),
+        "limits": ("limits", number(".0f")),
+        "points": ("points", number(".0f")),
+        "runs": ("rolls", number(".0f")),
+        "change of the aim, %": ("change %", number(".0f")),
+        "active limits": ("active", number(".0f")),
+    }
+    return format_columns(read_rows("design.csv"), columns)
+
+
 def fit_cost() -> str:
     """Return the cost of fits."""
     columns = {
@@ -1112,5 +1126,6 @@ TABLES = {
         fit_cost,
         fit_posterior,
         spread,
+        design,
     )
 }

@@ -49,6 +49,8 @@ stress_volume, fatigue
 
 **Spreads** spread, SpreadDesign, SpreadResult, open_spread, SpreadError
 
+**Designs** design, OptimumDesign, OptimumResult, open_design, DesignError
+
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
 Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
 Layer, Material, TransverseMaterial, WearLaw, WearConditions, Energy, PerBody, SlidingShare;

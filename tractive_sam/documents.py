@@ -416,6 +416,21 @@ class SpreadDocument(AnswerDocument):
         return fitting.explain_spread(self.content.design)
 
 
+class DesignDocument(AnswerDocument):
+    """The file of a design."""
+
+    noun = "a design"
+
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Any:
+        """Open the file of a design; ResultsError if it is none."""
+        return fitting.open_design(path)
+
+    def explain(self, workers: int | None = None) -> Description:
+        """Describe the file of the design."""
+        return fitting.explain_design(self.content.design)
+
+
 class TableDocument(Document[Any]):
     """A creep-force table, a file (.nc) or a built-in one."""
 
@@ -661,6 +676,26 @@ class SpreadRequest(Request["fitting.SpreadDesign"]):
         return fitting.explain_spread(self.content)
 
 
+class DesignRequest(Request["fitting.OptimumDesign"]):
+    """The file that requests a design."""
+
+    noun, command = "the file of a design", "tractive-sam design {} -o FILE.nc"
+
+    @staticmethod
+    def read(path: str | PathLike[str]) -> Any:
+        """Read the file of a design; DesignError with every fault."""
+        return fitting.OptimumDesign.from_toml(path)
+
+    @property
+    def title(self) -> str:
+        """Title of the design."""
+        return self.content.design.title
+
+    def explain(self, workers: int | None = None) -> Description:
+        """Describe free keys, aims, limits and cost of the design."""
+        return fitting.explain_design(self.content)
+
+
 class TableRequest(Request["tables.TableDesign"]):
     """The design of a creep-force table."""
 
@@ -688,14 +723,22 @@ def find_kind(path: str | PathLike[str]) -> type[Document[Any]]:
         return StudyDocument
     if tables.is_table(path):
         format = store.netcdf_format(path) if str(path).endswith(".nc") else ""
-        answers: dict[str, type[Document[Any]]] = {"fit": FitDocument, "spread": SpreadDocument}
+        answers: dict[str, type[Document[Any]]] = {
+            "fit": FitDocument,
+            "spread": SpreadDocument,
+            "design": DesignDocument,
+        }
         return answers.get(format.partition(" ")[0], TableDocument)
     if Path(path).suffix in RESULTS:
         return ResultsDocument
     if tables.is_design(path):
         return TableRequest
     if question := fitting.question_of(path):
-        requests: dict[str, type[Document[Any]]] = {"fit": FitRequest, "spread": SpreadRequest}
+        requests: dict[str, type[Document[Any]]] = {
+            "fit": FitRequest,
+            "spread": SpreadRequest,
+            "design": DesignRequest,
+        }
         return requests[question]
     return StudyRequest if studies.is_study(path) else SceneRequest
 

@@ -40,7 +40,8 @@ def explain(
 ) -> None:
     """Describe what the model includes and neglects, and estimate memory and time.
 
-    SCENE may also be a study, a fit, a spread, a creep-force table, or the design of a table.
+    SCENE may also be a study, a fit, a spread, a design, a creep-force table, or the design of
+    such a table.
 
     Parameters
     ----------

@@ -129,6 +129,40 @@ def spread(
     _answer(compute, file, output, workers, scheduler, overwrite, quiet, say=print_note)
 
 
+def design(
+    file: Annotated[Path, typer.Argument(metavar="DESIGN.toml")],
+    output: Output,
+    scene: Annotated[Path | None, typer.Option(metavar="OUT.toml")] = None,
+    workers: Workers = 0,
+    scheduler: Scheduler = None,
+    overwrite: Overwrite = False,
+    allow: Allow = None,
+    quiet: Quiet = False,
+) -> None:
+    """Find the values of free keys with the least or largest result within limits.
+
+    Parameters
+    ----------
+    file
+        A design file (TOML): the scene, its free keys, aims and limits.
+    scene
+        Also write the scene of the optimum.
+    """
+    import tractive_sam as ts
+
+    def compute(*arguments: Any, **options: Any) -> Any:
+        result = ts.design(*arguments, **options)
+        if scene is not None:
+            write_file(scene, result.scene.to_toml())
+        return result
+
+    from tractive_sam.output_file import write_file
+
+    if scene is not None:
+        check_folder(scene)
+    _answer(compute, file, output, workers, scheduler, overwrite, quiet)
+
+
 def _answer(
     compute: Callable[..., Any], file: Path, output: Path, workers: int, scheduler: str | None,
     overwrite: bool, quiet: bool, **options: Any,

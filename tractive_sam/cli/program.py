@@ -13,7 +13,7 @@ from typer.core import TyperGroup
 
 from tractive_sam import interrupt
 from tractive_sam.cli.explain import explain, keys, scenes
-from tractive_sam.cli.fit import fit, spread
+from tractive_sam.cli.fit import design, fit, spread
 from tractive_sam.cli.output import (
     ExitStatus,
     discard_output,
@@ -94,7 +94,7 @@ def _add_command(command: Callable[..., None]) -> None:
 # fmt: off
 for command in (
     run, show, plot, report, export, explain, keys, scenes, reproduce, study, study_show, table,
-    fit, spread, locus, wear, validate,
+    fit, spread, design, locus, wear, validate,
 ):
     _add_command(command)
 # fmt: on

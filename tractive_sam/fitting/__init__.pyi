@@ -1,6 +1,7 @@
 """What `fitting` lets out, for `__init__.py` and for type checkers."""
 
 from .case import Evaluations as Evaluations
+from .cost import explain_design as explain_design
 from .cost import explain_fit as explain_fit
 from .cost import explain_spread as explain_spread
 from .design import FitDesign as FitDesign
@@ -11,6 +12,10 @@ from .distributions import SpreadError as SpreadError
 from .figures import fit_figures as fit_figures
 from .fit_file import is_fit as is_fit
 from .fit_file import open_fit as open_fit
+from .optimum import DesignError as DesignError
+from .optimum import OptimumDesign as OptimumDesign
+from .optimum import OptimumResult as OptimumResult
+from .optimum import open_design as open_design
 from .percentiles import SpreadResult as SpreadResult
 from .percentiles import open_spread as open_spread
 from .percentiles import spread as spread

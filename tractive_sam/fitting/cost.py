@@ -1,4 +1,4 @@
-"""Describe a fit or a spread before it is computed: keys, data sets or outcomes, and time."""
+"""Describe fits, spreads and designs before they are computed: keys, outcomes, and time."""
 
 import numpy as np
 
@@ -7,6 +7,7 @@ from tractive_sam.fitting.case import Evaluations, FitCase, exact_columns, is_st
 from tractive_sam.fitting.data import Measured
 from tractive_sam.fitting.design import FitDesign, Parameters
 from tractive_sam.fitting.distributions import SpreadDesign
+from tractive_sam.fitting.optimum import OptimumDesign, prepare_search
 from tractive_sam.fitting.problem import Series, groups_of
 from tractive_sam.fitting.response import Response
 from tractive_sam.fitting.run import read_all
@@ -112,4 +113,32 @@ def explain_spread(design: SpreadDesign) -> Description:
     rows = [(one.key, one.text) for one in inputs]
     return Description(
         (Section("Uncertain keys", rows), Section("Outcomes", outcomes), Section("Work", work))
+    )
+
+
+def explain_design(design: OptimumDesign) -> Description:
+    """Return sections that describe the free keys, aims, limits and runs of a design.
+
+    Raises
+    ------
+    SceneError
+        With every fault of the scene at the start.
+    """
+    table = design.design
+    search, aims, _, start = prepare_search(table, Evaluations(lambda cases: iter(())))
+    outcomes = search.response.outcomes
+    names = ["minimise" if one.sign > 0.0 else "maximise" for one in aims]
+    rows = [(name, str(outcomes[one.place])) for name, one in zip(names, aims, strict=True)]
+    if table.target is not None:
+        rows = [("target", f"{table.target.observe} = {table.target.value:g}")]
+    (seconds,) = estimate_times([search.response.scene_at(search.point(start))], with_files=False)
+    runs = len(table.free) + 1
+    work = [
+        ("an iteration", f"{runs} runs, about {format_duration(seconds * runs)} of one core"),
+        ("iterations", f"at most {table.iterations} for each of {table.starts} starts"),
+    ]
+    keys = [(one.key, f"{one.lower:g} to {one.upper:g}") for one in table.free]
+    limits = [("limit", text) for text in map(str, table.limit)]
+    return Description(
+        (Section("Free keys", keys), Section("Aims", rows + limits), Section("Work", work))
     )

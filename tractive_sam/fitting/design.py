@@ -625,12 +625,14 @@ class FitDesign(QuestionDocument):
 
 
 def question_of(path: str | PathLike[str]) -> str:
-    """Return which question a file of TOML contains: "fit" or "spread"; "" for other files."""
+    """Return which question a file of TOML contains: "fit", "spread" or "design", or ""."""
     try:
         tables = FitDesign.read_tables(path)
     except SceneError:
         return ""
-    return next((name for name in ("fit", "spread") if isinstance(tables.get(name), dict)), "")
+    return next(
+        (name for name in ("fit", "spread", "design") if isinstance(tables.get(name), dict)), ""
+    )
 
 
 def _keys_at_rest(key: str) -> list[str]:

@@ -69,8 +69,10 @@ from .study import FittedCurve as FittedCurve
 from .study import Variable as Variable
 from .study import confidence_ellipses as confidence_ellipses
 from .study import creep_force_curve as creep_force_curve
+from .study import design_search as design_search
 from .study import error_over_time as error_over_time
 from .study import fitted_curve as fitted_curve
+from .study import pareto_front as pareto_front
 from .study import percentile_band as percentile_band
 from .study import profile_likelihood as profile_likelihood
 from .study import scatter_causes as scatter_causes

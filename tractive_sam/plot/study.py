@@ -744,3 +744,64 @@ def percentile_band(
     axes.legend()
     set_title(figure, title)
     return figure
+
+
+@apply_style
+def design_search(
+    outcomes: Mapping[str, np.ndarray], limits: Mapping[str, float], *, title: str = ""
+) -> Figure:
+    """Draw the outcomes of the points of a search, with their limits.
+
+    Parameters
+    ----------
+    outcomes : mapping of str to ndarray
+        Values of each outcome at the points in their order, by name; nan: not computed.
+    limits : mapping of str to float
+        Limits by the name of their outcome.
+    title : str
+        Title of the figure.
+
+    Examples
+    --------
+    >>> wear = np.array([3.0, 2.1, 1.7, 1.6])
+    >>> plot.design_search({"wear_max": wear}, {"wear_max": 1.5})
+    <Figure size ...>
+    """
+    count = len(outcomes)
+    figure = new_figure(1.0, 0.25 + 0.3 * count)
+    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+    for axes, (name, values) in zip(panels, outcomes.items(), strict=True):
+        axes.plot(np.arange(1, values.size + 1), values, "o-", markersize=3)
+        if name in limits:
+            axes.axhline(limits[name], color=LOOK.vermillion, linestyle="--", label="limit")
+            axes.legend()
+        axes.set_ylabel(fill(name.replace("_", " "), 14))
+    panels[-1].set_xlabel("point of the search")
+    panels[-1].xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    set_title(figure, title)
+    return figure
+
+
+@apply_style
+def pareto_front(outcomes: Mapping[str, np.ndarray], *, title: str = "") -> Figure:
+    """Draw the designs that are best in one of two aims for a given value of the other.
+
+    Parameters
+    ----------
+    outcomes : mapping of str to ndarray
+        Values of both aims, by name.
+    title : str
+        Title of the figure.
+
+    Examples
+    --------
+    >>> wear, pressure = np.array([1.0, 1.3, 2.0]), np.array([900.0, 800.0, 750.0])
+    >>> plot.pareto_front({"wear_max": wear, "p_max": pressure})
+    <Figure size ...>
+    """
+    figure, axes = new_axes(1.0, 0.72)
+    (x_name, x), (y_name, y) = outcomes.items()
+    axes.plot(x, y, "o-", markersize=4)
+    axes.set(xlabel=x_name.replace("_", " "), ylabel=y_name.replace("_", " "))
+    set_title(figure, title)
+    return figure

@@ -1,0 +1,697 @@
+"""The best design: values of free keys of a scene with the least or largest result within limits.
+
+Free keys are searched in coordinates from 0 to 1 between their bounds, of the logarithm if both
+bounds are positive, by sequential quadratic programming (D. Kraft, DFVLR-FB 88-28 (1988)). Aims and
+limits are scaled by their values at the start; derivatives are exact where `State.jacobian` has
+them, else differences, all of which are computed together.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from os import PathLike
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from tractive_sam.fitting.case import Evaluations, on_finer_mesh
+from tractive_sam.fitting.design import Names, QuestionDocument, changes_of, start_of
+from tractive_sam.fitting.response import (
+    Outcome,
+    Progress,
+    QuestionResult,
+    Response,
+    open_question,
+    read_outcome,
+    run_question,
+)
+from tractive_sam.plot import Drawing, design_search, pareto_front
+from tractive_sam.scene import Scene
+from tractive_sam.schema import (
+    Check,
+    Fault,
+    Real,
+    SceneError,
+    Table,
+    ValidEntries,
+    entry,
+    exactly_one,
+    optional,
+    shorten,
+)
+
+
+class DesignError(SceneError):
+    """Error of a design that cannot be computed; lists every fault that was found.
+
+    Examples
+    --------
+    >>> try:
+    ...     ts.OptimumDesign(design={"scene": "spheres", "minimise": "p_max", "free": []})
+    ... except ts.DesignError as error:
+    ...     print(error.faults[0].key)
+    design.free
+    """
+
+    subject: ClassVar[str] = "design"
+
+
+def _check_free(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of bounds of a free key, and of a start outside them."""
+    lower, upper, start = entries["lower"], entries["upper"], entries["start"]
+    if not lower < upper:
+        yield Fault("upper", f"{upper:g}", f"above lower, {lower:g}")
+    elif start is not None and not lower <= start <= upper:
+        yield Fault("start", f"{start:g}", f"from lower to upper, {lower:g} to {upper:g}")
+
+
+class FreeKey(Table):
+    """A [[design.free]] table: a free key with its bounds."""
+
+    key: str = entry("the free entry of the scene", "a dotted key")
+    lower: Real = entry("lower bound")
+    upper: Real = entry("upper bound")
+    start: Real | None = optional("first value; by default the value in the scene")
+    checks: ClassVar[tuple[Check, ...]] = (_check_free,)
+
+
+class Limit(Table):
+    """A [[design.limit]] table: a bound on a number of a record."""
+
+    observe: str = entry("column of a record", 'a column, of a body as "worn_mass A"')
+    at: Real | None = optional("revolution or distance of the record; by default the last one")
+    at_most: Real | None = optional("largest allowed value")
+    at_least: Real | None = optional("smallest allowed value")
+    checks: ClassVar[tuple[Check, ...]] = (exactly_one("at_most", "at_least"),)
+
+    @property
+    def sign(self) -> float:
+        """Sign of a rise of the outcome that the limit allows less: 1 for at_most."""
+        return 1.0 if self.at_least is None else -1.0
+
+    @property
+    def bound(self) -> float:
+        """The stated value."""
+        return float(self.at_most if self.at_least is None else self.at_least)  # type: ignore[arg-type]
+
+    def __str__(self) -> str:
+        text = "at most" if self.at_least is None else "at least"
+        return f"{read_outcome(self.observe, self.at)} {text} {self.bound:g}"
+
+
+class Target(Table):
+    """The table ``target``: a value that a number of a record is to have."""
+
+    observe: str = entry("column of a record", 'a column, of a body as "worn_mass A"')
+    value: Real = entry("the wanted value")
+
+
+def _check_aims(entries: ValidEntries) -> Iterator[Fault]:
+    """Yield faults of aims and limits, of free keys, and of a scene whose mesh is not fixed."""
+    aims = [*entries["minimise"], *entries["maximise"]]
+    target = entries["target"]
+    names = [*aims, *([target.observe] if target else [])]
+    if not 1 <= len(names) <= 2 or (target and aims):
+        allowed = "one of minimise, maximise and target, or two aims of the first two"
+        yield Fault("minimise", shorten(names) if names else "no aim", allowed)
+    tables = [("limit", k, one.observe) for k, one in enumerate(entries["limit"])]
+    for key, k, name in [*tables, *(("aim", -1, name) for name in names)]:
+        try:
+            read_outcome(name, None)
+        except SceneError as error:
+            where = f"{key}[{k}]" if k >= 0 else "target" if target else "minimise"
+            yield from (Fault(f"{where}.observe", f.given, f.allowed) for f in error.faults)
+    keys = [one.key for one in entries["free"]]
+    for k, one in enumerate(entries["free"]):
+        if keys.count(one.key) > 1:
+            yield Fault(f"free[{k}].key", f"{one.key} {keys.count(one.key)} times", "each key once")
+        try:
+            value = start_of(entries["scene"], one.key, one.start)
+        except SceneError as error:
+            yield from (Fault(f"free[{k}].key", f"{one.key}: {f.given}", f.allowed)
+                        for f in error.faults)  # fmt: skip
+            continue
+        if one.lower < one.upper and not one.lower <= value <= one.upper:
+            allowed = f"a scene with {one.lower:g} to {one.upper:g}, or start"
+            yield Fault(f"free[{k}].start", f"{value:g} in the scene", allowed)
+    if entries["scene"].accuracy is not None:
+        cure = "a [grid] or none: all designs have the same number of elements"
+        yield Fault("scene.accuracy", "a table", cure)
+
+
+class Design(Table):
+    """The [design] table: scene, free keys, aims, limits, and settings of the search."""
+
+    title: str = entry("title", default="")
+    scene: Scene = entry("the scene", "a built-in name, a scene file, or the tables of a scene")
+    free: tuple[FreeKey, ...] = entry("the free keys", "at least one table", min_length=1)
+    minimise: Names = entry("columns of a record to minimise", "a name, or two", ())
+    maximise: Names = entry("columns of a record to maximise", "a name, or two", ())
+    target: Target | None = optional("number that is to have a value")
+    at: Real | None = optional("revolution or distance of the aims; by default the last record")
+    limit: tuple[Limit, ...] = entry("limits", "a list of tables", ())
+    search: Literal["local", "global"] = entry(
+        "local: from the start; global: differential evolution before, for few keys",
+        default="local",
+    )
+    starts: int = entry(
+        "starts of the search; further ones are spread evenly", default=1, ge=1, le=100
+    )
+    seed: int = entry("seed of further starts", "an integer from 0", 0, ge=0)
+    iterations: int = entry("most iterations of a search", default=30, ge=1, le=1000)
+    tolerance: float = entry("relative change of the aim that ends it", default=1e-4, gt=0, le=0.1)
+    step: float = entry("step of differences, over the range of a key", default=0.01, gt=0, le=0.2)
+    front: int = entry("points of the front of two aims", default=7, ge=3, le=100)
+    mesh_check: bool = entry("whether start and optimum are computed on a finer mesh", default=True)
+    checks: ClassVar[tuple[Check, ...]] = (_check_aims,)
+
+
+class OptimumDesign(QuestionDocument):
+    """A design file: the table [design] with free keys, aims and limits.
+
+    Raises
+    ------
+    DesignError
+        With every fault.
+
+    Examples
+    --------
+    >>> free = [{"key": "body.A.radius_x", "lower": 100.0, "upper": 500.0}]
+    >>> table = {"scene": "spheres", "minimise": "p_max", "free": free}
+    >>> ts.OptimumDesign(design=table).design.search
+    'local'
+    """
+
+    design: Design = entry("the design")
+    error_class: ClassVar[type[SceneError]] = DesignError
+
+
+@dataclass(frozen=True)
+class Aim:
+    """Outcome to minimise: sign * outcome, or the square of its distance from a target."""
+
+    place: int
+    sign: float = 1.0
+    target: float | None = None
+
+    def value(self, outcomes: np.ndarray) -> float:
+        """Return the number that is minimised."""
+        y = float(outcomes[self.place])
+        return self.sign * y if self.target is None else (y - self.target) ** 2
+
+    def slope(self, outcomes: np.ndarray) -> float:
+        """Return its derivative by the outcome."""
+        y = float(outcomes[self.place])
+        return self.sign if self.target is None else 2.0 * (y - self.target)
+
+
+@dataclass(frozen=True)
+class Bound:
+    """Limit of an outcome: sign * (bound - outcome) >= 0."""
+
+    place: int
+    sign: float
+    bound: float
+
+    def margin(self, outcomes: np.ndarray) -> float:
+        """Return how far the outcome is from its limit, over the limit; negative beyond it."""
+        return self.sign * (self.bound - float(outcomes[self.place])) / self.size
+
+    @property
+    def size(self) -> float:
+        """Scale of the limit."""
+        return abs(self.bound) or 1.0
+
+
+@dataclass(eq=False)
+class Search:
+    """Search in coordinates v, from 0 to 1 between the bounds of the keys.
+
+    Attributes
+    ----------
+    table : Design
+        The [design] table.
+    response : Response
+        Outcomes as functions of the keys.
+    trace : dict of bytes to (ndarray, ndarray)
+        Coordinates and outcomes of all points of the searches, in their order.
+    failures : list of str
+        Why points could not be computed.
+    """
+
+    table: Design
+    response: Response
+    trace: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
+
+    @cached_property
+    def limits(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Lower and upper bounds of the keys, and whether their logarithm is searched."""
+        lower, upper = np.array([(one.lower, one.upper) for one in self.table.free]).T
+        return lower, upper, lower > 0.0
+
+    def point(self, v: np.ndarray) -> np.ndarray:
+        """Return the values of the keys at coordinates."""
+        lower, upper, log = self.limits
+        ratio = np.divide(upper, lower, out=np.ones_like(upper), where=log)
+        return np.where(log, np.abs(lower) * ratio**v, lower + (upper - lower) * v)
+
+    def coordinates(self, point: np.ndarray) -> np.ndarray:
+        """Return the coordinates of values of the keys."""
+        lower, upper, log = self.limits
+        ratio = np.log(np.divide(point, lower, out=np.ones_like(point), where=log))
+        width = np.log(np.divide(upper, lower, out=np.full_like(upper, np.e), where=log))
+        return np.where(log, ratio / width, (point - lower) / (upper - lower))
+
+    def outcomes(self, v: np.ndarray) -> np.ndarray:
+        """Return the outcomes at coordinates (n, d), shape (n, m); nan where they fail."""
+        v = np.clip(v, 0.0, 1.0).round(12)
+        values, messages = self.response.evaluate(np.array([self.point(one) for one in v]))
+        self.failures += [text for text in messages if text]
+        return values
+
+    def at(self, v: np.ndarray) -> np.ndarray:
+        """Return the outcomes at one point, which the trace lists."""
+        v = np.clip(v, 0.0, 1.0).round(12)
+        if v.tobytes() not in self.trace:
+            self.trace[v.tobytes()] = v, self.outcomes(v[None])[0]
+        return self.trace[v.tobytes()][1]
+
+    def slopes(self, v: np.ndarray) -> np.ndarray:
+        """Return derivatives of the outcomes by the coordinates, shape (m, d)."""
+        v = np.clip(v, 0.0, 1.0)
+        step = np.where(v + self.table.step <= 1.0, self.table.step, -self.table.step)
+        rates = (self.point(v + 1e-6) - self.point(v - 1e-6)) / 2e-6
+        slopes = self.response.exact_slopes(self.point(v)) * rates
+        missing = np.flatnonzero(~np.isfinite(slopes).all(axis=0))
+        moved = v + np.diag(step)[missing]
+        values = self.outcomes(np.concatenate([v[None], moved]))
+        slopes[:, missing] = (values[1:] - values[0]).T / step[missing]
+        return np.nan_to_num(slopes)  # a point that fails has no slope
+
+    def minimise(self, aim: Aim, bounds: list[Bound], v: np.ndarray) -> tuple[np.ndarray, bool]:
+        """Return the coordinates of a local minimum within bounds, and whether it converged."""
+        from scipy.optimize import minimize  # noqa: PLC0415 - opening results needs no search
+
+        first = aim.value(self.at(v))
+        scale = abs(first) or 1.0
+        worst = [first / scale]
+
+        def objective(v: np.ndarray) -> float:
+            value = aim.value(self.at(v)) / scale
+            worst[0] = max(worst[0], value) if math.isfinite(value) else worst[0]
+            return value if math.isfinite(value) else worst[0] + 1.0
+
+        def gradient(v: np.ndarray) -> np.ndarray:
+            return aim.slope(self.at(v)) * self.slopes(v)[aim.place] / scale
+
+        def margins(v: np.ndarray) -> np.ndarray:
+            return np.nan_to_num([one.margin(self.at(v)) for one in bounds], nan=-1.0)
+
+        def margin_slopes(v: np.ndarray) -> np.ndarray:
+            slopes = self.slopes(v)
+            return np.array([-one.sign * slopes[one.place] / one.size for one in bounds])
+
+        inside = {"type": "ineq", "fun": margins, "jac": margin_slopes}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of steps that leave the bounds by rounding
+            found = minimize(
+                objective, v, jac=gradient, method="SLSQP", bounds=[(0.0, 1.0)] * v.size,
+                constraints=[inside] if bounds else [],
+                options={"maxiter": self.table.iterations, "ftol": self.table.tolerance},
+            )  # fmt: skip
+        return np.clip(found.x, 0.0, 1.0), bool(found.success)
+
+    def explore(self, aim: Aim, bounds: list[Bound]) -> np.ndarray:
+        """Return the best point of differential evolution, whose generations are computed at once.
+
+        R. Storn and K. Price, J. Global Optim. 11 (1997) 341-359; limits as penalties.
+        """
+        from scipy.optimize import differential_evolution  # noqa: PLC0415 - as above
+
+        def cost(v: np.ndarray) -> np.ndarray:
+            outcomes = self.outcomes(np.atleast_2d(v.T))
+            values = np.array([aim.value(one) for one in outcomes])
+            beyond = [sum(max(-one.margin(y), 0.0) for one in bounds) for y in outcomes]
+            size = np.nanmedian(np.abs(values)) or 1.0
+            return np.nan_to_num(values + 1e3 * size * np.array(beyond), nan=1e6 * size)
+
+        d = len(self.table.free)
+        found = differential_evolution(
+            cost, [(0.0, 1.0)] * d, rng=np.random.default_rng(self.table.seed), vectorized=True,
+            updating="deferred", polish=False, popsize=8, maxiter=self.table.iterations, tol=1e-2,
+        )  # fmt: skip
+        return np.asarray(found.x)
+
+    def multipliers(
+        self, aim: Aim, bounds: list[Bound], v: np.ndarray, near: float = 1e-3
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return relative multipliers of limits, and of the bounds of the keys.
+
+        They are the non-negative factors with which the gradients of active limits add up to that
+        of the aim; a multiplier of 0.8 means that 1 % more of a limit gains .8 % of the aim.
+        """
+        from scipy.optimize import nnls  # noqa: PLC0415 - as above
+
+        outcomes, slopes = self.at(v), self.slopes(v)
+        size = abs(aim.value(outcomes)) or 1.0
+        gradient = aim.slope(outcomes) * slopes[aim.place] / size
+        of_limits, of_keys = np.zeros(len(bounds)), np.zeros(v.size)
+        active = [k for k, one in enumerate(bounds) if one.margin(outcomes) < 10.0 * near]
+        ends = [k for k in range(v.size) if not near < v[k] < 1.0 - near]
+        columns = [-bounds[k].sign * slopes[bounds[k].place] / bounds[k].size for k in active]
+        columns += [np.eye(v.size)[k] * (1.0 if v[k] < 0.5 else -1.0) for k in ends]
+        if columns:
+            factors, _ = nnls(np.array(columns).T, gradient)
+            of_limits[active] = factors[: len(active)]
+            rates = (self.point(v + 1e-6) - self.point(v - 1e-6)) / 2e-6
+            width = np.abs(rates / np.where(self.point(v), self.point(v), 1.0))
+            of_keys[ends] = factors[len(active) :] / width[ends]
+        return of_limits, of_keys
+
+
+def design(
+    design: OptimumDesign | Mapping[str, Any] | str | PathLike[str],
+    path: str | PathLike[str] | None = None,
+    *,
+    workers: int = 0,
+    scheduler: str | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> OptimumResult:
+    """Find the values of free keys with the least or largest result of a scene within limits.
+
+    Parameters
+    ----------
+    design : OptimumDesign, mapping or path-like
+        A design file, or its tables.
+    path : path-like, optional
+        The result (netCDF), to which computations are streamed: an interrupted search resumes from
+        those in the file.
+    workers : int
+        Processes on this machine; 0: this one. They compute the differences of one step.
+    scheduler : str, optional
+        Address of a scheduler of dask.distributed, whose workers compute instead.
+    overwrite : bool
+        Whether to replace a file that holds the design of another scene.
+    progress : callable, optional
+        Called after each computation.
+
+    Returns
+    -------
+    OptimumResult
+        The optimum, its active limits, gain and error of the mesh; the front of two aims.
+
+    Raises
+    ------
+    DesignError
+        With every fault of the design, or if the start cannot be computed.
+    ResultsError
+        If the file is no design, or one of another scene.
+
+    Examples
+    --------
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
+    >>> free = [{"key": "load.normal", "lower": 0.3, "upper": 0.5}]
+    >>> table = {"scene": coarse, "minimise": "p_max", "free": free, "mesh_check": False}
+    >>> ts.design(table).values
+    {'load.normal': 0.3}
+    """
+    return run_question(
+        OptimumResult, OptimumDesign.read(design), path, _answer,
+        workers=workers, scheduler=scheduler, overwrite=overwrite, progress=progress,
+    )  # fmt: skip
+
+
+def prepare_search(
+    table: Design, done: Evaluations
+) -> tuple[Search, list[Aim], list[Bound], np.ndarray]:
+    """Return search, aims, limits, and the coordinates of the start."""
+    outcomes = list[Outcome]()
+
+    def place_of(name: str, at: float | None) -> int:
+        outcome = read_outcome(name, at)
+        if str(outcome) not in map(str, outcomes):
+            outcomes.append(outcome)
+        return [*map(str, outcomes)].index(str(outcome))
+
+    aims = [Aim(place_of(name, table.at)) for name in table.minimise]
+    aims += [Aim(place_of(name, table.at), -1.0) for name in table.maximise]
+    if table.target is not None:
+        aims.append(Aim(place_of(table.target.observe, table.at), 1.0, table.target.value))
+    bounds = [Bound(place_of(one.observe, one.at), one.sign, one.bound) for one in table.limit]
+    start = np.array([start_of(table.scene, one.key, one.start) for one in table.free])
+    keys = [one.key for one in table.free]
+    try:
+        response = Response.prepare(table.scene, keys, start, outcomes, done)
+    except SceneError as error:
+        raise DesignError(fault.under("design") for fault in error.faults) from None
+    search = Search(table, response)
+    return search, aims, bounds, search.coordinates(start)
+
+
+def _answer(document: OptimumDesign, done: Evaluations) -> tuple[dict[str, tuple], dict[str, Any]]:
+    """Return variables and attributes of the result of a design."""
+    table = document.design
+    search, aims, bounds, start = prepare_search(table, done)
+    before = search.at(start)
+    if not np.isfinite(before).all():
+        cure = "a start at which the scene can be computed"
+        raise DesignError([Fault("design.free", f"the start: {search.failures[-1]}", cure)])
+    found = _search_from_starts(search, aims[0], bounds, start)
+    best, converged = found[0]
+    front = _front(search, aims, bounds, best) if len(aims) > 1 else np.empty((0, start.size))
+    after = search.at(best)
+    of_limits, of_keys = search.multipliers(aims[0], bounds, best)
+    finer = np.full((2, before.size), math.nan)
+    if table.mesh_check:
+        response = search.response.on_mesh(on_finer_mesh, search.point(start))
+        finer = response.evaluate(np.stack([search.point(start), search.point(best)]))[0]
+    margins = np.array([one.margin(after) for one in bounds])
+    status = "done" if converged else "not converged"
+    status = "limits not met" if (margins < -0.01).any() else status
+    names = [str(one) for one in search.response.outcomes]
+    notes = [*_describe_gain(aims[0], names, before, after, finer)]
+    notes += _describe_limits(table, names[aims[0].place], margins, of_limits, of_keys, best)
+    others = [v for v, _ in found[1:] if np.abs(v - best).max() > 0.02]
+    if others:
+        texts = (f"{search.response.keys[k]} = {x:.4g}" for v in others[:1]
+                 for k, x in enumerate(search.point(v)))  # fmt: skip
+        notes.append(f"{len(others)} further optima: {', '.join(texts)}, see further_optima")
+    if search.failures:
+        notes.append(f"{len(search.failures)} points could not be computed: {search.failures[0]}")
+    lower, upper, _ = search.limits
+    points, courses = zip(*search.trace.values(), strict=True)
+    of, outs = ("input",), ("outcome",)
+    variables = {
+        "input": (of, [*search.response.keys], "1", "free keys"),
+        "start": (of, search.point(start), "1", "first values"),
+        "value": (of, search.point(best), "1", "values of the optimum"),
+        "lower": (of, lower, "1", "lower bounds"),
+        "upper": (of, upper, "1", "upper bounds"),
+        "key_multiplier": (of, of_keys, "1", "gain by the bound of a key, relative"),
+        "outcome": (outs, names, "1", "outcomes"),
+        "before": (outs, before, "1", "outcomes at the start"),
+        "after": (outs, after, "1", "outcomes at the optimum"),
+        "finer": (("end", "outcome"), finer, "1", "outcomes of both on a finer mesh"),
+        "margin": (("limit",), margins, "1", "distance from a limit, relative"),
+        "multiplier": (("limit",), of_limits, "1", "gain by a limit, relative"),
+        "search": (("step", "input"), search_points(search, points), "1", "keys of the search"),
+        "search_outcome": (("step", "outcome"), np.array(courses), "1",
+                           "outcomes of the search"),
+        "further_optima": (("optimum", "input"), search_points(search, others), "1", "optima"),
+        "front": (("point", "input"), search_points(search, front), "1", "keys of the front"),
+        "front_outcome": (("point", "outcome"), np.reshape([search.at(v) for v in front],
+                          (-1, len(names))), "1", "outcomes of the front"),
+        "notes": (("note",), notes, "1", "notes"),
+    }  # fmt: skip
+    text = f"{len(search.trace)} points"
+    return variables, {"status": status, "message": text}
+
+
+def search_points(search: Search, coordinates: Any) -> np.ndarray:
+    """Return the values of the keys at coordinates, shape (n, d), also for n = 0."""
+    return np.reshape([search.point(v) for v in coordinates], (-1, len(search.table.free)))
+
+
+def _search_from_starts(
+    search: Search, aim: Aim, bounds: list[Bound], start: np.ndarray
+) -> list[tuple[np.ndarray, bool]]:
+    """Return (coordinates, converged) of the minima from all starts, the best one first."""
+    from scipy.stats import qmc  # noqa: PLC0415 - half a second, which reading need not wait for
+
+    table, starts = search.table, [start]
+    if table.search == "global":
+        starts.append(search.explore(aim, bounds))
+    if table.starts > 1:
+        points = qmc.Halton(start.size, rng=np.random.default_rng(table.seed))
+        starts += [*points.random(table.starts - 1)]
+    known = [v for v in starts if np.isfinite(search.at(v)).all()]
+    found = [search.minimise(aim, bounds, v) for v in known]
+
+    def rank(result: tuple[np.ndarray, bool]) -> tuple[float, float]:
+        outcomes = search.at(result[0])
+        beyond = sum(max(-one.margin(outcomes) - 0.01, 0.0) for one in bounds)
+        return beyond, aim.value(outcomes)
+
+    return sorted(found, key=rank)
+
+
+def _front(search: Search, aims: list[Aim], bounds: list[Bound], best: np.ndarray) -> np.ndarray:
+    """Return coordinates of the front of two aims, from the best of the first to the second.
+
+    Between the ends, the first aim is minimal with the second one below equal steps; each search
+    begins at the point before.
+    """
+    first, second = aims
+    other, _ = search.minimise(second, bounds, best)
+    ends = [second.value(search.at(v)) for v in (best, other)]
+    points = [best]
+    for share in np.linspace(0.0, 1.0, search.table.front)[1:-1].tolist():
+        level = ends[0] + share * (ends[1] - ends[0])
+        more = Bound(second.place, second.sign, second.sign * level)
+        points.append(search.minimise(first, [*bounds, more], points[-1])[0])
+    return np.array([*points, other])
+
+
+def _describe_gain(
+    aim: Aim, names: list[str], before: np.ndarray, after: np.ndarray, finer: np.ndarray
+) -> Iterator[str]:
+    """Yield the gain of the optimum beside the error of the mesh."""
+    name, old, new = names[aim.place], before[aim.place], after[aim.place]
+    gain = new - old
+    share = f" ({gain / abs(old):+.2%})" if old else ""
+    yield f"{name} changes from {old:.4g} to {new:.4g}{share}"
+    change = finer[1, aim.place] - finer[0, aim.place]
+    if math.isfinite(change):
+        error = abs(change - gain)
+        verdict = "is larger than" if abs(gain) > 2.0 * error else "does not clearly exceed"
+        yield f"this gain {verdict} the error of the mesh: on a finer mesh, it is {change:.3g}"
+
+
+def _describe_limits(
+    table: Design,
+    name: str,
+    margins: np.ndarray,
+    of_limits: np.ndarray,
+    of_keys: np.ndarray,
+    best: np.ndarray,
+) -> Iterator[str]:
+    """Yield which limits and bounds are active or not met, and what they cost."""
+    aim = f"the squared distance of {name} from its target" if table.target else name
+    sign = -1 if table.maximise and not table.minimise else 1
+    for limit, margin, factor in zip(table.limit, margins, of_limits, strict=True):
+        if margin < -0.01:
+            yield f"the limit {limit} is not met: it is exceeded by {-margin:.1%}"
+        elif margin < 0.01:
+            change = -sign * limit.sign * factor * math.copysign(1.0, limit.bound)
+            cost = f"1 % more of it would change {aim} by {change:+.2g} %"
+            yield f"the limit {limit} is active; {cost}"
+    for one, v, factor in zip(table.free, best, of_keys, strict=True):
+        if factor > 0.0 and (margins >= -0.01).all():
+            end, more = ("upper", 1) if v > 0.5 else ("lower", -1)
+            bound = one.upper if v > 0.5 else one.lower
+            change = -sign * more * factor * math.copysign(1.0, bound)
+            cost = f"1 % more of it would change {aim} by {change:+.2g} %"
+            yield f"{one.key} is at its {end} bound, {bound:g}; {cost}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OptimumResult(QuestionResult):
+    """Result of a design: the optimum with active limits, its gain, and the front of two aims.
+
+    Attributes
+    ----------
+    dataset : "xarray.Dataset"
+        All numbers: keys over ``input``, outcomes over ``outcome``, the search over ``step``, the
+        front over ``point``; the answers of all computations.
+
+    Examples
+    --------
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
+    >>> free = [{"key": "load.normal", "lower": 0.3, "upper": 0.5}]
+    >>> table = {"scene": coarse, "minimise": "p_max", "free": free, "mesh_check": False}
+    >>> found = ts.design(table, "light.nc")
+    >>> found.status, found.scene.load.normal
+    ('done', 0.3)
+    """
+
+    document = OptimumDesign
+    variables: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        **dict.fromkeys(("start", "value", "lower", "upper", "key_multiplier"), ("input",)),
+        **dict.fromkeys(("before", "after"), ("outcome",)),
+        **dict.fromkeys(("margin", "multiplier"), ("limit",)),
+        "finer": ("end", "outcome"),
+        "search": ("step", "input"),
+        "search_outcome": ("step", "outcome"),
+        "further_optima": ("optimum", "input"),
+        "front": ("point", "input"),
+        "front_outcome": ("point", "outcome"),
+    }
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of the free keys at the optimum."""
+        values = map(float, self.numbers("value"))
+        return {key: float(f"{x:.6g}") for key, x in zip(self.keys, values, strict=True)}
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the optimum, with values of six digits."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            scene = self.design.design.scene
+            return scene.replace(**changes_of(scene, self.values))
+
+    def tables(self) -> dict[str, list[dict[str, str]]]:
+        """Return tables of keys, outcomes and front as rows of text."""
+        names, outcomes = ("start", "value", "lower", "upper"), self.texts("outcome")
+        keys = [{"key": key} | {name: f"{self.numbers(name)[k]:.6g}" for name in names}
+                for k, key in enumerate(self.keys)]  # fmt: skip
+        columns = {"start": "before", "optimum": "after"}
+        rows = [{"outcome": one} | {head: f"{self.numbers(name)[k]:.5g}"
+                                    for head, name in columns.items()}
+                for k, one in enumerate(outcomes)]  # fmt: skip
+        tables = {"Free keys": keys, "Outcomes": rows}
+        pairs = zip(self.numbers("front"), self.numbers("front_outcome"), strict=True)
+        front = [dict(zip((*outcomes, *self.keys), (f"{x:.5g}" for x in (*y, *point)), strict=True))
+                 for point, y in pairs]  # fmt: skip
+        return tables | ({"Front": front} if front else {})
+
+    def drawings(self) -> Iterator[Drawing]:
+        """Yield the history of the search, and the front of two aims."""
+        outcomes, table = self.texts("outcome"), self.design.design
+        y, bounds = self.numbers("search_outcome"), dict[str, float]()
+        for one in table.limit:
+            bounds[str(read_outcome(one.observe, one.at))] = one.bound
+        draw = partial(design_search, dict(zip(outcomes, y.T, strict=True)), bounds,
+                       title=self.title)  # fmt: skip
+        yield Drawing("search", "Outcomes of the search, with their limits.", draw)
+        if len(front := self.numbers("front_outcome")):
+            two = dict(zip(outcomes[:2], front[:, :2].T, strict=True))
+            caption = "Designs that are best in one of both aims for a given value of the other."
+            yield Drawing("front", caption, partial(pareto_front, two, title=self.title))
+
+
+def open_design(path: str | PathLike[str]) -> OptimumResult:
+    """Return the result of a design from its file, also of an interrupted one.
+
+    Raises
+    ------
+    ResultsError
+        If the file does not exist, is damaged, or no design.
+
+    Examples
+    --------
+    >>> coarse = ts.Scene.builtin("spheres").with_set(["grid.elements=[15, 15]"])
+    >>> free = [{"key": "load.normal", "lower": 0.3, "upper": 0.5}]
+    >>> table = {"scene": coarse, "minimise": "p_max", "free": free, "mesh_check": False}
+    >>> found = ts.design(table, "light.nc")
+    >>> ts.open_design("light.nc").values == found.values
+    True
+    """
+    return open_question(path, OptimumResult)
