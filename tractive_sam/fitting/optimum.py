@@ -1,9 +1,10 @@
 """The best design: values of free keys of a scene with the least or largest result within limits.
 
 Free keys are searched in coordinates from 0 to 1 between their bounds, of the logarithm if both
-bounds are positive, by sequential quadratic programming (D. Kraft, DFVLR-FB 88-28 (1988)). Aims and
-limits are scaled by their values at the start; derivatives are exact where `State.jacobian` has
-them, else differences, all of which are computed together.
+bounds are positive. Each step minimises a model of all outcomes within a reach (convex
+approximation: C. Fleury, Struct. Optim. 1 (1989) 81-89), by sequential quadratic programming
+(D. Kraft, DFVLR-FB 88-28 (1988)). Derivatives are exact where `State.jacobian` has them, else
+differences, all of which are computed together.
 """
 
 from __future__ import annotations
@@ -163,7 +164,7 @@ class Design(Table):
     )
     seed: int = entry("seed of further starts", "an integer from 0", 0, ge=0)
     iterations: int = entry("most iterations of a search", default=30, ge=1, le=1000)
-    tolerance: float = entry("relative change of the aim that ends it", default=1e-4, gt=0, le=0.1)
+    tolerance: float = entry("relative change of the aim that ends it", default=1e-3, gt=0, le=0.1)
     step: float = entry("step of differences, over the range of a key", default=0.01, gt=0, le=0.2)
     front: int = entry("points of the front of two aims", default=7, ge=3, le=100)
     mesh_check: bool = entry("whether start and optimum are computed on a finer mesh", default=True)
@@ -293,38 +294,78 @@ class Search:
         slopes[:, missing] = (values[1:] - values[0]).T / step[missing]
         return np.nan_to_num(slopes)  # a point that fails has no slope
 
-    def minimise(self, aim: Aim, bounds: list[Bound], v: np.ndarray) -> tuple[np.ndarray, bool]:
-        """Return the coordinates of a local minimum within bounds, and whether it converged."""
+    def minimise(
+        self, aim: Aim, bounds: list[Bound], v: np.ndarray, price: float = 20.0
+    ) -> tuple[np.ndarray, bool]:
+        """Return the coordinates of a local minimum within bounds, and whether it converged.
+
+        A model gives the next point within a reach, which shrinks if the point is no better. The
+        merit is the aim over its first value, plus `price` times what is beyond the limits: one
+        per cent beyond a limit is worse than a loss of `price` per cent.
+        """
+        y, reach = self.at(v), 0.5
+        scale = abs(aim.value(y)) or 1.0
+
+        def merit(outcomes: np.ndarray) -> float:
+            beyond = sum(max(-one.margin(outcomes), 0.0) for one in bounds)
+            value = aim.value(outcomes) / scale + price * beyond
+            return value if math.isfinite(value) else math.inf
+
+        slopes = self.slopes(v)
+        for _ in range(self.table.iterations):
+            new = self._next(aim, bounds, v, y, slopes, (reach, scale, price))
+            trial = self.at(new)
+            step, gain = float(np.abs(new - v).max()), merit(y) - merit(trial)
+            if gain <= 0.0:
+                reach = 0.3 * step
+                if step < self.table.tolerance:
+                    return v, True
+                continue
+            v, y, reach = new, trial, min(0.5, max(reach, 2.0 * step))
+            if gain <= self.table.tolerance * abs(merit(y)):
+                return v, True
+            slopes = self.slopes(v)
+        return v, False
+
+    def _next(
+        self, aim: Aim, bounds: list[Bound], v: np.ndarray, y: np.ndarray, slopes: np.ndarray,
+        size: tuple[float, float, float],
+    ) -> np.ndarray:  # fmt: skip
+        """Return the minimum of a model within a reach: outcomes are exponentials, zeros linear.
+
+        Powers of loads, radii and coefficients are exact in it. A slack variable, which costs its
+        price, keeps it solvable where the limits cannot be met.
+        """
         from scipy.optimize import minimize  # noqa: PLC0415 - opening results needs no search
 
-        first = aim.value(self.at(v))
-        scale = abs(first) or 1.0
-        worst = [first / scale]
+        reach, scale, price = size
+        rates = slopes / np.where(y, y, 1.0)[:, None]
 
-        def objective(v: np.ndarray) -> float:
-            value = aim.value(self.at(v)) / scale
-            worst[0] = max(worst[0], value) if math.isfinite(value) else worst[0]
-            return value if math.isfinite(value) else worst[0] + 1.0
+        def model(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            factor = np.where(y, np.exp(np.clip(rates @ x[:-1], -3.0, 3.0)), 1.0)
+            return np.where(y, y * factor, slopes @ x[:-1]), slopes * factor[:, None]
 
-        def gradient(v: np.ndarray) -> np.ndarray:
-            return aim.slope(self.at(v)) * self.slopes(v)[aim.place] / scale
+        def cost(x: np.ndarray) -> tuple[float, np.ndarray]:
+            outcomes, by_v = model(x)
+            slope = aim.slope(outcomes) * by_v[aim.place] / scale
+            return aim.value(outcomes) / scale + price * x[-1], np.append(slope, price)
 
-        def margins(v: np.ndarray) -> np.ndarray:
-            return np.nan_to_num([one.margin(self.at(v)) for one in bounds], nan=-1.0)
+        def margins(x: np.ndarray) -> list[float]:
+            return [one.margin(model(x)[0]) + x[-1] for one in bounds]
 
-        def margin_slopes(v: np.ndarray) -> np.ndarray:
-            slopes = self.slopes(v)
-            return np.array([-one.sign * slopes[one.place] / one.size for one in bounds])
+        def margin_slopes(x: np.ndarray) -> np.ndarray:
+            return np.array([np.append(-one.sign * model(x)[1][one.place] / one.size, 1.0)
+                             for one in bounds])  # fmt: skip
 
-        inside = {"type": "ineq", "fun": margins, "jac": margin_slopes}
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of steps that leave the bounds by rounding
-            found = minimize(
-                objective, v, jac=gradient, method="SLSQP", bounds=[(0.0, 1.0)] * v.size,
-                constraints=[inside] if bounds else [],
-                options={"maxiter": self.table.iterations, "ftol": self.table.tolerance},
-            )  # fmt: skip
-        return np.clip(found.x, 0.0, 1.0), bool(found.success)
+        slack = max([0.0, *(-one.margin(y) for one in bounds)])
+        ranges = [(max(-reach, -a), min(reach, 1.0 - a)) for a in v]
+        found = minimize(
+            cost, np.append(0.0 * v, slack), jac=True, method="SLSQP",
+            bounds=[*ranges, (0.0, None)],
+            constraints=[{"type": "ineq", "fun": margins, "jac": margin_slopes}] if bounds else [],
+            options={"maxiter": 200, "ftol": 1e-10},
+        )  # fmt: skip
+        return np.clip(v + found.x[:-1], 0.0, 1.0)
 
     def explore(self, aim: Aim, bounds: list[Bound]) -> np.ndarray:
         """Return the best point of differential evolution, whose generations are computed at once.
