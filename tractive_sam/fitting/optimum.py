@@ -4,7 +4,7 @@ Free keys are searched in coordinates from 0 to 1 between their bounds, of the l
 bounds are positive. Each step minimises a model of all outcomes within a reach (convex
 approximation: C. Fleury, Struct. Optim. 1 (1989) 81-89), by sequential quadratic programming
 (D. Kraft, DFVLR-FB 88-28 (1988)). Derivatives are exact where `State.jacobian` has them, else
-differences, all of which are computed together.
+differences that are computed together.
 """
 
 from __future__ import annotations
