@@ -62,11 +62,11 @@ class Document(ABC, Generic[Content]):
 
     Examples
     --------
-    >>> document = ts.open_any("twin-discs.h5")
+    >>> document = ts.open_any("steel")
     >>> document.noun, document.status
-    ('a results file', 'done')
-    >>> [path.name for path in document.save_figures("figures")][0]
-    'pressure-0.png'
+    ('a table of creep forces', 'done')
+    >>> [path.name for path in document.save_figures("figures")]
+    ['errors.png']
     """
 
     noun: ClassVar[str]

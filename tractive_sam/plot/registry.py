@@ -401,6 +401,12 @@ def save_drawings(
         Figures; a name may contain a folder.
     directory, format, dpi, width
         See `save_all`.
+
+    Examples
+    --------
+    >>> drawings = plot.list_figures(history)[:1]
+    >>> [path.name for path in plot.save_drawings(drawings, "first")]
+    ['pressure-0.png']
     """
     paths = []
     make_folder(directory)

@@ -107,6 +107,16 @@ def study_figures(
     ----------
     results, quantities, at
         See `save_figures`.
+
+    Examples
+    --------
+    >>> import tractive_sam as ts
+    >>> mu = {"key": "friction.mu", "values": [0.2, 0.4]}
+    >>> study = ts.Study(scene="spheres", without=["subsurface"], axis=[mu])
+    >>> results = ts.study(study, "friction", workers=0)
+    >>> drawings = ts.studies.study_figures(results, quantities=("Qx_over_P",))
+    >>> [drawing.name for drawing in drawings]
+    ['Qx_over_P-curve']
     """
     unknown = [name for name in quantities if name not in results.quantities]
     if unknown:
