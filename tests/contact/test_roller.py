@@ -165,7 +165,9 @@ def test_its_figure_and_its_description():
     figure = render(plot.pressure_along_roller(contact))
     peak = figure.axes[0].lines[0].get_ydata()
     assert peak.max() == pytest.approx(contact.p_max)
-    assert "tilt 0.5 mrad" in str(ts.explain(contact.scene))
+    text = str(ts.explain(contact.scene))
+    assert "tilt 0.5 mrad" in text
+    assert "the profiles and the tilt of the rollers" in text
 
 
 def test_derivatives_at_the_tilt_of_a_moment():

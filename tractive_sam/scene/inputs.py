@@ -455,8 +455,10 @@ class Gap(Table):
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield a report row with the source of the separation: the file or an array."""
-        source = self.file.name if self.file else "an array"
-        yield Row("separation", f"of the radii plus the one of [gap], {source}")
+        source = f"[gap], {self.file.name if self.file else 'an array'}"
+        if scene.body.has_roller:
+            source = "the profiles and the tilt of the rollers"
+        yield Row("separation", f"of the radii plus the one of {source}")
 
     @classmethod
     def unfold(cls, entries: Mapping[Any, Any]) -> Mapping[Any, Any]:
