@@ -144,6 +144,11 @@ def test_wear_in_full_slip_gives_the_number_of_revolutions(discs):
     found = ts.design(table | {"tolerance": 1e-8})
     k = scene.wear.coefficient.A
     assert found.values["wear.coefficient.A"] == pytest.approx(2.5 * k, rel=2e-3)
+    more = {"wear.save": (0, 1, 5, 20), "wear.revolutions": 20}
+    key = {"key": "wear.revolutions", "lower": 5, "upper": 200}
+    found = ts.design(table | {"scene": discs.replace(**changes | more), "free": [key],
+                               "target": target | {"value": 50.0 * once}})  # fmt: skip
+    assert found.values["wear.revolutions"] == pytest.approx(50.0, rel=0.01)  # whole revolutions
 
 
 def test_limits_that_cannot_be_met_are_named(scene):

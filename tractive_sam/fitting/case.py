@@ -710,5 +710,6 @@ def scale_steps(scene: Scene, changes: Mapping[str, Any]) -> Mapping[str, Any]:
     end, steps = changes.get("wear.revolutions"), scene.wear.save if scene.wear else ()
     if end is None or not steps or steps[-1] == end or not is_integer(scene, "wear.revolutions"):
         return changes
-    save = tuple(sorted({round(n * end / steps[-1]) for n in steps}))
+    # The first jump has the rate of the unworn bodies only if it is one revolution.
+    save = tuple(sorted({round(n * end / steps[-1]) for n in steps} | ({1} & {*steps})))
     return {**changes, "wear.save": save}
