@@ -197,7 +197,7 @@ def hard(number):
         estimate = coated.hertz
         bound = 0.3 * estimate.p0 / bare.material.shear
         scene = coated.replace(
-            grid={"elements": (15, 15), "half_length": (1.4 * estimate.a, 1.4 * estimate.b)},
+            grid={"elements": (15, 15)},
             **{"creepage.longitudinal": -bound * rng.uniform(0.1, 2.0)},
         )
         began = process_time()
@@ -211,10 +211,12 @@ def hard(number):
         response = scene.body.A.response
         waves = ByQuadrature(response.base, scene.body.B.material, layer["thickness"], response)
         laws = ts.Laws.of(scene).replace(elasticity=waves)
-        other = ts.solve(scene, laws=laws, throw=False)
-        model = Model(scene)
-        table = waves.coefficients("zz", (15, 15), contact.grid.dx, contact.grid.dy)
-        frictionless = ts.solve(scene.replace(friction=None, creepage=None))
+        grid = {"elements": contact.grid.elements, "half_length": contact.grid.half_length}
+        fixed = scene.replace(grid=grid)
+        other = ts.solve(fixed, laws=laws, throw=False)
+        frictionless = ts.solve(fixed.replace(friction=None, creepage=None))
+        model, grid = Model(fixed), contact.grid
+        table = waves.coefficients("zz", grid.elements, grid.dx, grid.dy)
         load, area = scene.load.normal, contact.grid.element_area
         pressure, approach = dense_pressure(table, model.undeformed_gap, load, area)
         yield row | {

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.special import j1
 
 import tractive_sam as ts
 from tractive_sam.mechanics.layers import _fit_images
@@ -144,6 +145,25 @@ def test_strips_are_long_rectangles(row, component):
     plain = surface.coefficients(component, (60, 1), dx, 1.0)[:, 0]
     found = (table - plain)[1:] - (table - plain)[0]
     np.testing.assert_allclose(found, raised, atol=1e-8 * abs(raised).max())  # the fit
+
+
+def test_thin_layer_under_a_loaded_element():
+    """The displacement at the centre of an element, as an integral over waves and angles."""
+    body, rigid, side = coated(0.337, 0.0034), ts.Material(np.inf, 0.3), 0.15
+    nodes, weights = np.polynomial.legendre.leggauss(16)
+    angle, share = 0.125 * np.pi * (nodes + 1.0), 0.125 * np.pi * weights
+    reach = 0.5 * side / np.cos(angle)  # distance of the edge
+    edges = np.linspace(0.0, 120.0 / 0.0034, 3000)
+    half = 0.5 * np.diff(edges)[:, None]
+    k = (edges[:-1, None] + half * (1.0 + nodes)).ravel()
+    change = (body.response(k)[0] - BASE.compliances[0]) / k * (half * weights).ravel()
+    raised = 8.0 * share @ (reach * (j1(np.outer(reach, k)) @ change)) / (2.0 * np.pi)
+    plain, found = (
+        ts.LinearHalfSpaces(A, rigid).coefficients("zz", (1, 1), side, side)[0, 0]
+        for A in (BASE, body)
+    )
+    # Waves that are shorter than a twentieth of the layer are left out.
+    assert found == pytest.approx(plain + raised, rel=1e-5)
 
 
 def test_strip_far_away_acts_as_on_the_base():
