@@ -137,3 +137,13 @@ def test_scene_round_trips_and_describes():
     assert "69618.1" in str(ts.explain(scene))
     stress = scene.hertz
     assert stress.p0 == pytest.approx(500.0)
+
+
+def test_material_that_is_stiff_in_shear_has_no_like_isotropic_one():
+    """The ratio of tangential compliances is not within the bounds of Poisson's ratio."""
+    stiff = {"C11": 1e5, "C12": 0.0, "C13": 0.0, "C33": 1e5, "C44": 1e7}
+    body = ROLLER | {"stiffness": stiff}
+    scene = ts.Scene(body={"A": body, "B": body}, load={"normal": 10.0})
+    assert scene.body.A.material.poisson == -0.99
+    hertz = scene.hertz
+    assert ts.solve(scene).p_max == pytest.approx(hertz.p0, rel=1e-4)  # 512 elements

@@ -225,9 +225,12 @@ class TransverseMaterial:
 
     @property
     def tangential(self) -> Material:
-        """Isotropic material with the same tangential response."""
+        """Isotropic material with the same tangential response, or the nearest with -1 < nu <= 0.5.
+
+        It describes the material; an elastic law uses `compliances`.
+        """
         _, along, across, _ = self.compliances
-        return Material(1.0 / float(across), float(min(1.0 - along / across, 0.5)))
+        return Material(1.0 / float(across), float(np.clip(1.0 - along / across, -0.99, 0.5)))
 
 
 def _waves(
