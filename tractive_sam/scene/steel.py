@@ -203,7 +203,6 @@ class Residual(Table):
 
     A: InnerTable[ResidualStress | None] = optional("residual stress of body A")
     B: InnerTable[ResidualStress | None] = optional("residual stress of body B")
-    effect: ClassVar[str] = "residual stress"
 
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows: the source and the range of the residual stress of each body."""
