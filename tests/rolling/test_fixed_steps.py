@@ -35,3 +35,13 @@ def test_fixed_steps_leave_no_noise_in_the_wear(discs):
     ]
     # Adaptive steps leave 1e-4.
     assert abs(np.diff(masses, 3)[0]) < 2e-5 * masses[0]
+
+
+def test_the_first_jump_has_the_rate_of_the_bodies_as_they_are(discs):
+    """A jump from the unworn bodies wears as ten revolutions, not from a rate of zero."""
+    wear = {"wear.revolutions": 10, "wear.save": (0, 10)}
+    jumped = ts.roll(discs.replace(**wear, **{"wear.stepping": "saved"}), progress=False)
+    each = ts.roll(discs.replace(**wear, **{"wear.stepping": "every-revolution"}), progress=False)
+    assert jumped["revolution"].tolist() == [0, 1, 10]
+    # Two jumps of an implicit formula of second order.
+    assert jumped["worn_mass"][-1] == pytest.approx(each["worn_mass"][-1], rel=1e-3)

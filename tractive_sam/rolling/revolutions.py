@@ -103,7 +103,8 @@ def adaptive_passages(
     """
     control: Stops | FixedSteps = Stops(ErrorControl(order=3), schedule.stops, SETTLING)
     if schedule.fixed:
-        control = FixedSteps(schedule.stops)
+        # The first revolution has the rate of the bodies as they are; a jump extrapolates from it.
+        control = FixedSteps(tuple(sorted({1, *schedule.stops})))
     last = start
     while last.converged and last.revolution < schedule.end:
         last = _next_jump(process, last, control)
@@ -489,7 +490,7 @@ class Revolutions(Process[Passage]):
         """Return the (approximate) number of records for elements of the length dx, mm."""
         end = int(scene.schedule.end)
         if scene.schedule.fixed:
-            return 1 + len(scene.schedule.stops)
+            return 1 + len({1, *scene.schedule.stops})
         if not scene.schedule.adaptive:
             return 1 + end
         # Jumps first double, then grow in proportion to the revolutions rolled, more slowly the

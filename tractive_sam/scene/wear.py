@@ -318,8 +318,8 @@ class Wear(LawTable):
         min_length=1,
     )
     stepping: Literal["adaptive", "every-revolution", "saved"] = entry(
-        "adaptive jumps over many revolutions, every revolution, or one jump to each revolution "
-        "of save without error control",
+        "adaptive jumps over many revolutions, every revolution, or revolution 1 and one jump to "
+        "each revolution of save without error control",
         default="adaptive",
     )
     turns: Literal["each", "equal"] = entry(
