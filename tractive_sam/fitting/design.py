@@ -21,12 +21,12 @@ from tractive_sam.results import COLUMNS, index_by_name
 from tractive_sam.scene import Scene
 from tractive_sam.schema import (
     Check,
-    Document,
     Fault,
     Positive,
     Real,
     SceneError,
     Table,
+    TomlTable,
     ValidEntries,
     entry,
     optional,
@@ -540,7 +540,7 @@ class Fit(Table):
         return next((table for table in self.parameter if table.key == key), Parameter(key=key))
 
 
-class QuestionDocument(Document):
+class QuestionDocument(TomlTable):
     """File of a question to a scene: the table that is named as the question has the scene."""
 
     @classmethod

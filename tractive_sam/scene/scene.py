@@ -27,13 +27,13 @@ from tractive_sam.mechanics import (
 )
 from tractive_sam.schema import (
     Check,
-    Document,
     Fault,
     InnerTable,
     PlausibilityWarning,
     SceneError,
     SceneWarning,
     Table,
+    TomlTable,
     entry,
     key_groups,
     optional,
@@ -147,7 +147,7 @@ def _canonical(value: Any) -> Any:
     return str(value) if content is None else content.digest
 
 
-class Scene(Document):
+class Scene(TomlTable):
     """Scene: two bodies, their load and motion, and the quantities to compute.
 
     A scene is built from keywords, from TOML, or from a built-in scene, and cannot be changed.

@@ -45,9 +45,9 @@ from .named_law import describe_law_names as describe_law_names
 from .named_law import installed_entry_points as installed_entry_points
 from .named_law import load_law_class as load_law_class
 from .table import Check as Check
-from .table import Document as Document
 from .table import Row as Row
 from .table import Table as Table
+from .table import TomlTable as TomlTable
 from .table import ValidEntries as ValidEntries
 from .table import describe_tables as describe_tables
 from .table import exactly_one as exactly_one

@@ -544,7 +544,7 @@ class Table(TableBase, metaclass=_TableType):
         return [name for name in super().__dir__() if name[:2] == "__" or name not in internal]
 
 
-class Document(Table):
+class TomlTable(Table):
     """Base class of tables that are read from TOML files and written to them."""
 
     internal: ClassVar[frozenset[str]] = frozenset(("read_tables", "resolve_files"))

@@ -38,12 +38,12 @@ from tractive_sam.scene import (
 )
 from tractive_sam.schema import (
     Check,
-    Document,
     Fault,
     LawTable,
     Real,
     SceneError,
     Table,
+    TomlTable,
     ValidEntries,
     entry,
     optional,
@@ -371,7 +371,7 @@ def _check_count(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("axis", f"{count} cases", f"at most {MAX_CASES:.0e}")
 
 
-class Study(Document):
+class Study(TomlTable):
     """Study: a scene, and entries of it that vary; every combination of the axes is a case.
 
     Parameters

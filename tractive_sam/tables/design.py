@@ -33,9 +33,9 @@ from tractive_sam.run import read_measured_gap, solve_from_nearby, warn_of_gap, 
 from tractive_sam.scene import Friction, Scene, hashes_of, resolve_parametric_files
 from tractive_sam.schema import (
     Check,
-    Document,
     Fault,
     SceneError,
+    TomlTable,
     ValidEntries,
     entry,
     optional,
@@ -596,7 +596,7 @@ def _check_scene(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("scene.body", "no contact of Hertz", "radii that close in x and y")
 
 
-class TableDesign(Document):
+class TableDesign(TomlTable):
     """Design of a creep-force table: its scene or range of Hertz contacts, axes, tolerance.
 
     Raises
