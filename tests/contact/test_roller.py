@@ -93,18 +93,18 @@ def test_tilt_and_moment_are_inverse(tilt):
 def test_crown_and_end_relief():
     profile = ts.RollerProfile(form="crowned", flat=4.0, drop=0.01)
     y = np.array([0.0, 1.9, 3.5, 5.0, -5.0])
-    assert profile.depth(y, 10.0, 0.0) == pytest.approx([0.0, 0.0, 0.0025, 0.01, 0.01])
+    assert profile.depth_at(y, 10.0, 0.0) == pytest.approx([0.0, 0.0, 0.0025, 0.01, 0.01])
     crown = ts.RollerProfile(form="crowned", radius=500.0)
-    assert crown.depth(y, 10.0, 0.0)[3] == pytest.approx(25.0 / 1000.0)
+    assert crown.depth_at(y, 10.0, 0.0)[3] == pytest.approx(25.0 / 1000.0)
 
 
 def test_the_three_parameters():
     profile = ts.RollerProfile(form="logarithmic", load=1.0, curved=0.4, drop=0.02, load_factor=2.0)
-    depth = profile.depth(np.array([0.0, 2.9, 5.0]), 10.0, 1e-3)
+    depth = profile.depth_at(np.array([0.0, 2.9, 5.0]), 10.0, 1e-3)
     assert depth[:2] == pytest.approx([0.0, 0.0])
     assert depth[2] == pytest.approx(0.02, rel=1e-12)
     a, share = 2e-3, ((4.0 - 3.0) / 2.0) ** 2
-    middle = profile.depth(np.array([4.0]), 10.0, 1e-3)[0]
+    middle = profile.depth_at(np.array([4.0]), 10.0, 1e-3)[0]
     assert middle == pytest.approx(a * math.log(1.0 / (1.0 - (1.0 - math.exp(-0.02 / a)) * share)))
 
 
@@ -197,7 +197,7 @@ def test_derivatives_at_the_tilt_of_a_moment():
         ({"form": "logarithmic", "curved": 1.5}, {}, {}, "body.A.profile.curved"),
         ({"form": "logarithmic", "load_factor": 0.0}, {}, {}, "body.A.profile.load_factor"),
         ({"form": "points", "y": [0.0, 1.0]}, {}, {}, "body.A.profile.y"),
-        ({"form": "points", "y": [0, 2, 1], "heights": [0, 0, 0]}, {}, {}, "body.A.profile.y"),
+        ({"form": "points", "y": [0, 2, 1], "depth": [0, 0, 0]}, {}, {}, "body.A.profile.y"),
         ({"form": "logarithmic", "chamfer": 7.0}, {}, {}, "body.A.profile.chamfer"),
         ({"form": "crowned", "drop": 0.1, "flat": 12.0}, {}, {}, "body.A.profile.flat"),
         ("logarithmic", {"width": None}, {}, "body.A.width"),

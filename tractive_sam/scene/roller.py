@@ -38,7 +38,7 @@ def _check_form(entries: ValidEntries) -> Iterator[Fault]:
     keys = {
         "logarithmic": {"load", "load_factor", "curved", "drop"},
         "crowned": {"radius", "flat", "drop"},
-        "points": {"y", "heights"},
+        "points": {"y", "depth"},
     }
     form = entries["form"]
     for key in sorted(set().union(*keys.values()) - keys[form]):
@@ -49,10 +49,10 @@ def _check_form(entries: ValidEntries) -> Iterator[Fault]:
         yield Fault("radius", "neither or both", "one of radius and drop, the depth at the ends")
     if form != "points":
         return
-    y, heights = entries["y"] or (), entries["heights"] or ()
-    if len(y) < 3 or len(y) != len(heights) or (np.diff(y) <= 0.0).any():
-        cure = "at least 3 ascending numbers, mm, as many as heights; or a file"
-        yield Fault("y", f"{len(y)} numbers, and {len(heights)} heights", cure)
+    y, depth = entries["y"] or (), entries["depth"] or ()
+    if len(y) < 3 or len(y) != len(depth) or (np.diff(y) <= 0.0).any():
+        cure = "at least 3 ascending numbers, mm, as many as depth; or a file"
+        yield Fault("y", f"{len(y)} numbers, and {len(depth)} depths", cure)
 
 
 class RollerProfile(Table):
@@ -65,7 +65,7 @@ class RollerProfile(Table):
     Examples
     --------
     >>> profile = ts.RollerProfile(form="crowned", flat=4.0, drop=0.01)
-    >>> profile.depth(np.array([0.0, 2.0, 5.0]), 10.0, 0.0)
+    >>> profile.depth_at(np.array([0.0, 2.0, 5.0]), 10.0, 0.0)
     array([0.  , 0.  , 0.01])
     """
 
@@ -90,7 +90,7 @@ class RollerProfile(Table):
     y: tuple[Real, ...] | None = optional(
         'with "points": positions across the track, mm', "a list of ascending numbers"
     )
-    heights: tuple[Real, ...] | None = optional(
+    depth: tuple[Real, ...] | None = optional(
         'with "points": depths below the cylinder at these positions, mm',
         "a list of numbers, as many as y",
     )
@@ -119,10 +119,12 @@ class RollerProfile(Table):
             ) from None
         except (OSError, TypeError, ValueError) as error:
             raise SceneError([Fault("file", value, str(error))]) from None
-        points = {"form": "points", "y": tuple(y.tolist()), "heights": tuple(depth.tolist())}
+        points = {"form": "points", "y": tuple(y.tolist()), "depth": tuple(depth.tolist())}
         return {**{key: item for key, item in entries.items() if key != "file"}, **points}
 
-    def depth(self, y: NDArray[np.float64], length: float, amplitude: float) -> NDArray[np.float64]:
+    def depth_at(
+        self, y: NDArray[np.float64], length: float, amplitude: float
+    ) -> NDArray[np.float64]:
         """Return the depth of the profile below the cylinder at positions y, mm.
 
         Parameters
@@ -136,7 +138,7 @@ class RollerProfile(Table):
         """
         half, away = 0.5 * length, np.minimum(np.abs(y), 0.5 * length)
         if self.form == "points":
-            return np.interp(np.clip(y, -half, half), self.y or (), self.heights or ())
+            return np.interp(np.clip(y, -half, half), self.y or (), self.depth or ())
         if self.form == "crowned":
             beyond = np.maximum(away - 0.5 * self.flat, 0.0)
             if self.radius is not None:
@@ -231,7 +233,7 @@ def _find_separation(
         modulus = pair.contact_modulus(length)  # over the length of the roller
         amplitude = (body.profile.load or 0.0) / (math.pi * length * modulus)
         chamfer = np.maximum(np.abs(y) - 0.5 * length, 0.0)
-        separation = separation + body.profile.depth(y, length, amplitude) + chamfer
+        separation = separation + body.profile.depth_at(y, length, amplitude) + chamfer
     return y, separation
 
 
