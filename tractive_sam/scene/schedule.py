@@ -16,7 +16,7 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator
 
 from tractive_sam.schema import (
     Check,
@@ -24,6 +24,7 @@ from tractive_sam.schema import (
     InnerTable,
     LawTable,
     NamedLaw,
+    NotNegative,
     Positive,
     Real,
     Row,
@@ -54,9 +55,8 @@ def check_ascending(places: tuple[float, ...]) -> tuple[float, ...]:
     return places
 
 
-NotBelowZero = Annotated[Real, Field(ge=0)]
-Knots = Annotated[tuple[NotBelowZero, ...], AfterValidator(_check_knots)]
-Saved = Annotated[tuple[NotBelowZero, ...], AfterValidator(check_ascending)]
+Knots = Annotated[tuple[NotNegative, ...], AfterValidator(_check_knots)]
+Saved = Annotated[tuple[NotNegative, ...], AfterValidator(check_ascending)]
 Course = Annotated[tuple[Real, ...], BeforeValidator(number_to_tuple)]
 PositiveCourse = Annotated[tuple[Positive, ...], BeforeValidator(number_to_tuple)]
 
@@ -525,7 +525,7 @@ class Transient(CourseTable):
             sorted({*entries["distance"], *(s for k in entries["stage"] for s in k.distance)})
         ),
     )
-    cycle_start: NotBelowZero | None = optional(
+    cycle_start: NotNegative | None = optional(
         "distance at which the stress history of [fatigue] begins, mm, for example the start of "
         "the last cycle; the default is the first knot",
         "a number from the first knot to below the last",

@@ -47,11 +47,11 @@ def _check_magnitude(value: float) -> float:
     raise ValueError(f"a finite number, at most {LARGEST:g} in magnitude")
 
 
-def _check_not_tiny(value: float) -> float:
-    """Return a number unchanged; raise a ValueError if it is too small."""
-    if value >= SMALLEST:
-        return value
-    raise ValueError(f"a number of at least {SMALLEST:g}")
+def _check_size(value: float) -> float:
+    """Return a number unchanged; raise a ValueError if it is too large, or above 0 and tiny."""
+    if 0.0 < value < SMALLEST:
+        raise ValueError(f"a number of at least {SMALLEST:g}")
+    return _check_magnitude(value)
 
 
 def _check_radius(value: float) -> float:
@@ -89,7 +89,8 @@ def _read_path(value: Any) -> Any:
 Integer = Annotated[int, BeforeValidator(_read_integer)]
 Real = Annotated[float, AfterValidator(_check_magnitude)]
 Radius = Annotated[float, AfterValidator(_check_radius)]
-Positive = Annotated[Real, Field(gt=0), AfterValidator(_check_not_tiny)]
+# One validator: of two in an entry of a table, pydantic 2.10.0 keeps the second one only.
+Positive = Annotated[float, AfterValidator(_check_size), Field(gt=0)]
 NotNegative = Annotated[Real, Field(ge=0)]
 PositivePair = tuple[Positive, Positive]
 PositivePerAxis = Annotated[
