@@ -265,7 +265,7 @@ class Search:
         """Return the coordinates of values of the keys."""
         lower, upper, log = self.limits
         ratio = np.log(np.divide(point, lower, out=np.ones_like(point), where=log))
-        width = np.log(np.divide(upper, lower, out=np.full_like(upper, np.e), where=log))
+        width = np.log(np.divide(upper, lower, out=np.full_like(upper, math.e), where=log))
         return np.where(log, ratio / width, (point - lower) / (upper - lower))
 
     def outcomes(self, v: np.ndarray) -> np.ndarray:
