@@ -570,14 +570,17 @@ class Request(Document[Content]):
     ----------
     command : str
         The command that computes it.
+    table : str
+        The table of the file that has the title; empty if the title is above all tables.
     """
 
     command: ClassVar[str]
+    table: ClassVar[str] = ""
 
     @property
     def title(self) -> str:
         """Title from the file."""
-        return getattr(self.content, "title", "")
+        return str(getattr(getattr(self.content, self.table, self.content), "title", ""))
 
     def tables(self) -> dict[str, TextTable]:
         """Refuse: there are no results."""
@@ -640,16 +643,12 @@ class FitRequest(Request["fitting.FitDesign"]):
     """The file that requests a fit."""
 
     noun, command = "the file of a fit", "tractive-sam fit {} -o FILE.nc"
+    table = "fit"
 
     @staticmethod
     def read(path: str | PathLike[str]) -> Any:
         """Read the file of a fit; FitError with every fault."""
         return fitting.FitDesign.from_toml(path)
-
-    @property
-    def title(self) -> str:
-        """Title of the fit."""
-        return self.content.fit.title
 
     def explain(self, workers: int | None = None) -> Description:
         """Describe parameters, data and cost of the fit."""
@@ -660,16 +659,12 @@ class SpreadRequest(Request["fitting.SpreadDesign"]):
     """The file that requests a spread."""
 
     noun, command = "the file of a spread", "tractive-sam spread {} -o FILE.nc"
+    table = "spread"
 
     @staticmethod
     def read(path: str | PathLike[str]) -> Any:
         """Read the file of a spread; SpreadError with every fault."""
         return fitting.SpreadDesign.from_toml(path)
-
-    @property
-    def title(self) -> str:
-        """Title of the spread."""
-        return self.content.spread.title
 
     def explain(self, workers: int | None = None) -> Description:
         """Describe uncertain keys, outcomes and cost of the spread."""
@@ -680,16 +675,12 @@ class DesignRequest(Request["fitting.OptimumDesign"]):
     """The file that requests a design."""
 
     noun, command = "the file of a design", "tractive-sam design {} -o FILE.nc"
+    table = "design"
 
     @staticmethod
     def read(path: str | PathLike[str]) -> Any:
         """Read the file of a design; DesignError with every fault."""
         return fitting.OptimumDesign.from_toml(path)
-
-    @property
-    def title(self) -> str:
-        """Title of the design."""
-        return self.content.design.title
 
     def explain(self, workers: int | None = None) -> Description:
         """Describe free keys, aims, limits and cost of the design."""

@@ -1,4 +1,4 @@
-"""``tractive-sam fit``: coefficients from measurements, with intervals."""
+"""Commands ``fit``, ``spread`` and ``design``: questions that many runs of a scene answer."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+import tractive_sam as ts
 from tractive_sam.cli.output import (
     Quiet,
     check_folder,
@@ -124,9 +125,7 @@ def spread(
     file
         A spread file (TOML): the scene, and the distributions of its uncertain keys.
     """
-    from tractive_sam.fitting import spread as compute
-
-    _answer(compute, file, output, workers, scheduler, overwrite, quiet, say=print_note)
+    _answer(ts.spread, file, output, workers, scheduler, overwrite, quiet, say=print_note)
 
 
 def design(
@@ -148,15 +147,13 @@ def design(
     scene
         Also write the scene of the optimum.
     """
-    import tractive_sam as ts
+    from tractive_sam.output_file import write_file
 
     def compute(*arguments: Any, **options: Any) -> Any:
         result = ts.design(*arguments, **options)
         if scene is not None:
             write_file(scene, result.scene.to_toml())
         return result
-
-    from tractive_sam.output_file import write_file
 
     if scene is not None:
         check_folder(scene)
