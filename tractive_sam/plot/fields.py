@@ -223,7 +223,7 @@ def pressure_along_roller(view: ContactView) -> Figure:
     axes.plot(view.y, per_length, color=LOOK.vermillion, label="load per length (N/mm)")
     axes.set(xlabel="$y$ (mm)", ylabel="MPa, N/mm")
     axes.set_ylim(bottom=0.0)
-    axes.legend(loc="lower center")
+    axes.legend(loc="best")
     return figure
 
 
