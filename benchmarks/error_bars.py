@@ -95,7 +95,7 @@ def judged(scene: ts.Scene, tolerance: float, gentle: bool) -> list[dict]:
     finer = level + FINER
     while math.prod(levels.grid(finer).elements) > MAX_ELEMENTS and finer > level + 2:
         finer -= 1
-    _, fine = solve_on_fitted_mesh(Model(set_tolerances(scene), None, levels.grid(finer)))
+    _, (fine,) = solve_on_fitted_mesh(Model(set_tolerances(scene), None, levels.grid(finer)))
     force = float(np.hypot(*contact.traction).sum() * contact.grid.element_area)
     arm = math.sqrt(contact.half_width_x * contact.half_width_y)
     scales = {"Qx": force, "Qy": force, "Mz": force * arm}

@@ -239,7 +239,7 @@ def test_another_mesh_over_a_measured_gap_is_refused(tmp_path):
 
 
 def test_what_cannot_be_written_is_reported_before_anything_is_solved(tmp_path, monkeypatch):
-    monkeypatch.setattr("tractive_sam.rolling.revolutions.solve_blocks_on_fitted_mesh", None)
+    monkeypatch.setattr("tractive_sam.rolling.revolutions.solve_on_fitted_mesh", None)
     with pytest.raises(ResultsError, match="none"):
         roll(coarse(), tmp_path / "none" / "a.h5")
     (tmp_path / "a.h5").write_text("something else")

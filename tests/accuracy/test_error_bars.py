@@ -132,7 +132,7 @@ def test_bars_hold_against_a_much_finer_mesh(name):
     contact = ts.solve(scene)
     levels = Levels(scene, None)
     finer = levels.grid(levels.find_level(contact.grid) + 3)  # 2.8 times finer in every direction
-    _, fine = solve_on_fitted_mesh(Model(scene, None, finer))
+    _, (fine,) = solve_on_fitted_mesh(Model(scene, None, finer))
     for quantity in ("Qx", "Qy", "Mz", "approach", "p_max"):
         error = abs(getattr(contact, quantity) - getattr(fine, quantity))
         assert error <= contact.error_bars[quantity], quantity

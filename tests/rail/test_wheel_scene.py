@@ -80,7 +80,7 @@ def test_profiles_of_one_radius_are_solved_as_bodies_of_radii(wheel, rail, radii
     about["grid"] = {"half_length": [1.0, 1.0], "elements": [21, 21]}
     one = ts.Scene(**{**TABLES, **about}, wheelset={"normal_load": 100.0})
     model = Model(one, wheel_rail=replace(one.wheel_rail, patches=(patch,)))
-    _, contact = solve_on_fitted_mesh(model)
+    _, (contact,) = solve_on_fitted_mesh(model)
     body = {"A": {**STEEL, "radius_x": 460.0, "radius_y": radii[0]}}
     body["B"] = {**STEEL, "radius_x": math.inf, "radius_y": radii[1]}
     expected = ts.solve(ts.Scene(body=body, load={"normal": 100.0}, **about))

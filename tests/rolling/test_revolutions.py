@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tractive_sam as ts
-from tractive_sam.contact import Model, solve_blocks_on_fitted_mesh
+from tractive_sam.contact import Model, solve_on_fitted_mesh
 from tractive_sam.rolling import steps
 from tractive_sam.run import pipeline, recording
 from tractive_sam.scene import Scene
@@ -117,9 +117,9 @@ def test_the_time_of_the_new_bodies_is_counted(monkeypatch):
 
     def solved(model):
         clock[0] += 100.0
-        return solve_blocks_on_fitted_mesh(model)
+        return solve_on_fitted_mesh(model)
 
-    monkeypatch.setattr("tractive_sam.rolling.revolutions.solve_blocks_on_fitted_mesh", solved)
+    monkeypatch.setattr("tractive_sam.rolling.revolutions.solve_on_fitted_mesh", solved)
     for module in (pipeline, recording):
         monkeypatch.setattr(module, "perf_counter", lambda: clock[0])
     history = ts.roll(ts.Scene.builtin("spheres").with_set(["grid.elements=[21, 21]"]))

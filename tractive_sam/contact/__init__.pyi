@@ -24,7 +24,6 @@ from .model import Worn as Worn
 from .solution import not_resolved as not_resolved
 from .steady import equilibrium as equilibrium
 from .steady import share_load as share_load
-from .steady import solve_blocks_on_fitted_mesh as solve_blocks_on_fitted_mesh
 from .steady import solve_on_fitted_mesh as solve_on_fitted_mesh
 from .steady import solve_patches as solve_patches
 from .steady import solve_patches_on_fitted_mesh as solve_patches_on_fitted_mesh

@@ -441,8 +441,13 @@ def _describe_other_solution(
     )
 
 
-def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
-    """Solve each block's contact before rolling on a mesh enlarged to fit; return model, contacts.
+def solve_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]:
+    """Solve the contact of each block before rolling, on a mesh enlarged to contain them.
+
+    Parameters
+    ----------
+    model : Model
+        The scene in numbers, with its initial wear.
 
     Returns
     -------
@@ -451,27 +456,14 @@ def solve_blocks_on_fitted_mesh(model: Model) -> tuple[Model, tuple[State, ...]]
     tuple of State
         The contact of each block.
     """
-    contacts = _solve_blocks(model)
-    for _ in range(GROWTHS):
-        # A mesh chosen from a measured gap cannot grow beyond the gap.
-        known = model.scene.hertz is not None or model.scene.body.has_roller
-        chosen = not model.scene.has_fixed_domain and known
-        if all(contact.status is not Status.OFF_GRID for contact in contacts) or not chosen:
-            break
-        model = model.on(enlarge(model.grid))
-        contacts = _solve_blocks(model)
-    return model, contacts
-
-
-def solve_on_fitted_mesh(model: Model) -> tuple[Model, State]:
-    """Solve a model's only contact on a mesh enlarged to contain it; return model and contact."""
-    model, (contact,) = solve_blocks_on_fitted_mesh(model)
-    return model, contact
-
-
-def _solve_blocks(model: Model) -> tuple[State, ...]:
-    """Solve the contact of each block before rolling, with the initial wear."""
-    return tuple(equilibrium(block, block.initial_wear) for block in model.blocks)
+    # A mesh chosen from a measured gap cannot grow beyond the gap.
+    known = model.scene.hertz is not None or model.scene.body.has_roller
+    growths = GROWTHS if known and not model.scene.has_fixed_domain else 0
+    while True:
+        contacts = tuple([equilibrium(block, block.initial_wear) for block in model.blocks])
+        if not growths or all(contact.status is not Status.OFF_GRID for contact in contacts):
+            return model, contacts
+        model, growths = model.on(enlarge(model.grid)), growths - 1
 
 
 def dimensionless_start(model: Model, contact: State) -> Start:

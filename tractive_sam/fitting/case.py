@@ -652,7 +652,7 @@ def fix_mesh(
         changes |= {"wear.stepping": "saved", "wear.save": steps}
     if any(_mesh(neighbour) != _mesh(scene) for neighbour in neighbours):
         if grid is None:
-            grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1].grid
+            grid = solve_on_fitted_mesh(Model(scene, read_measured_gap(scene)))[1][0].grid
         x, y = grid.half_length
         wider = extend_to(grid, (margin * x, margin * y))
         changes |= grid_entries(wider)

@@ -38,7 +38,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from tractive_sam.contact import Model, solve_blocks_on_fitted_mesh, with_heat
+from tractive_sam.contact import Model, solve_on_fitted_mesh, with_heat
 from tractive_sam.results import PARTS, ROLLED, SHARE, Record, State, cycle_record, restart_fields
 from tractive_sam.rolling.observers import Damage
 from tractive_sam.rolling.passage import (
@@ -471,7 +471,7 @@ class Revolutions(Process[Passage]):
 
     def begin_fitted(self) -> tuple["Revolutions", Passage]:
         """Solve all blocks on a fitted mesh; return the process on it, and revolution zero."""
-        model, contacts = solve_blocks_on_fitted_mesh(self.model)
+        model, contacts = solve_on_fitted_mesh(self.model)
         return self._copy_with(model), start_passage(model, contacts)
 
     def advance(self, last: Passage) -> Iterator[Passage]:

@@ -305,7 +305,8 @@ def solve_from_nearby(model: Model, start: State | None) -> tuple[Model, State]:
         contact = equilibrium(model, model.initial_wear, start)
         if contact.converged:
             return model, contact
-    return solve_on_fitted_mesh(model)
+    model, (contact,) = solve_on_fitted_mesh(model)
+    return model, contact
 
 
 def neighbouring_places(shape: tuple[int, ...]) -> Iterator[tuple[int, ...]]:

@@ -129,7 +129,7 @@ def solve(
         elif scene.accuracy is not None:
             contact = refined_runs.solve_to_accuracy(scene, measured, model_of)
         else:
-            _, contact = solve_on_fitted_mesh(model)
+            _, (contact,) = solve_on_fitted_mesh(model)
     if measured is not None:
         warn_of_gap(model_of(scene, measured, contact.grid))
     contact = _warn_or_raise(contact, throw)

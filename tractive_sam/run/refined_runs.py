@@ -74,7 +74,7 @@ def refine_unworn(
     has_fatigue = scene.has("fatigue") and not scene.schedule.end
     cost, elements, level = Cost(), 1, Levels.first
     while True:
-        model, contact = solve_on_fitted_mesh(model_of(scene, measured, levels.grid(level)))
+        model, (contact,) = solve_on_fitted_mesh(model_of(scene, measured, levels.grid(level)))
         before, elements = elements, math.prod(model.grid.elements)
         cost = contact.cost + cost.scaled(before / elements)
         # A contact of a few elements may fail although a finer one converges.

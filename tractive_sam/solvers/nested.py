@@ -5,6 +5,7 @@ the cost; the finest mesh then needs a few steps only, however fine it is. Bodie
 need no more than both problems in sequence, the second on the rectangle around the contact.
 """
 
+import math
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
@@ -103,21 +104,26 @@ class Nested:
         """Solve a problem on coarser meshes first, or from a start on its mesh alone."""
         if start is not None:
             return (self.nearby or self.solver).solve(problem, tolerance, start)
-        earlier, share = [], 1.0
-        if _shorter_side(problem) > self.coarsest:
-            coarse_problem = problem.coarsened()
-            coarse = self.solve(coarse_problem, max(tolerance, self.coarse_tolerance))
-            sizes = (np.prod(p.operators.lattice.shape) for p in (coarse_problem, problem))
-            share = float(next(sizes) / next(sizes))
-            earlier.append((coarse, share))
-            start = refined(coarse, coarse_problem, problem)
-        report_progress(problem.operators.lattice.shape, 1.0)
-        if start is None and self.begin is not None:
-            start = self.begin.solve(problem, tolerance)
-            earlier.append((start, 1.0))
-        fine = self.solver.solve(problem, tolerance, start)
-        for outcome, share in earlier:
-            fine = fine.costing(outcome, share)
+        problems = [problem]
+        while _shorter_side(problems[-1]) > self.coarsest:
+            problems.append(problems[-1].coarsened())
+        solved, rough = None, max(tolerance, self.coarse_tolerance)
+        for at in reversed(problems):
+            aim, size = tolerance if at is problem else rough, at.operators.lattice.shape
+            earlier = []
+            if solved is not None:
+                coarse, outcome = solved
+                start = refined(outcome, coarse, at)
+                share = math.prod(coarse.operators.lattice.shape) / math.prod(size)
+                earlier.append((outcome, share))
+            report_progress(size, 1.0)
+            if start is None and self.begin is not None:
+                start = self.begin.solve(at, aim)
+                earlier.append((start, 1.0))
+            fine = self.solver.solve(at, aim, start)
+            for before, share in earlier:
+                fine = fine.costing(before, share)
+            solved = at, fine
         return fine
 
 
@@ -311,22 +317,19 @@ class Sequential:
         if problem.is_pressure_fixed:
             return self._tangential(problem, tolerance, start)
         touching = start is not None and start.pressure is not None and start.pressure.any()
-        normal = self._normal(problem.free_pressure, tolerance, start if touching else None)
+        if isinstance(start, Start) and touching and start.gap is not None:  # solved already
+            fields = start.pressure, start.gap, None, None, start.approach
+            normal = Outcome(Status.CONVERGED, 0.0, 0, Cost(), *fields)
+        else:
+            normal = self.normal.solve(
+                problem.free_pressure, tolerance, start if touching else None
+            )
         pressure = needed(normal.pressure, "outcome.pressure")
         inner = problem.with_pressure(pressure, needed(normal.gap, "outcome.gap"))
         if not (normal.converged and self.tangential is not None and pressure.any()):
             return replace(normal, traction=np.zeros_like(inner.rigid), slip=inner.rigid)
         tangential = self._tangential(inner, tolerance, start)
         return _with_pressure(tangential, normal)
-
-    def _normal(
-        self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None
-    ) -> Outcome:
-        """Solve the normal problem, unless the start is its solution."""
-        if isinstance(start, Start) and start.gap is not None:
-            fields = start.pressure, start.gap, None, None, start.approach
-            return Outcome(Status.CONVERGED, 0.0, 0, Cost(), *fields)
-        return self.normal.solve(problem, tolerance, start)
 
     def _tangential(
         self, problem: Problem, tolerance: float, start: Start | Outcome | None

@@ -232,7 +232,7 @@ class Contacts:
             hertz = required_hertz(self.scene)
             return float(hertz.a), float(hertz.b)
         smooth = self.scene.replace(friction=None, creepage=None)
-        model, contact = solve_on_fitted_mesh(Model(smooth, read_measured_gap(smooth)))
+        model, (contact,) = solve_on_fitted_mesh(Model(smooth, read_measured_gap(smooth)))
         if not contact.converged:
             raise RuntimeError(f"a contact without friction was not solved: {contact.message}")
         warn_of_gap(model)
