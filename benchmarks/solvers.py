@@ -40,9 +40,8 @@ def problem_on(n: int, slip: str = "auto") -> Problem:
     model = Model(scene)
     problem = model.problem(model.undeformed_gap / model.units.gap)
     normal = NORMAL.solve(problem.normal, 1e-10)
-    return problem.with_pressure(normal.pressure, normal.gap).within(
-        rectangle(normal.pressure > 0.0)
-    )
+    box = rectangle(normal.pressure > 0.0, problem.operators.lattice)
+    return problem.with_pressure(normal.pressure, normal.gap).within(box)
 
 
 METHODS = {
