@@ -25,20 +25,25 @@ from tractive_sam.cli.output import (
 from tractive_sam.cli.scene_input import RESULTS, Allow, Settings, read_scene
 from tractive_sam.safe_text import csv_cell
 
-Results = Annotated[Path, typer.Argument(metavar="FILE.h5", help="A results file.")]
+Results = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE",
+        help="A results file, also of a running run; a fit, spread, design or creep-force table; "
+        "or the folder of a study.",
+    ),
+]
 
 
 def show(
-    file: Annotated[Path, typer.Argument(metavar="FILE")],
+    file: Results,
     as_json: Annotated[bool, typer.Option("--json")] = False,
     as_csv: Annotated[bool, typer.Option("--csv")] = False,
 ) -> None:
-    """Print a results file, even of a running run, a creep-force table, a fit or a spread.
+    """Print the results in a file.
 
     Parameters
     ----------
-    file
-        A results file, a creep-force table, a fit or a spread.
     as_json
         Print every record as JSON instead of tables.
     as_csv
@@ -127,7 +132,7 @@ def plot(
     measured: Measured = None,
     animated: Annotated[bool, typer.Option("--animate")] = False,
 ) -> None:
-    """Draw every figure that applies to a results file.
+    """Draw every figure that applies to the results in a file.
 
     Parameters
     ----------
@@ -168,7 +173,7 @@ def report(
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE.html")] = None,
     measured: Measured = None,
 ) -> None:
-    """Write a results file as one interactive page, which needs no other file and no network.
+    """Write the results in a file as one page, which needs no other file and no network.
 
     Parameters
     ----------

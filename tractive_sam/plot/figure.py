@@ -569,7 +569,7 @@ def label_course(axes: Axes, *histories: History) -> None:
     label = f"{name} {math_label(coordinate)}"
     axes.set_xlabel(label if coordinate.symbol else format_with_unit(name, coordinate.unit))
     if coordinate.whole:
-        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True, steps=[1, 2, 5, 10]))
         axes.xaxis.set_major_formatter("{x:,.0f}")
     if coordinate.whole or last > 0.0:
         axes.set_xlim(0, max(1.0, last) if coordinate.whole else last)

@@ -251,7 +251,7 @@ def _label_axes(axes: Axes, x: Variable, y: Variable) -> None:
     if x.logarithmic:
         axes.set_xscale("log")
     elif x.numeric:
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     if not y.numeric:
         axes.set_yticks(y.places, [fill(text, y.longest // 3) for text in y.values])
     if not x.numeric:
@@ -693,7 +693,7 @@ def scatter_causes(
     left.axvline(nominal, color=LOOK.grey, linewidth=0.8)
     left.set_yticks(range(len(keys)), [keys[k] for k in order])
     left.set_xlabel(f"{label}, keys at 5 % (blue) and 95 %")
-    left.xaxis.set_major_locator(MaxNLocator(5))
+    left.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
     ranks = np.argsort(np.atleast_2d(list(shares.values())[-1])[0])
     for number, (name, values) in enumerate(shares.items()):
         value, *ends_of_bar = np.atleast_2d(values)[:, ranks]
@@ -777,7 +777,7 @@ def design_search(
             axes.legend()
         axes.set_ylabel(fill(name.replace("_", " "), 14))
     panels[-1].set_xlabel("point of the search")
-    panels[-1].xaxis.set_major_locator(MaxNLocator(6, integer=True))
+    panels[-1].xaxis.set_major_locator(MaxNLocator(6, integer=True, steps=[1, 2, 5, 10]))
     set_title(figure, title)
     return figure
 
