@@ -6,6 +6,7 @@ The arrays of transforms belong to their plan and are overwritten by its next us
 import atexit
 import math
 import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache, lru_cache
@@ -29,10 +30,13 @@ class _Transformed(local):
     points : float
         Number of points.
     timed, seconds : float
-        Points of convolutions in double precision, and the CPU time of these convolutions.
+        Points of the convolutions that were timed, and the CPU time of these.
+    untimed : int
+        Convolutions that are not timed until the next one is.
     """
 
     points = timed = seconds = 0.0
+    untimed = 0
 
 
 _TRANSFORMED = _Transformed()
@@ -43,8 +47,18 @@ def count_transform(fields: int, padded: tuple[int, int]) -> None:
     _TRANSFORMED.points += fields * padded[0] * padded[1]
 
 
+def is_timed(of: int = 8) -> bool:
+    """Return whether to time the next convolution of this thread: one of eight.
+
+    Reading the clock twice takes a tenth of the time of a small convolution.
+    """
+    untimed = _TRANSFORMED.untimed
+    _TRANSFORMED.untimed = untimed - 1 if untimed else of - 1
+    return untimed == 0
+
+
 def count_time(fields: int, padded: tuple[int, int], began: float) -> None:
-    """Add the CPU time since `began` to the time of convolutions in double precision."""
+    """Add the CPU time since `began` to the time of the convolutions that are timed."""
     _TRANSFORMED.timed += 2 * fields * padded[0] * padded[1]
     _TRANSFORMED.seconds += process_time() - began
 
@@ -66,6 +80,7 @@ class ConvolutionMeter:
         self._unit = 4.0 * padded[0] * padded[1]
         self._before, self._began = _TRANSFORMED.points, process_time()
         self._timed, self._seconds = _TRANSFORMED.timed, _TRANSFORMED.seconds
+        _TRANSFORMED.untimed = 0
 
     @property
     def convolutions(self) -> float:
@@ -76,7 +91,7 @@ class ConvolutionMeter:
     def over_application(self) -> float:
         """CPU time since the creation over the CPU time of one tangential application, or nan.
 
-        The time of an application follows from the points of convolutions in double precision since
+        The time of an application follows from one of eight convolutions in double precision since
         then; nan means that there were none, or that the clock is too coarse to time them.
         """
         timed, seconds = _TRANSFORMED.timed - self._timed, _TRANSFORMED.seconds - self._seconds
@@ -124,13 +139,15 @@ def numeric_settings() -> Iterator[None]:
     Vectors are too short here for more threads, and threads that wait take cores from others.
     Numbers near zero, such as residuals, may underflow to zero, whatever `np.seterr` prescribes.
     """
-    with _controller().limit(limits=1, user_api="blas"), np.errstate(under="ignore"):
+    # SciPy brings a library of its own, which may be loaded later.
+    pools = _controller("scipy.linalg" in sys.modules)
+    with pools.limit(limits=1, user_api="blas"), np.errstate(under="ignore"):
         yield
 
 
 @cache
-def _controller() -> ThreadpoolController:
-    """Return the controller of BLAS thread pools (threadpoolctl), created once."""
+def _controller(with_scipy: bool) -> ThreadpoolController:
+    """Return the controller of the BLAS thread pools that are loaded, with or without SciPy's."""
     return ThreadpoolController()
 
 

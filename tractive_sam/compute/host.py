@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from tractive_sam.compute.backend import Mirror, Places
-from tractive_sam.compute.fft import count_time
+from tractive_sam.compute.fft import count_time, is_timed
 from tractive_sam.compute.tiles import Product, convolver
 from tractive_sam.kernels import friction, linear_algebra
 
@@ -58,9 +58,10 @@ class Host:
         """
         single = fields.dtype == np.float32
         plan = convolver(len(fields), fields.shape[1:], padded, single, mirror)
-        began = 0.0 if single else process_time()
+        timed = not single and is_timed()
+        began = process_time() if timed else 0.0
         result = plan(fields, spectra, self.products[len(spectra[0])])
-        if not single:
+        if timed:
             count_time(1 if mirror else len(fields), padded, began)
         return result
 
