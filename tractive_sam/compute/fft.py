@@ -139,7 +139,7 @@ def numeric_settings() -> Iterator[None]:
     Vectors are too short here for more threads, and threads that wait take cores from others.
     Numbers near zero, such as residuals, may underflow to zero, whatever `np.seterr` prescribes.
     """
-    # SciPy brings a library of its own, which may be loaded later.
+    # SciPy has another library, which may be loaded later.
     pools = _controller("scipy.linalg" in sys.modules)
     with pools.limit(limits=1, user_api="blas"), np.errstate(under="ignore"):
         yield
