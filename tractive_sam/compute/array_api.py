@@ -29,6 +29,10 @@ class ArrayApi:
         """Return a copy of the array, or a view, as an array of NumPy."""
         return np.from_dlpack(array)
 
+    def sum(self, array: Array) -> float:
+        """Return the sum of all elements of an array."""
+        return float(self.xp.sum(array))
+
     def dot(self, first: Array, second: Array) -> float:
         """Return the sum of the products of all elements of two arrays."""
         return float(self.xp.sum(first * second))

@@ -51,6 +51,9 @@ class Backend(Protocol):
     def to_numpy(self, array: Array) -> np.ndarray:
         """Return an array of the library as an array of NumPy."""
 
+    def sum(self, array: Array) -> float:
+        """Return the sum of all elements of an array."""
+
     def dot(self, first: Array, second: Array) -> float:
         """Return the sum of the products of all elements of two arrays."""
 

@@ -28,6 +28,10 @@ class Host:
         """Return the array (`Backend.to_numpy`)."""
         return array
 
+    def sum(self, array: np.ndarray) -> float:
+        """Return the sum of all elements (`Backend.sum`)."""
+        return array.sum()
+
     def dot(self, first: np.ndarray, second: np.ndarray) -> float:
         """Return the sum of the products of all elements (`Backend.dot`)."""
         return np.vdot(first, second)

@@ -13,7 +13,15 @@ from tractive_sam.contact.laws import Laws
 from tractive_sam.contact.measured import Gap, lowest_separation, resample, sample_gap
 from tractive_sam.contact.mesh import choose_grid
 from tractive_sam.mechanics import Coulomb, Elasticity, Frame, FrictionLaw, FrictionOnMesh, WearLaw
-from tractive_sam.operators import STAGGERED, UPWIND, Lattice, Operators, SteadyRolling, Stencil
+from tractive_sam.operators import (
+    STAGGERED,
+    UPWIND,
+    Lattice,
+    Operators,
+    SteadyRolling,
+    Stencil,
+    operators_of,
+)
 from tractive_sam.rail import Patch
 from tractive_sam.results import Grid, State
 from tractive_sam.scene import Scene, WheelRail
@@ -373,7 +381,7 @@ class Model:
         """Elastic operators on the mesh, dimensionless."""
         lattice = Lattice(self.grid.elements, self.grid.dx, self.grid.dy)
         pressure, gap, slip = astuple(self.units)
-        return Operators(lattice, self.elasticity, gap / pressure, slip / pressure, self.frame)
+        return operators_of(lattice, self.elasticity, gap / pressure, slip / pressure, self.frame)
 
     @cached_property
     def free(self) -> tuple[bool, bool]:

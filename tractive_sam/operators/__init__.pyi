@@ -4,6 +4,7 @@ from .advection import Advection as Advection
 from .elastic import Box as Box
 from .elastic import Lattice as Lattice
 from .elastic import Operators as Operators
+from .elastic import operators_of as operators_of
 from .elastic import row_compliance as row_compliance
 from .elastic import transform_quadrant as transform_quadrant
 from .heat import STEPS_FROM as STEPS_FROM

@@ -102,7 +102,7 @@ class Lattice:
 
     def sum(self, field: Array) -> float:
         """Return the sum of a field; elements that the axis of symmetry halves count half."""
-        total = backend_of(field).xp.sum
+        total = backend_of(field).sum
         halved = total(field[..., 0]) if self.first_share < 1.0 else 0.0
         return float(total(field) - 0.5 * halved)
 
@@ -226,10 +226,15 @@ def transform_displacement(
         mm/MPa, divided by p_x p_y; it must not be changed.
     """
     padded, sides = lattice.padded, (lattice.dx, lattice.dy)
-    # Many scenes have the same bodies on the same mesh. At most 64 MiB are stored.
-    store = type(elasticity) in (HalfSpaces, LinearHalfSpaces) and padded[0] * padded[1] <= 2**17
+    # At most 64 MiB are stored.
+    store = _may_be_stored(lattice, elasticity, 2**17)
     transform = _stored_transform if store else _transform_table
     return transform(elasticity, padded, sides, component, period or padded, difference)
+
+
+def _may_be_stored(lattice: Lattice, elasticity: Elasticity, largest: int) -> bool:
+    """Return whether other scenes may have the same bodies on this mesh of few padded elements."""
+    return prod(lattice.padded) <= largest and type(elasticity) in (HalfSpaces, LinearHalfSpaces)
 
 
 def _transform_table(
@@ -257,9 +262,11 @@ def block_mean(
     values: np.ndarray, block: tuple[int, int], mode: Literal["constant", "edge"]
 ) -> np.ndarray:
     """Return means over blocks of elements (last two axes); `mode` pads incomplete blocks."""
-    (nx, ny), (bx, by) = values.shape[-2:], block
-    pad = [(0, 0)] * (values.ndim - 2) + [(0, -nx % bx), (0, -ny % by)]
-    v = np.pad(values, pad, mode=mode)
+    (bx, by), v = block, values
+    for axis, size in ((-2, bx), (-1, by)):
+        if missing := -v.shape[axis] % size:
+            last = v.take([-1] * missing, axis)
+            v = np.concatenate((v, last if mode == "edge" else np.zeros_like(last)), axis)
     parts = [v[..., i::bx, j::by] for i in range(bx) for j in range(by)]
     total: np.ndarray = sum(parts[1:], start=parts[0])
     return total / len(parts)
@@ -490,6 +497,18 @@ class Operators:
         drag_1, drag_2 = (row[0] * drag[0] + row[1] * drag[1] for row in F)
         rows = (self._normal_spectrum(), lift_1, lift_2, drag_1, t11, t12, drag_2, t12, t22)
         return self._convolution([row + 0j for row in rows])
+
+
+_stored_operators = lru_cache(4)(Operators)
+
+
+def operators_of(
+    lattice: Lattice, elasticity: Elasticity, gap: float, slip: float, frame: Frame
+) -> Operators:
+    """Return `Operators`; many contacts of the same bodies on a small mesh share them."""
+    # Four with all that they compute take up to 80 MiB.
+    stored = _may_be_stored(lattice, elasticity, 2**16)
+    return (_stored_operators if stored else Operators)(lattice, elasticity, gap, slip, frame)
 
 
 def _alternating(elements: int, ripples: int = 15) -> np.ndarray:

@@ -226,7 +226,9 @@ def check_solve(model: Model) -> None:
     SceneError
         With the number of elements that fits.
     """
-    _check_mesh(model, contact_bytes(model))
+    # Smaller meshes take less than the program itself, and the check takes .6 ms.
+    if math.prod(model.grid.elements) > 2**14:
+        _check_mesh(model, contact_bytes(model))
     if model.scene.accuracy is not None:
         _check_accuracy(model)
 
@@ -263,8 +265,8 @@ def _check_accuracy(model: Model) -> None:
 
 def _check_mesh(model: Model, needed: float) -> None:
     """Raise an error if a computation that needs these bytes does not fit into the memory."""
-    # Less than the program itself takes needs no look at the machine, which takes .3 ms.
-    if needed <= 2**24 or needed <= (free := available_memory()):
+    free = available_memory()
+    if needed <= free:
         return
     nx, ny = model.grid.elements
     # What does not depend on the mesh, as far as it leaves half of the memory to the rest.

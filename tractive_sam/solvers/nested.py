@@ -48,7 +48,9 @@ def shares(traction: np.ndarray, bound: np.ndarray) -> np.ndarray:
     """Return tractions over their bound, (2, n_x, n_y), extended one element beyond contact."""
     inside = bound > 0.0
     share = np.where(inside, traction, 0.0) / np.where(inside, bound, 1.0)
-    sums: np.ndarray = np.pad(np.concatenate((share, inside[None])), ((0, 0), (1, 1), (1, 1)))
+    nx, ny = inside.shape
+    sums = np.zeros((3, nx + 2, ny + 2))
+    sums[:2, 1:-1, 1:-1], sums[2, 1:-1, 1:-1] = share, inside
     sums = sums[:, :-2] + sums[:, 1:-1] + sums[:, 2:]
     sums = sums[..., :-2] + sums[..., 1:-1] + sums[..., 2:]
     neighbours = ~inside & (sums[2] > 0.0)
