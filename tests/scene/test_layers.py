@@ -31,8 +31,10 @@ STRESS = {"planes": ["y=0"]}
         ("body.A.layer[0].gradient", {"body.A.layer": [LAYER | {"gradient": "linear"}]}),
         ("depth", {"body.A.layer": [LAYER | {"depth": 3.0}]}),
         ("load.pressure", {"load": {"pressure": 100.0}}),
-        ("subsurface.bodies", {"subsurface": STRESS}),
-        ("fatigue.bodies", {"fatigue": {"shear_yield": 300.0}}),
+        ("shear_compliance", {"body.A.layer": [LAYER | {"shear_compliance": -1e-6}]}),
+        ("normal_compliance", {"body.A.layer": [LAYER | {"normal_compliance": float("inf")}]}),
+        ("normal_compliance", {"body.A.layer": [LAYER | {"normal_compliance": "glue"}]}),
+        ("shear_compliance", {"body.A.layer": [LAYER | {"compliance": 1e-6}]}),
         ("body.A.layer, elasticity.law", {"elasticity": {"law": "film_laws:Winkler"}}),
     ],
 )
@@ -65,6 +67,19 @@ def test_explain_lists_the_layers():
     text = str(ts.explain(SCENE))
     assert "layer 0 of A" in text
     assert "equivalent modulus" in text
+    glued = SCENE.replace(**{"body.A.layer[0].shear_compliance": 1e-5})
+    assert "springs with 1e-05 and 0" in str(ts.explain(glued))
+
+
+def test_a_layer_of_the_same_material_on_springs_is_a_layer():
+    steel = {"thickness": 0.1, "young": 208e3, "poisson": 0.3}
+    plain, glued = (
+        SCENE.replace(**{"body.A.layer": [steel | springs]})
+        for springs in ({}, {"normal_compliance": 1e-6})
+    )
+    assert not plain.body.is_layered
+    assert glued.body.is_layered
+    assert glued.hertz.a > plain.hertz.a
 
 
 def test_estimated_contact_lies_between_those_of_both_materials():

@@ -52,6 +52,9 @@ z² the displacement of the half-space z >= 0 by a unit force, times 4 pi G, is
 and the others follow by exchange of x and y.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
 
@@ -247,6 +250,248 @@ def raised_antiderivatives(
     )
 
 
+def raised_stress(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """Return the antiderivatives in x and y of seven kernels at a height z > 0, at (x, y).
+
+    Their transforms are exp(-k z) times 1, c_x², c_x c_y, i c_x, i c_y, i c_x c_y² and i c_x² c_y,
+    times 2 pi, with (c_x, c_y) = (k_x, k_y)/k. They are derivatives of 1/R, ln(R + z) and
+    z ln(R + z) - R.
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Place, broadcast against each other and z, mm.
+    z : ndarray
+        Height, mm.
+
+    Returns
+    -------
+    ndarray, shape (7, ...)
+    """
+    R = np.sqrt(x**2 + y**2 + z**2)
+    return np.stack(
+        (
+            np.arctan2(x * y, z * R),
+            np.arctan2(x * y * (R - z), x**2 * R + y**2 * z),
+            np.log(R + z),
+            _log_sum(y, R, x, z),
+            _log_sum(x, R, y, z),
+            y / (R + z),
+            x / (R + z),
+        )
+    )
+
+
 def _log_sum(a: np.ndarray, R: np.ndarray, b: np.ndarray, c: np.ndarray | float) -> np.ndarray:
     """Return ln(R + a) without cancellation for a < 0; R² = a² + b² + c²."""
     return np.where(a >= 0.0, np.log(R + np.abs(a)), np.log(b**2 + c**2) - np.log(R + np.abs(a)))
+
+
+def load_rectangles(
+    component: str,
+    offsets: tuple[int, int],
+    sides: tuple[float, float],
+    heights: np.ndarray,
+    amplitudes: np.ndarray,
+    near: float = 12.0,
+) -> np.ndarray:
+    """Return the displacement of surfaces at heights by a unit traction on an element, mm/MPa.
+
+    Near the element, closed forms are added over the heights. Far from it the kernels are functions
+    of the distance, which are added once and interpolated.
+
+    Parameters
+    ----------
+    component, offsets, sides
+        See `Elasticity.coefficients`.
+    heights : ndarray, shape (m,)
+        mm.
+    amplitudes : ndarray, shape (4, m)
+        See `SurfaceResponse.images`.
+    near : float
+        Distance from an element, in its longest side, beyond which Gauss points integrate over it.
+    """
+    table = np.empty(offsets)
+    x, y = (side * np.arange(n) for side, n in zip(sides, offsets, strict=True))
+    distance, longest = np.hypot(x[:, None], y), max(sides)
+    close = np.nonzero(distance <= near * longest)
+    columns, rows = close[0].max() + 1, close[1].max() + 1
+    low = heights <= near * longest
+    corners = _add_corners(component, (columns, rows), sides, heights[low], amplitudes[:, low])
+    table[close] = corners[close]
+    high = _Radial(component, heights[~low], amplitudes[:, ~low])
+    table[close] += _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
+    radial = _Radial(component, heights, amplitudes)
+    radial = radial.interpolated((near - 1.0) * longest, distance[-1, -1] + longest)
+    for least, most, points in ((near, 40.0, 3), (40.0, np.inf, 2)):
+        part = np.nonzero((distance > least * longest) & (distance <= most * longest))
+        table[part] = _integrate(radial.interpolate, x[part[0]], y[part[1]], sides, points)
+    return table / (2.0 * np.pi)
+
+
+def _add_corners(
+    component: str,
+    offsets: tuple[int, int],
+    sides: tuple[float, float],
+    heights: np.ndarray,
+    amplitudes: np.ndarray,
+) -> np.ndarray:
+    """Return sums of closed forms over heights, times 2 pi; see `load_rectangles`."""
+    x, y = (side * (np.arange(n + 1) - 0.5) for side, n in zip(sides, offsets, strict=True))
+    kernels = raised_antiderivatives(x[:, None, None], y[:, None], heights)
+    inverse, fall_x, fall_y, fall_xy, over_x, over_y = kernels
+    zz, LL, TT, Lz = amplitudes
+    values = {
+        "zz": lambda: inverse @ zz,
+        "xx": lambda: inverse @ TT + fall_x @ (LL - TT),
+        "yy": lambda: inverse @ TT + fall_y @ (LL - TT),
+        "xy": lambda: -fall_xy @ (LL - TT),
+        "xz": lambda: -over_x @ Lz,
+        "yz": lambda: -over_y @ Lz,
+    }[component]()
+    return np.diff(np.diff(values, axis=0), axis=1)
+
+
+def _integrate(
+    kernel: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    x: np.ndarray,
+    y: np.ndarray,
+    sides: tuple[float, float],
+    points: int,
+) -> np.ndarray:
+    """Return the integrals of a kernel over elements with centres x, y (n,) by Gauss points."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    (dx, dy), total = sides, np.zeros(x.shape)
+    for i, j in np.ndindex(points, points):
+        share = 0.25 * dx * dy * weights[i] * weights[j]
+        total += share * kernel(x + 0.5 * dx * nodes[i], y + 0.5 * dy * nodes[j])
+    return total
+
+
+@dataclass(eq=False)
+class _Radial:
+    """Displacement of surfaces at heights by a unit force, times 2 pi, by functions of distance.
+
+    Parameters
+    ----------
+    component : str
+        See `Elasticity.coefficients`.
+    heights : ndarray, shape (m,)
+        mm.
+    amplitudes : ndarray, shape (4, m)
+        See `SurfaceResponse.images`.
+    """
+
+    component: str
+    heights: np.ndarray
+    amplitudes: np.ndarray
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the displacement at (x, y)."""
+        r = np.maximum(np.hypot(x, y), 1e-60)  # the values at 0 are limits
+        return self._combine(x, y, r, self._functions(r))
+
+    def _functions(self, r: np.ndarray) -> list[np.ndarray]:
+        """Return the one or two functions of the distance, of order 1, times its powers."""
+        zz, LL, TT, Lz = self.amplitudes
+        r = r[:, None]
+        R = np.sqrt(r**2 + self.heights**2)
+        reach = R + self.heights
+        match self.component:
+            case "zz":
+                return [(r / R) @ zz]
+            case "xz" | "yz":
+                return [(r**2 / (R * reach)) @ Lz]
+        bend = (r**3 / (R * reach**2)) @ (LL - TT)
+        if self.component == "xy":
+            return [bend]
+        return [(r / R) @ TT + (r / reach) @ (LL - TT), bend]
+
+    def _combine(
+        self, x: np.ndarray, y: np.ndarray, r: np.ndarray, functions: list[np.ndarray]
+    ) -> np.ndarray:
+        """Return the displacement from the functions of the distance r."""
+        first, *bend = functions
+        match self.component:
+            case "zz":
+                return first / r
+            case "xz" | "yz":
+                return -first * (x if self.component == "xz" else y) / r**2
+            case "xy":
+                return -first * x * y / r**3
+        along = x if self.component == "xx" else y
+        return (first - (along / r) ** 2 * bend[0]) / r
+
+    def interpolated(self, nearest: float, farthest: float, step: float = 0.01) -> "_Radial":
+        """Tabulate the functions between two distances, in equal steps of their logarithm."""
+        self._start, self._step = np.log(nearest) - step, step
+        count = int((np.log(farthest) - self._start) / step) + 4
+        nodes = np.exp(self._start + step * np.arange(count))
+        self._table = self._functions(nodes)
+        return self
+
+    def interpolate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Return the displacement at (x, y) by cubic interpolation (error 1e-10)."""
+        square = x * x + y * y
+        place = (0.5 * np.log(square) - self._start) / self._step
+        first = place.astype(int) - 1
+        t = place - (first + 1)
+        weights = (
+            -t * (t - 1.0) * (t - 2.0) / 6.0,
+            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+            -(t + 1.0) * t * (t - 2.0) / 2.0,
+            (t + 1.0) * t * (t - 1.0) / 6.0,
+        )
+        values = [
+            sum(weight * table[first + i] for i, weight in enumerate(weights))
+            for table in self._table
+        ]
+        return self._combine(x, y, np.sqrt(square), values)
+
+
+def load_strips(
+    component: str,
+    offsets: tuple[int, int],
+    dx: float,
+    heights: np.ndarray,
+    amplitudes: np.ndarray,
+    datum: float,
+    near: float = 12.0,
+) -> np.ndarray:
+    """Return the displacement of strips at heights by a unit traction on a strip, mm/MPa.
+
+    As in `Strips`, displacements are zero on average at the distance `datum` from each load, and
+    columns other than the first are zero. The first height is 0.
+
+    Parameters as in `Elasticity.coefficients` and `load_rectangles`.
+    """
+    table, x = np.zeros(offsets), dx * np.arange(offsets[0])
+    rows = {"zz": amplitudes[0], "xx": amplitudes[1], "yy": amplitudes[2], "xz": -amplitudes[3]}
+    if component not in rows:
+        return table
+    (first, *_), d = rows[component], heights[1:]
+    odd = component == "xz"
+    surface = integrate_sign(x, dx) if odd else integrate_logarithm(x, dx, datum)
+
+    def kernel(x: np.ndarray) -> np.ndarray:
+        """Return the displacement by a force at the distances x, (n, m)."""
+        if odd:
+            return 2.0 * np.arctan(x[:, None] / d)
+        return -np.log1p((x[:, None] ** 2 - datum**2) / (d**2 + datum**2))
+
+    def antiderivative(x: np.ndarray) -> np.ndarray:
+        """Return the antiderivative of the kernel."""
+        x = x[:, None]
+        if odd:
+            return 2.0 * x * np.arctan(x / d) - d * np.log((x**2 + d**2) / (d**2 + datum**2))
+        return x * (kernel(x[:, 0]) + 2.0) - 2.0 * d * np.arctan(x / d)
+
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    raised = sum(
+        0.5 * dx * w * kernel(x + 0.5 * dx * t) for t, w in zip(nodes, weights, strict=True)
+    )
+    close = (x <= near * dx)[:, None] & (d <= near * dx)
+    corners = dx * (np.arange(offsets[0] + 1) - 0.5)
+    raised = np.where(close, np.diff(antiderivative(corners), axis=0), raised)
+    table[:, 0] = (first * surface + raised @ rows[component][1:]) / (2.0 * np.pi)
+    return table

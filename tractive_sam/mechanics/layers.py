@@ -21,18 +21,14 @@ response by least squares with relative errors of 1e-6 and less. So there is nei
 longest wave, and distant loads act exactly as on the body below the layers.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, Protocol
 
 import numpy as np
 
-from tractive_sam.kernels.half_space import (
-    integrate_logarithm,
-    integrate_sign,
-    raised_antiderivatives,
-)
+from tractive_sam.kernels.half_space import load_rectangles, load_strips
 from tractive_sam.mechanics.elasticity import (
     Elasticity,
     HalfSpaces,
@@ -67,11 +63,15 @@ class Layer:
     gradient : str
         "none", or "exponential": the shear modulus changes with the depth as an exponential, up to
         that of the layer or body below.
+    compliance : tuple of float
+        Compliance of the interface below, in shear and along the normal, mm/MPa: the displacement
+        jumps by it times the traction. 0 if bonded.
 
     Raises
     ------
     ValueError
-        If the thickness is not positive and finite, or if the gradient is unknown.
+        If the thickness is not positive and finite, the gradient is unknown, or a compliance is
+        negative or infinite.
 
     Examples
     --------
@@ -82,8 +82,11 @@ class Layer:
     thickness: float
     material: Material
     gradient: str = "none"
+    compliance: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
+        if not all(0.0 <= value < np.inf for value in self.compliance):
+            raise ValueError(f"compliances must be finite and at least 0, not {self.compliance}")
         if not 0.0 < self.thickness < np.inf:
             raise ValueError(f"the thickness must be above 0 and finite, not {self.thickness}")
         if self.gradient not in ("none", "exponential"):
@@ -92,7 +95,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class LayeredBody:
-    """Half-space with layers that are bonded to each other and to the material below.
+    """Half-space with layers on each other and on the material below, bonded or with springs.
 
     Source of the waves: potentials of Papkovich and Neuber, for example Barber, Elasticity (2010),
     chapter 20; the closed form for one layer is that of O'Sullivan & King, J. Tribol. 110 (1988)
@@ -134,24 +137,134 @@ class LayeredBody:
         ndarray, shape (4, n)
             1/MPa.
         """
+        *_, (_, _, stiffness, across) = self._from_below(k)
+        (LL, Lz), (_, zz) = np.moveaxis(-np.linalg.inv(stiffness), 0, 2)
+        return np.stack((zz, LL, 1.0 / across, Lz))
+
+    def _from_below(
+        self, k: np.ndarray
+    ) -> Iterator[tuple[float, np.ndarray, np.ndarray, np.ndarray]]:
+        """Yield (decay, reflected, stiffness, across) of each layer from below, then of all.
+
+        Stiffness is the stress over the displacement, over k, in the plane of the waves, (n, 2, 2),
+        and across them, (n,), of what lies below the layer with its interface, at last of the body.
+        The layer's waves from below have the amplitudes `reflected` (n, 2, 2) times those from
+        above; its modulus is G exp(-decay z).
+        """
         _, displacement, stress = _waves(self.base, k, 0.0, -1)
-        stiffness = stress @ np.linalg.inv(displacement)  # over k
+        stiffness = stress @ np.linalg.inv(displacement)
         across, below = np.full(k.shape, self.base.shear), self.base.shear
         for layer in reversed(self.layers):
-            # Stress over displacement at the upper face, from that at the lower face.
             decay = np.log(layer.material.shear / below) / layer.thickness
-            graded = layer.gradient == "exponential" and abs(decay * layer.thickness) > 1e-6
-            down, up = _graded_waves(layer, k, decay) if graded else _even_waves(layer, k)
-            (top, bottom), (raised, lower) = down, up
+            if layer.gradient != "exponential" or abs(decay * layer.thickness) <= 1e-6:
+                decay = 0.0
+            if any(layer.compliance):
+                opened = k[:, None, None] * np.diag(layer.compliance)
+                stiffness = np.linalg.inv(np.linalg.inv(stiffness) - opened)
+                across = across / (1.0 + across * k * layer.compliance[0])
+            (top, raised), (bottom, lower) = (
+                _waves_at(layer, k, decay, z) for z in (0.0, layer.thickness)
+            )
             # Amplitudes of the waves from below, over those of the waves from above.
             ahead, back = bottom[1] - stiffness @ bottom[0], lower[1] - stiffness @ lower[0]
             reflected = -np.linalg.solve(back, ahead)
+            yield decay, reflected, stiffness, across
+            # Stress over displacement at the upper face, from that at the lower face.
             displacement, stress = (a + b @ reflected for a, b in zip(top, raised, strict=True))
             stiffness = np.real(stress @ np.linalg.inv(displacement))
-            across = _raise_shear(layer, k, across, decay if graded else 0.0)
-            below = layer.material.shear
-        (LL, Lz), (_, zz) = np.moveaxis(-np.linalg.inv(stiffness), 0, 2)
-        return np.stack((zz, LL, 1.0 / across, Lz))
+            moved, sheared = _shear_at(layer, k, across, decay, 0.0)
+            across, below = -sheared / moved, layer.material.shear
+        yield 0.0, np.zeros_like(stiffness), stiffness, across
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio at the surface."""
+        return self.layers[0].material.poisson
+
+    @property
+    def interfaces(self) -> np.ndarray:
+        """Depths of the lower faces of the layers, mm, shape (layers,)."""
+        return np.cumsum([layer.thickness for layer in self.layers])
+
+    def materials(self, depths: np.ndarray) -> list[Material]:
+        """Return the materials at depths (m,), mm; those at an interface lie above it."""
+        each = [*(layer.material for layer in self.layers), self.base]
+        return [each[k] for k in np.searchsorted(self.interfaces, depths)]
+
+    def scaled(self, factor: float) -> "LayeredBody":
+        """Return the body with moduli times a factor, and compliances of interfaces over it."""
+
+        def change(material: Material) -> Material:
+            return Material(factor * material.shear, material.poisson)
+
+        layers = (
+            replace(
+                layer,
+                material=change(layer.material),
+                compliance=(layer.compliance[0] / factor, layer.compliance[1] / factor),
+            )
+            for layer in self.layers
+        )
+        return LayeredBody(tuple(layers), change(self.base))
+
+    def stress(self, k: np.ndarray, depths: np.ndarray) -> np.ndarray:
+        """Return the stress at depths by waves of traction on the surface.
+
+        Tractions (p_L, p_T, p_n) on the surface z = 0, exp(i k x) along L, cause
+
+            sigma_zz = i c_zL p_L - c_zz p_n,   sigma_Lz = -c_LL p_L - i c_Lz p_n,
+            sigma_LL = i c_L p_L - c_n p_n,     sigma_Tz = -c_TT p_T,   sigma_LT = i c_T p_T,
+
+        and sigma_TT is Poisson's ratio times sigma_LL + sigma_zz.
+
+        Parameters
+        ----------
+        k : ndarray, shape (n,)
+            Wave numbers, above 0, 1/mm.
+        depths : ndarray, shape (m,)
+            mm; an interface belongs to the layer above it.
+
+        Returns
+        -------
+        ndarray, shape (m, 8, n)
+            c_LL, c_Lz, c_zL, c_zz, c_L, c_n, c_TT, c_T.
+
+        Examples
+        --------
+        >>> hard = ts.Layer(0.1, ts.Material(1e6, 0.3))
+        >>> coated = ts.LayeredBody((hard,), ts.Material(1e5, 0.3))
+        >>> coated.stress(np.ones(1), np.array([0.0, 0.1]))[:, 3, 0].round(3)
+        array([1.   , 0.996])
+        """
+        values = np.empty((len(depths), 8, k.size))
+        *levels, (_, none, _, _) = self._from_below(k)
+        levels = [*reversed(levels), (0.0, none, none, np.full(k.shape, self.base.shear))]
+        pieces = [*self.layers, Layer(1e30, self.base)]
+        place = np.searchsorted(self.interfaces, depths)
+        stress, along = np.broadcast_to(np.eye(2), none.shape), np.ones_like(k)
+        top = 0.0
+        for number, (layer, (decay, reflected, _, across)) in enumerate(
+            zip(pieces, levels, strict=True)
+        ):
+            (_, fall), (_, grow) = _waves_at(layer, k, decay, 0.0)
+            amplitude = np.linalg.solve(fall + grow @ reflected, stress)
+            sheared = along / -_shear_at(layer, k, across, decay, 0.0)[1]
+            nu, plane = layer.material.poisson, 1.0 - layer.material.poisson
+            here = np.flatnonzero(place == number)
+            inside = [(int(m), float(depths[m] - top)) for m in here]
+            for m, z in [*inside, (-1, layer.thickness)]:
+                down, up = _waves_at(layer, k, decay, z)
+                u, stress = (
+                    np.real((a + b @ reflected) @ amplitude) for a, b in zip(down, up, strict=True)
+                )
+                moved, across_z = (part * sheared for part in _shear_at(layer, k, across, decay, z))
+                along = -across_z
+                if m >= 0:
+                    G = layer.material.shear * np.exp(-decay * z)
+                    stretched = (nu * stress[:, 1] - 2.0 * G * u[:, 0]) / plane
+                    values[m] = *stress.reshape(-1, 4).T, *stretched.T, along, G * moved
+            top += layer.thickness
+        return values
 
     @property
     def images(self) -> tuple[np.ndarray, np.ndarray]:
@@ -163,6 +276,26 @@ class LayeredBody:
             If exponentials do not fit the response.
         """
         return _fit_images(self)
+
+    def stress_images(self, depths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return heights d_i and amplitudes c_i of the stress at depths, less that without layers.
+
+        The stress (`stress`) is that in a homogeneous body with the material at the depth, and
+        sum_i c_i exp(-k d_i) from the layers, with errors below 1e-6 of the largest stress.
+
+        Parameters
+        ----------
+        depths : ndarray, shape (m,)
+            mm.
+
+        Returns
+        -------
+        heights : ndarray, shape (n,)
+            mm.
+        amplitudes : ndarray, shape (m, 8, n)
+            Without unit.
+        """
+        return _fit_stress(self, tuple(depths.tolist()))
 
 
 @dataclass(frozen=True)
@@ -314,23 +447,11 @@ def _fit_images(
     return heights, amplitudes
 
 
-def _even_waves(layer: Layer, k: np.ndarray) -> tuple[Any, Any]:
-    """Return waves (displacement, stress/k) of a layer at its upper and lower face.
+def _waves_at(layer: Layer, k: np.ndarray, decay: float, depth: float) -> tuple[Any, Any]:
+    """Return waves (displacement, stress/k) of a layer at a depth below its upper face.
 
     First those that decay with the depth, then those that grow; each is 1 at the face from which
     it decays. See `_waves`.
-    """
-    h, material = layer.thickness, layer.material
-    fall, *bottom = _waves(material, k, h, -1)
-    _, *top = _waves(material, k, 0.0, -1)
-    _, *raised = _waves(material, k, -h, 1)
-    _, *lower = _waves(material, k, 0.0, 1)
-    bottom, raised = ([fall * values for values in pair] for pair in (bottom, raised))
-    return (top, bottom), (raised, lower)
-
-
-def _graded_waves(layer: Layer, k: np.ndarray, decay: float) -> tuple[Any, Any]:
-    """Return the waves of a graded layer as `_even_waves` does, complex.
 
     With the modulus G exp(-g z) the equations of equilibrium have constant coefficients. Their
     solutions are exp(l z) with l = g/2 +- sqrt(g²/4 + m), m = k² +- i k g sqrt(nu/(1 - nu)).
@@ -342,71 +463,66 @@ def _graded_waves(layer: Layer, k: np.ndarray, decay: float) -> tuple[Any, Any]:
     k : ndarray, shape (n,)
         Wave numbers, 1/mm.
     decay : float
-        g, 1/mm.
+        g, 1/mm; 0 for constant moduli.
+    depth : float
+        mm.
     """
     h, shear = layer.thickness, layer.material.shear
+    if not decay:
+        each = (_waves(layer.material, k, z, s) for z, s in ((depth, -1), (depth - h, 1)))
+        down, up = ([fall * u, fall * s] for fall, u, s in each)
+        return down, up
     nu = max(layer.material.poisson, 1e-8)  # at 0 two solutions are equal
     part = (0.5 - nu) / (1.0 - nu)  # of the moduli G and lambda + 2 G
     m = k**2 + 1j * k * decay * np.sqrt(nu / (1.0 - nu)) * np.array([[1.0], [-1.0]])
     root = np.sqrt(0.25 * decay**2 + m)
 
-    def at_faces(power: np.ndarray, place: float) -> list[list[np.ndarray]]:
-        """Return the waves at the upper and the lower face, 1 at the face at `place`."""
+    def at(power: np.ndarray, face: float) -> list[np.ndarray]:
+        """Return the waves exp(power z) that are 1 at a face."""
         x = -((1.0 - part) * power - part * decay) / k
         z = part * m / k**2 - 1.0
         xz = (power * x + k * z) / k
         zz = (power * (m - k**2) - k**2 * decay) / k**3 + 2.0 * x
-        waves = (np.moveaxis(np.array(rows), 2, 0) for rows in ([x, z], [xz, zz]))
-        u, s = waves
-        each = []
-        for depth in (0.0, h):
-            fall = np.exp(power * (depth - place)).T[:, None, :]
-            each.append([u * fall, shear * np.exp(-decay * depth) * s * fall])
-        return each
+        u, s = (np.moveaxis(np.array(rows), 2, 0) for rows in ([x, z], [xz, zz]))
+        fall = np.exp(power * (depth - face)).T[:, None, :]
+        return [u * fall, shear * np.exp(-decay * depth) * s * fall]
 
-    return tuple(at_faces(0.5 * decay - root, 0.0)), tuple(at_faces(0.5 * decay + root, h))
+    return at(0.5 * decay - root, 0.0), at(0.5 * decay + root, h)
 
 
-def _raise_shear(layer: Layer, k: np.ndarray, below: np.ndarray, decay: float) -> np.ndarray:
-    """Return stress over displacement across the waves, over k, from the lower to the upper face.
+def _shear_at(
+    layer: Layer, k: np.ndarray, below: np.ndarray, decay: float, depth: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return displacement and stress/k across the waves at a depth below a layer's upper face.
 
-    Parameters
-    ----------
-    layer : Layer
-        The layer.
-    k : ndarray, shape (n,)
-        Wave numbers, 1/mm.
-    below : ndarray, shape (n,)
-        The value at the lower face, MPa.
-    decay : float
-        g of the modulus G exp(-g z), 1/mm.
+    Parameters as in `_waves_at`; `below` (n,) is minus the stress over the displacement
+    at the lower face, over k, MPa.
     """
     h, shear = layer.thickness, layer.material.shear
     root = np.sqrt(0.25 * decay**2 + k**2)
     down, up = (0.5 * decay - root) / k, (0.5 * decay + root) / k
     lower = shear * np.exp(-decay * h)
-    reflected = -(lower * down + below) / (lower * up + below) * np.exp(-2.0 * root * h)
-    return -shear * (down + up * reflected) / (1.0 + reflected)
+    reflected = -(lower * down + below) / (lower * up + below)
+    growing = reflected * np.exp(up * k * depth - 2.0 * root * h)
+    falling = np.exp(down * k * depth)
+    here = shear * np.exp(-decay * depth)
+    return falling + growing, here * (down * falling + up * growing)
 
 
-def _fit_at_ratio(
-    body: LayeredBody, ratio: float, per_height: int = 4
-) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return heights in geometric progression, amplitudes that fit the response, and the error.
+def _sample(
+    body: LayeredBody, ratio: float, per_height: int = 4, deepest: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return heights with a ratio of successive ones, mm, and wave numbers of a fit, 1/mm.
 
-    Parameters
-    ----------
-    body : LayeredBody
-        The body.
-    ratio : float
-        Ratio of successive heights.
-    per_height : int
-        Wave numbers at which the response is fitted, for each height.
+    There are `per_height` wave numbers for each height. The largest height is in proportion to the
+    depth `deepest`, mm, at which the stress is needed, or longer.
     """
     first, depth = body.layers[0].thickness, sum(layer.thickness for layer in body.layers)
     moduli = [layer.material.shear for layer in body.layers] + [body.base.shear]
     # A soft layer is felt up to waves of its depth times the ratio of the moduli.
     longest = 100.0 * depth * max(moduli) / min(moduli)
+    springs = [max(layer.compliance) for layer in body.layers]
+    longest = max(longest, 100.0 * max(springs) * max(moduli), 30.0 * deepest)
     smallest, largest = 0.01 / longest, 40.0 / first
     if any(layer.gradient != "none" for layer in body.layers):
         smallest = max(smallest, 1e-3 / depth)  # longer ones lose digits
@@ -416,6 +532,20 @@ def _fit_at_ratio(
     k = np.geomspace(
         smallest, largest, per_height * int(np.log(largest / smallest) / np.log(ratio))
     )
+    return heights, k
+
+
+def _fit_at_ratio(body: LayeredBody, ratio: float) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return heights in geometric progression, amplitudes that fit the response, and the error.
+
+    Parameters
+    ----------
+    body : LayeredBody
+        The body.
+    ratio : float
+        Ratio of successive heights.
+    """
+    heights, k = _sample(body, ratio)
     response, surface = body.response(k), body.compliances
     change = body.base.compliances - surface
     # The response is positive, except for S_Lz, whose error counts against that of S_LL.
@@ -431,6 +561,37 @@ def _fit_at_ratio(
         row[:] = np.linalg.lstsq(left, right, rcond=1e-15)[0]
     error = np.abs(surface[:, None] + amplitudes @ fall.T - response) / size
     return heights, amplitudes, float(error.max())
+
+
+@lru_cache(32)
+def _fit_stress(
+    body: LayeredBody, depths: tuple[float, ...], largest_error: float = 3e-4
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return heights and amplitudes of exponentials (`LayeredBody.stress_images`)."""
+    z = np.array(depths)
+    heights, k = _sample(body, 1.2, deepest=z.max())
+    # Up to waves that no height feels, as the amplitudes are not bounded beyond.
+    k = np.append(k, k[-1] * 1.05 ** np.arange(1, np.log(20.0 / k[-1] / heights[0]) / 0.048))
+    change = body.stress(k, z)
+    fall = np.exp(-np.outer(k, heights))
+    amplitudes, error = np.zeros((z.size, 8, heights.size)), 0.0
+    for m, material in enumerate(body.materials(z)):
+        plain = LayeredBody((), Material(1.0, material.poisson))
+        values = (change[m] - plain.stress(k, z[m : m + 1])[0]).T
+        # The last row: the limit for long waves.
+        limit = values[0] + (values[0] - values[1]) * k[0] / (k[1] - k[0])
+        used = heights >= 0.4 * z[m]  # less deep ones would only cancel
+        left = np.vstack((fall[:, used], np.ones(np.count_nonzero(used))))
+        found = np.linalg.lstsq(left, np.vstack((values, limit)), rcond=1e-15)[0]
+        amplitudes[m, :, used] = found
+        largest = max(1.0, np.abs(values).max())
+        error = max(error, np.abs(fall[:, used] @ found - values).max() / largest)
+    if error > largest_error:
+        raise ValueError(
+            f"the stress in the layers {body!r} is not resolved (error {error:.2g}): use moduli "
+            "that differ less, or fewer layers"
+        )
+    return heights, amplitudes
 
 
 @dataclass(frozen=True)
@@ -551,21 +712,24 @@ class LinearHalfSpaces(Elasticity):
         return replace(self, datum=max(self.datum, 2.0 * length))
 
     def single_body(self, body: str) -> Elasticity:
-        """Return the half-spaces for the stress in one body, "A" or "B", if it is homogeneous.
+        """Return the law for the stress in one body, "A" or "B", with unit modulus at its surface.
 
         Raises
         ------
         ValueError
-            If the stress in the body is not known: if it has layers or is not isotropic.
+            If the stress in the body is not known: if it is not isotropic.
         """
         if body not in ("A", "B"):
             raise ValueError(f'a body is "A" or "B", not {body!r}')
         material = getattr(self, body)
+        if isinstance(material, LayeredBody):
+            unit = material.layers[0].material.shear
+            return replace(self, A=material.scaled(1.0 / unit), B=Material(np.inf, 0.0))
         if not isinstance(material, Material):
             raise ValueError(
-                f"the stress below the surface is known for homogeneous isotropic bodies only, and "
-                f"body {body} is {material!r}: remove {body} from subsurface.bodies and "
-                "fatigue.bodies, or these tables"
+                f"the stress below the surface is known in isotropic bodies only, and body {body} "
+                f"is {material!r}: remove {body} from subsurface.bodies and fatigue.bodies, or "
+                "these tables"
             )
         pair = Material(1.0, material.poisson), Material(np.inf, material.poisson)
         return HalfSpaces(*pair) if self.datum is None else Strips(*pair, self.datum)
@@ -578,7 +742,7 @@ def _coefficients(
     """Return influence coefficients (`Elasticity.coefficients`); the last ones are stored."""
     heights, amplitudes = law.images
     if law.datum is not None:
-        return _load_strips(component, offsets, dx, heights, amplitudes, law.datum)
+        return load_strips(component, offsets, dx, heights, amplitudes, law.datum)
     zz, LL, TT, Lz = amplitudes[:, 0]
     r1, xx, yy, xy, x2, y2 = integrals_of(dx, dy).at(*offsets)
     surface = {
@@ -591,7 +755,7 @@ def _coefficients(
     }[component] / (2.0 * np.pi)
     if heights.size == 1:
         return surface
-    return surface + _load_rectangles(component, offsets, (dx, dy), heights[1:], amplitudes[:, 1:])
+    return surface + load_rectangles(component, offsets, (dx, dy), heights[1:], amplitudes[:, 1:])
 
 
 def contact_modulus(A: SurfaceResponse, B: SurfaceResponse, length: float) -> float:
@@ -613,213 +777,3 @@ def contact_modulus(A: SurfaceResponse, B: SurfaceResponse, length: float) -> fl
         heights, amplitudes = body.images
         compliance += body.compliances[0] + amplitudes[0] @ np.exp(-2.2 / length * heights)
     return float(2.0 / compliance)
-
-
-def _load_rectangles(
-    component: str,
-    offsets: tuple[int, int],
-    sides: tuple[float, float],
-    heights: np.ndarray,
-    amplitudes: np.ndarray,
-    near: float = 12.0,
-) -> np.ndarray:
-    """Return the displacement of surfaces at heights by a unit traction on an element, mm/MPa.
-
-    Near the element, closed forms are added over the heights. Far from it the kernels are functions
-    of the distance, which are added once and interpolated.
-
-    Parameters
-    ----------
-    component, offsets, sides
-        See `Elasticity.coefficients`.
-    heights : ndarray, shape (m,)
-        mm.
-    amplitudes : ndarray, shape (4, m)
-        See `SurfaceResponse.images`.
-    near : float
-        Distance from an element, in its longest side, beyond which Gauss points integrate over it.
-    """
-    table = np.empty(offsets)
-    x, y = (side * np.arange(n) for side, n in zip(sides, offsets, strict=True))
-    distance, longest = np.hypot(x[:, None], y), max(sides)
-    close = np.nonzero(distance <= near * longest)
-    columns, rows = close[0].max() + 1, close[1].max() + 1
-    low = heights <= near * longest
-    corners = _add_corners(component, (columns, rows), sides, heights[low], amplitudes[:, low])
-    table[close] = corners[close]
-    high = _Radial(component, heights[~low], amplitudes[:, ~low])
-    table[close] += _integrate(high.at, x[close[0]], y[close[1]], sides, 3)
-    radial = _Radial(component, heights, amplitudes)
-    radial = radial.interpolated((near - 1.0) * longest, distance[-1, -1] + longest)
-    for least, most, points in ((near, 40.0, 3), (40.0, np.inf, 2)):
-        part = np.nonzero((distance > least * longest) & (distance <= most * longest))
-        table[part] = _integrate(radial.interpolate, x[part[0]], y[part[1]], sides, points)
-    return table / (2.0 * np.pi)
-
-
-def _add_corners(
-    component: str,
-    offsets: tuple[int, int],
-    sides: tuple[float, float],
-    heights: np.ndarray,
-    amplitudes: np.ndarray,
-) -> np.ndarray:
-    """Return sums of closed forms over heights, times 2 pi; see `_load_rectangles`."""
-    x, y = (side * (np.arange(n + 1) - 0.5) for side, n in zip(sides, offsets, strict=True))
-    kernels = raised_antiderivatives(x[:, None, None], y[:, None], heights)
-    inverse, fall_x, fall_y, fall_xy, over_x, over_y = kernels
-    zz, LL, TT, Lz = amplitudes
-    values = {
-        "zz": lambda: inverse @ zz,
-        "xx": lambda: inverse @ TT + fall_x @ (LL - TT),
-        "yy": lambda: inverse @ TT + fall_y @ (LL - TT),
-        "xy": lambda: -fall_xy @ (LL - TT),
-        "xz": lambda: -over_x @ Lz,
-        "yz": lambda: -over_y @ Lz,
-    }[component]()
-    return np.diff(np.diff(values, axis=0), axis=1)
-
-
-def _integrate(
-    kernel: Callable[[np.ndarray, np.ndarray], np.ndarray],
-    x: np.ndarray,
-    y: np.ndarray,
-    sides: tuple[float, float],
-    points: int,
-) -> np.ndarray:
-    """Return the integrals of a kernel over elements with centres x, y (n,) by Gauss points."""
-    nodes, weights = np.polynomial.legendre.leggauss(points)
-    (dx, dy), total = sides, np.zeros(x.shape)
-    for i, j in np.ndindex(points, points):
-        share = 0.25 * dx * dy * weights[i] * weights[j]
-        total += share * kernel(x + 0.5 * dx * nodes[i], y + 0.5 * dy * nodes[j])
-    return total
-
-
-@dataclass(eq=False)
-class _Radial:
-    """Displacement of surfaces at heights by a unit force, times 2 pi, by functions of distance.
-
-    Parameters
-    ----------
-    component : str
-        See `Elasticity.coefficients`.
-    heights : ndarray, shape (m,)
-        mm.
-    amplitudes : ndarray, shape (4, m)
-        See `SurfaceResponse.images`.
-    """
-
-    component: str
-    heights: np.ndarray
-    amplitudes: np.ndarray
-
-    def at(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the displacement at (x, y)."""
-        r = np.maximum(np.hypot(x, y), 1e-60)  # the values at 0 are limits
-        return self._combine(x, y, r, self._functions(r))
-
-    def _functions(self, r: np.ndarray) -> list[np.ndarray]:
-        """Return the one or two functions of the distance, of order 1, times its powers."""
-        zz, LL, TT, Lz = self.amplitudes
-        r = r[:, None]
-        R = np.sqrt(r**2 + self.heights**2)
-        reach = R + self.heights
-        match self.component:
-            case "zz":
-                return [(r / R) @ zz]
-            case "xz" | "yz":
-                return [(r**2 / (R * reach)) @ Lz]
-        bend = (r**3 / (R * reach**2)) @ (LL - TT)
-        if self.component == "xy":
-            return [bend]
-        return [(r / R) @ TT + (r / reach) @ (LL - TT), bend]
-
-    def _combine(
-        self, x: np.ndarray, y: np.ndarray, r: np.ndarray, functions: list[np.ndarray]
-    ) -> np.ndarray:
-        """Return the displacement from the functions of the distance r."""
-        first, *bend = functions
-        match self.component:
-            case "zz":
-                return first / r
-            case "xz" | "yz":
-                return -first * (x if self.component == "xz" else y) / r**2
-            case "xy":
-                return -first * x * y / r**3
-        along = x if self.component == "xx" else y
-        return (first - (along / r) ** 2 * bend[0]) / r
-
-    def interpolated(self, nearest: float, farthest: float, step: float = 0.01) -> "_Radial":
-        """Tabulate the functions between two distances, in equal steps of their logarithm."""
-        self._start, self._step = np.log(nearest) - step, step
-        count = int((np.log(farthest) - self._start) / step) + 4
-        nodes = np.exp(self._start + step * np.arange(count))
-        self._table = self._functions(nodes)
-        return self
-
-    def interpolate(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-        """Return the displacement at (x, y) by cubic interpolation (error 1e-10)."""
-        square = x * x + y * y
-        place = (0.5 * np.log(square) - self._start) / self._step
-        first = place.astype(int) - 1
-        t = place - (first + 1)
-        weights = (
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        )
-        values = [
-            sum(weight * table[first + i] for i, weight in enumerate(weights))
-            for table in self._table
-        ]
-        return self._combine(x, y, np.sqrt(square), values)
-
-
-def _load_strips(
-    component: str,
-    offsets: tuple[int, int],
-    dx: float,
-    heights: np.ndarray,
-    amplitudes: np.ndarray,
-    datum: float,
-    near: float = 12.0,
-) -> np.ndarray:
-    """Return the displacement of strips at heights by a unit traction on a strip, mm/MPa.
-
-    As in `Strips`, displacements are zero on average at the distance `datum` from each load, and
-    columns other than the first are zero. The first height is 0.
-
-    Parameters as in `Elasticity.coefficients` and `_load_rectangles`.
-    """
-    table, x = np.zeros(offsets), dx * np.arange(offsets[0])
-    rows = {"zz": amplitudes[0], "xx": amplitudes[1], "yy": amplitudes[2], "xz": -amplitudes[3]}
-    if component not in rows:
-        return table
-    (first, *_), d = rows[component], heights[1:]
-    odd = component == "xz"
-    surface = integrate_sign(x, dx) if odd else integrate_logarithm(x, dx, datum)
-
-    def kernel(x: np.ndarray) -> np.ndarray:
-        """Return the displacement by a force at the distances x, (n, m)."""
-        if odd:
-            return 2.0 * np.arctan(x[:, None] / d)
-        return -np.log1p((x[:, None] ** 2 - datum**2) / (d**2 + datum**2))
-
-    def antiderivative(x: np.ndarray) -> np.ndarray:
-        """Return the antiderivative of the kernel."""
-        x = x[:, None]
-        if odd:
-            return 2.0 * x * np.arctan(x / d) - d * np.log((x**2 + d**2) / (d**2 + datum**2))
-        return x * (kernel(x[:, 0]) + 2.0) - 2.0 * d * np.arctan(x / d)
-
-    nodes, weights = np.polynomial.legendre.leggauss(3)
-    raised = sum(
-        0.5 * dx * w * kernel(x + 0.5 * dx * t) for t, w in zip(nodes, weights, strict=True)
-    )
-    close = (x <= near * dx)[:, None] & (d <= near * dx)
-    corners = dx * (np.arange(offsets[0] + 1) - 0.5)
-    raised = np.where(close, np.diff(antiderivative(corners), axis=0), raised)
-    table[:, 0] = (first * surface + raised @ rows[component][1:]) / (2.0 * np.pi)
-    return table

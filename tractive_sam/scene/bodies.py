@@ -262,7 +262,7 @@ class Body(Table):
     )
     thermal: InnerTable[Thermal | None] = optional("thermal properties")
     layer: tuple[BodyLayer, ...] = entry(
-        "layers from the surface down, bonded to each other and to the body",
+        "layers from the surface down, to the body",
         "at least one layer, [[body.A.layer]]",
         (),
         min_length=1,
@@ -283,7 +283,7 @@ class Body(Table):
         if self.stiffness is not None:
             return self.stiffness.material
         layers = [layer.layer for layer in self.layer]
-        while layers and layers[-1].material == self.material:
+        while layers and layers[-1].material == self.material and not any(layers[-1].compliance):
             layers.pop()
         return LayeredBody(tuple(layers), self.material) if layers else self.material
 
@@ -328,9 +328,12 @@ class Bodies(Table):
             for k, layer in enumerate(body.layer):
                 moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
                 moduli += ", graded" if layer.gradient != "none" else ""
+                if any(compliance := layer.layer.compliance):
+                    springs = " and ".join(f"{value:g}" for value in compliance)
+                    moduli += f", on springs with {springs} mm/MPa in shear and along the normal"
                 yield Row(f"layer {k} of {name}", f"{layer.thickness:g} mm, {moduli}", brief=True)
         if self.is_layered:
-            text = "bonded; the wear and the heat change neither thickness nor moduli"
+            text = "the wear and the heat change neither thickness nor moduli"
             yield Row("layers", f"{text}; heat flows as in the body below")
             if (contact := scene.hertz) is not None:
                 modulus = self.contact_modulus(contact.mean_semi_axis)

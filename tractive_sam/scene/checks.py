@@ -526,14 +526,15 @@ def _check_responses_combine(entries: ValidEntries) -> Iterator[Fault]:
     if entries["wheel"] is not None:
         cure = "nothing: the contacts of a wheel are found for homogeneous, isotropic bodies"
         yield Fault(key, "with [wheel]", cure)
+    unknown = [body for body, kind in kinds.items() if kind == "stiffness"]
     for table in ("subsurface", "fatigue"):
-        for body in others if entries[table] is not None else ():
+        for body in unknown if entries[table] is not None else ():
             if body not in entries[f"{table}.bodies"]:
                 continue
-            known = [name for name in "AB" if name not in others]
+            known = [name for name in "AB" if name not in unknown]
             cure = f"bodies = {known}" if known else f"no [{table}]"
-            cure += ": the stress below the surface is known in homogeneous, isotropic bodies only"
-            yield Fault(f"{table}.bodies", f"body {body}, with body.{body}.{kinds[body]}", cure)
+            cure += ": the stress below the surface is known in isotropic bodies only"
+            yield Fault(f"{table}.bodies", f"body {body}, with body.{body}.stiffness", cure)
 
 
 SCENE_CHECKS: tuple[Check, ...] = (

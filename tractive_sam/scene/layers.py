@@ -21,6 +21,7 @@ from tractive_sam.mechanics import (
 from tractive_sam.schema import (
     Check,
     Fault,
+    NotNegative,
     Positive,
     Real,
     Table,
@@ -80,7 +81,7 @@ class Stiffness(Table):
 
 
 class BodyLayer(Table):
-    """Layer of a body, bonded to the layer or body below: a coating, a case, a rubber cover.
+    """Layer of a body on the layer or body below: a coating, a case, a rubber cover.
 
     Examples
     --------
@@ -92,6 +93,7 @@ class BodyLayer(Table):
     key_advice: ClassVar[Mapping[str, str]] = {
         "hardness": "hardness of the body, which wears",
         "thermal": "thermal of the body: heat flows as in the body below",
+        "compliance": "shear_compliance and normal_compliance",
     }
     thickness: Positive = entry("thickness, mm")
     young: Positive | None = optional("Young's modulus, MPa")
@@ -102,12 +104,21 @@ class BodyLayer(Table):
         "from that of the layer at its upper face to that of what lies below",
         default="none",
     )
+    shear_compliance: NotNegative = entry(
+        "compliance in shear of the interface below, mm/MPa: its jump of displacement over its "
+        "traction; 0 if bonded",
+        default=0.0,
+    )
+    normal_compliance: NotNegative = entry(
+        "compliance of the interface below along its normal, mm/MPa; 0 if bonded", default=0.0
+    )
     checks: ClassVar[tuple[Check, ...]] = (exactly_one("young", "shear"),)
 
     @property
     def layer(self) -> Layer:
         """The layer as part of an elastic law."""
-        return Layer(self.thickness, self.material, self.gradient)
+        compliance = self.shear_compliance, self.normal_compliance
+        return Layer(self.thickness, self.material, self.gradient, compliance)
 
     @property
     def material(self) -> Material:

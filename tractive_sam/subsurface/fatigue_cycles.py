@@ -30,6 +30,7 @@ from tractive_sam.mechanics import (
 from tractive_sam.operators import Lattice
 from tractive_sam.results import BodyFatigue, Grid, State
 from tractive_sam.scene import Fatigue
+from tractive_sam.subsurface.layered import with_interfaces
 from tractive_sam.subsurface.sources import SIGNS, surface_cycles, surface_points
 from tractive_sam.subsurface.stress_fields import (
     LoadedBodies,
@@ -63,7 +64,9 @@ def cycle_depths(contact: State, grading: float = 1.5) -> np.ndarray:
     side = max(contact.grid.sides)
     deepest = max(table.depth * semi_axes(contact)[0], 3.0 * side)
     share = np.linspace(0.0, 1.0, table.elements - 1) ** grading
-    return np.concatenate(([0.0], side + (deepest - side) * share))
+    depths = np.concatenate(([0.0], side + (deepest - side) * share))
+    layered = contact.scene.body.responses
+    return with_interfaces(depths, [layered[name] for name in table.bodies])
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ stress has the root on one side only, and is smooth on the other side (`kernels.
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -649,7 +649,7 @@ class StressSource(Protocol):
         They are in all rows of the grid; depths are above 0.
         """
 
-    def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
+    def levels(self, criterion: StressCriterion) -> Any:
         """Return the stress at several depths (resolutions) in which the maximum is searched."""
 
 
@@ -853,7 +853,7 @@ class StressWithResidual:
         stress[:, :2] += self.residual(self._rows[:, None], depths)[:, :, None]
         return stress
 
-    def levels(self, criterion: StressCriterion) -> MultiLevel | StripLevels:
+    def levels(self, criterion: StressCriterion) -> Any:
         """Return the levels of the other solver, whose criterion adds the residual stress."""
         return self._source.levels(_CriterionWithResidual(criterion, self))
 

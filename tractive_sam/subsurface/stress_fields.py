@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 from tractive_sam.contact import Laws
 from tractive_sam.kernels import half_space as formula
 from tractive_sam.kernels.tops import ENDED, GOES_ON, climb, find_tops, last_steps, stencil
-from tractive_sam.mechanics import Elasticity, HalfSpaces, Steel, Strips
+from tractive_sam.mechanics import Elasticity, HalfSpaces, LinearHalfSpaces, Steel, Strips
 from tractive_sam.operators import Lattice, transform_quadrant
 from tractive_sam.results import COMPONENTS, Grid, Maximum, PlaneStress, Point, State, widen_field
 from tractive_sam.scene import Plane, Scene, Subsurface
+from tractive_sam.subsurface.layered import LayeredLevels, with_interfaces
 from tractive_sam.subsurface.sources import (
     SIGNS,
     MultiLevel,
@@ -117,7 +118,9 @@ class LoadedBodies:
         elasticity = (laws or Laws.of_contact(cast(State, contact))).elasticity
         bodies = tuple(elasticity.single_body(name) for name in names)
         signs = tuple(SIGNS[name] for name in names)
-        source = stress_source(bodies[0], bodies, signs, grid, tractions)
+        # Layers need their method for all bodies.
+        first = next((body for body in bodies if isinstance(body, LinearHalfSpaces)), bodies[0])
+        source = stress_source(first, bodies, signs, grid, tractions)
         if residual and contact.scene.residual is not None:
             steel = [contact.scene.steel.get(name, Steel()) for name in names]
             worn = np.stack([worn_depth(contact, name) for name in names])
@@ -183,7 +186,10 @@ def semi_axes(contact: State) -> tuple[float, float]:
 def default_depths(contact: State) -> np.ndarray:
     """Return the depths of the scene's [subsurface], or default ones, mm."""
     subsurface = contact.scene.subsurface or Subsurface(planes=(Plane("y", 0.0),))
-    return depths(subsurface, semi_axes(contact)[0])
+    layered = contact.scene.body.responses
+    return with_interfaces(
+        depths(subsurface, semi_axes(contact)[0]), [layered[name] for name in subsurface.bodies]
+    )
 
 
 def check_depths(values: ArrayLike) -> np.ndarray:
@@ -747,7 +753,9 @@ def _maxima(contact: State, bodies: Sequence[str], laws: Laws | None) -> dict[st
         return dict.fromkeys(load.names, nothing)
     levels = load.source.levels(criterion)
     surface = levels.surface(contact.sliding)
-    interior = _interior(levels, [top[0] for top in surface])
+    tops = [top[0] for top in surface]
+    layered = isinstance(levels, LayeredLevels)
+    interior = levels.interior(tops) if layered else _interior(levels, tops)
     maxima = {}
     for name, above, below in zip(load.names, surface, interior, strict=True):
         larger = below if below[0] > above[0] else above
