@@ -21,9 +21,9 @@ Names by topic
 --------------
 **Compute** solve, roll, solve_many, explain, study, explain_study, build_table
 
-**Scene** Scene, Bodies, Body, BodyLayer, Stiffness, RollerProfile, Load, Creepage, Friction, Wear,
-Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue, FatigueVolume,
-Strength, Residual, ResidualStress, Heat, Bulk, Thermal; builtin_names
+**Scene** Scene, Bodies, Body, BodyLayer, Stiffness, Relaxation, RollerProfile, Load, Creepage,
+Friction, Wear, Coefficients, WearLaws, Sets, Mesh, Accuracy, Gap, Solver, Subsurface, Fatigue,
+FatigueVolume, Strength, Residual, ResidualStress, Heat, Bulk, Thermal; builtin_names
 
 **Changing scenes** Transient, Stage, LoadCourse, CreepageCourse, FrictionCourse, Profiles; Block,
 BlockLoad, BlockCreepage, BlockFriction, LoadHistory, Binned, blocks_of
@@ -53,7 +53,8 @@ stress_volume, fatigue
 
 **Laws** Laws, FrictionLaw, Coulomb, FallingCoulomb, ScaledFriction, InterfacialLayer, Slope,
 Bound, Elasticity, ElasticBodies, HalfSpaces, SpectralHalfSpaces, LinearHalfSpaces, LayeredBody,
-Layer, Material, TransverseMaterial, WearLaw, WearConditions, Energy, PerBody, SlidingShare;
+Layer, Material, TransverseMaterial, RelaxingBody, RelaxingHalfSpaces, creep_terms;
+WearLaw, WearConditions, Energy, PerBody, SlidingShare;
 StressCriterion, CycleCriterion, DangVan, Crossland, Findley, FatemiSocie, OrthogonalShear,
 VolumeLife, Woehler, Steel; allow_laws
 

@@ -45,6 +45,8 @@ from .mechanics import LinearHalfSpaces as LinearHalfSpaces
 from .mechanics import Material as Material
 from .mechanics import OrthogonalShear as OrthogonalShear
 from .mechanics import PerBody as PerBody
+from .mechanics import RelaxingBody as RelaxingBody
+from .mechanics import RelaxingHalfSpaces as RelaxingHalfSpaces
 from .mechanics import ScaledFriction as ScaledFriction
 from .mechanics import SlidingShare as SlidingShare
 from .mechanics import Slope as Slope
@@ -56,6 +58,7 @@ from .mechanics import VolumeLife as VolumeLife
 from .mechanics import WearConditions as WearConditions
 from .mechanics import WearLaw as WearLaw
 from .mechanics import Woehler as Woehler
+from .mechanics import creep_terms as creep_terms
 from .pages import report as report
 from .results import BodyFatigue as BodyFatigue
 from .results import Contact as Contact
@@ -107,6 +110,7 @@ from .scene import ObserverTable as ObserverTable
 from .scene import ProcessTable as ProcessTable
 from .scene import Profiles as Profiles
 from .scene import RailTable as RailTable
+from .scene import Relaxation as Relaxation
 from .scene import Residual as Residual
 from .scene import ResidualStress as ResidualStress
 from .scene import RollerProfile as RollerProfile

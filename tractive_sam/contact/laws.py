@@ -34,6 +34,7 @@ from tractive_sam.mechanics import (
     PerBody,
     Rational,
     Regimes,
+    RelaxingHalfSpaces,
     SlidingShare,
     StressCriterion,
     Strips,
@@ -176,8 +177,11 @@ def _elasticity(scene: Scene) -> Elasticity:
     if scene.body.is_isotropic:
         bodies: Elasticity = Strips(A, B, datum) if scene.line else HalfSpaces(A, B)
     else:
-        of_A, of_B = scene.body.responses.values()
-        bodies = LinearHalfSpaces(of_A, of_B, datum if scene.line else None)
+        (of_A, of_B), of_line = scene.body.responses.values(), datum if scene.line else None
+        bodies = LinearHalfSpaces(of_A, of_B, of_line)
+        if scene.body.relaxes:
+            speed = required(scene.creepage.speed, "creepage.speed")
+            bodies = RelaxingHalfSpaces(of_A, of_B, of_line, speed)
     return _with_layer(bodies, scene)
 
 

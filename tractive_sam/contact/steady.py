@@ -22,6 +22,8 @@ from tractive_sam.contact.heat import solve_with_heat
 from tractive_sam.contact.mesh import enlarge
 from tractive_sam.contact.model import Model
 from tractive_sam.contact.solution import not_resolved, solve_problem, state_of, traction_of
+from tractive_sam.mechanics import RelaxingHalfSpaces
+from tractive_sam.operators import Operators
 from tractive_sam.rail import Patch
 from tractive_sam.results import Cost, State, Status
 from tractive_sam.scene import FewestElements
@@ -165,7 +167,7 @@ def find_pitch(
 
     The moment rises or falls with the pitch throughout. The method is the secant method within the
     interval that contains the root; its first step is that of sticking contacts. Before the last
-    pitches, the load needs to be as exact as the moment alone.
+    pitches, the load needs to be as exact as the moment memory.
 
     Parameters
     ----------
@@ -501,7 +503,7 @@ def _physical_slip(model: Model, scaled: np.ndarray) -> np.ndarray:
 def _rolling_resistance(
     model: Model, pressure: np.ndarray, gap: np.ndarray, depth: np.ndarray
 ) -> float:
-    """Return the rolling resistance, N, of pressure on worn slopes; 0 for equal materials.
+    """Return the rolling resistance, N, of pressure on slopes; 0 for equal elastic materials.
 
     `gap` is the remaining gap of the solved contact, and `depth` the wear depth, both in mm.
 
@@ -513,12 +515,43 @@ def _rolling_resistance(
         p_n . d(h - g) = -p_n . d A_nt p_t = p_t . d A_tn p_n,
 
     the work of p_t on the slip by p_n; the work of p_t on its own slip is zero. So resistance and
-    creepages supply the dissipation of the slip at the centres (`Stencil.at_centres`).
+    creepages supply the dissipation of the slip at the centres (`Stencil.at_centres`). Bodies that
+    relax dissipate in addition the work of all tractions on d of their displacements.
     """
-    if not model.elasticity.coupled:
+    if not model.elasticity.coupled and model.elasticity.symmetric:
         return 0.0
     slope = np.gradient(model.undeformed_gap + depth - gap, model.grid.dx, axis=0)
     return float((pressure * slope).sum() * model.grid.element_area)
+
+
+def _bulk_dissipation(model: Model, fields: np.ndarray) -> dict[str, float]:
+    """Return the work per distance, N, that each body dissipates inside; empty if none relaxes.
+
+    It is that of dimensionless pressure and tractions, shape (3, n_x, n_y), on the displacements by
+    the memory of the body; see `_rolling_resistance`.
+    """
+    work: dict[str, float] = {}
+    units = model.units
+    law = getattr(model.elasticity, "bodies", model.elasticity)
+    if not isinstance(law, RelaxingHalfSpaces):
+        return {}
+    for body, other in ("AB", "BA"):
+        elastic = getattr(getattr(law, other), "body", getattr(law, other))
+        memory = Operators(
+            model.operators.lattice,
+            replace(law, **{other: elastic}),
+            units.gap / units.pressure,
+            units.slip / units.pressure,
+            model.frame,
+        )
+        if memory.elasticity.coupled:
+            moved = memory.coupled_displacement(fields)
+        else:
+            moved = np.concatenate((memory.normal(fields[:1]), memory.tangential(fields[1:])))
+        scale = np.array((units.gap / model.grid.dx, units.slip, units.slip))[:, None, None]
+        total = float((fields * scale * np.gradient(moved, axis=1)).sum())
+        work[body] = 0.0 - units.pressure * model.grid.element_area * total
+    return work
 
 
 def _work_beyond_creepage(model: Model, traction: np.ndarray) -> float:
@@ -551,4 +584,6 @@ def _to_state(
     creepages = model.creepages(outcome.creepage)
     resistance = _rolling_resistance(model, pressure, gap, depth)
     resistance += _work_beyond_creepage(model, traction)
-    return state_of(model, problem, outcome, slip, creepages, depth, resistance, describe_other)
+    contact = state_of(model, problem, outcome, slip, creepages, depth, resistance, describe_other)
+    bulk = _bulk_dissipation(model, np.concatenate((fields.pressure[None], fields.traction)))
+    return replace(contact, bulk_dissipation=bulk) if bulk else contact

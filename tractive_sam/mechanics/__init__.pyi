@@ -59,6 +59,9 @@ from .layers import LayeredBody as LayeredBody
 from .layers import LinearHalfSpaces as LinearHalfSpaces
 from .layers import TransverseMaterial as TransverseMaterial
 from .layers import contact_modulus as contact_modulus
+from .relaxation import RelaxingBody as RelaxingBody
+from .relaxation import RelaxingHalfSpaces as RelaxingHalfSpaces
+from .relaxation import creep_terms as creep_terms
 from .steel import RollingMarch as RollingMarch
 from .steel import Steel as Steel
 from .steel import limit_from_bending as limit_from_bending

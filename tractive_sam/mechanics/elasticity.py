@@ -187,6 +187,14 @@ class Elasticity(Law, ABC):
         return False
 
     @property
+    def symmetric(self) -> bool:
+        """Whether normal and tangential displacement are symmetric in the elements; default True.
+
+        The default is True: bodies store energy. If False, the law has the coefficients of `lag`.
+        """
+        return True
+
+    @property
     def layer(self) -> float:
         """Shear compliance of an interfacial layer between the surfaces, mm/MPa; default 0."""
         return 0.0
@@ -221,6 +229,14 @@ class Elasticity(Law, ABC):
             y. For negative offsets "xy" is odd in x and in y, "xz" odd in x, "yz" odd in y; the
             other components are even.
         """
+
+    def lag(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
+        """Return the part of the coefficients of a law that is not `symmetric`; default: zero.
+
+        Its parity in x is opposite to that of `coefficients`, to which it adds. See there for the
+        parameters.
+        """
+        return np.zeros(offsets)
 
     def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
         """Return the unit of gap over that of pressure, mm/MPa; default: that of a loaded element.
@@ -508,7 +524,7 @@ class _ElementIntegrals:
         return table[:, :nx, :ny]
 
 
-integrals_of = lru_cache(maxsize=8)(_ElementIntegrals)
+integrals_of = lru_cache(maxsize=32)(_ElementIntegrals)
 """The integrals of elements by their sides."""
 
 
@@ -549,6 +565,15 @@ class InterfacialLayer(Elasticity):
     def layer(self) -> float:
         """Shear compliance of the interfacial layer, mm/MPa (`Elasticity.layer`)."""
         return self.compliance
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether displacements are symmetric in the elements; the layer does not change it."""
+        return self.bodies.symmetric
+
+    def lag(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
+        """Return the lag of the bodies; that of the layer is zero. See `Elasticity.lag`."""
+        return self.bodies.lag(component, offsets, dx, dy)
 
     def coefficients(
         self, component: str, offsets: tuple[int, int], dx: float, dy: float

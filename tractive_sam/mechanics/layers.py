@@ -758,7 +758,9 @@ def _coefficients(
     return surface + load_rectangles(component, offsets, (dx, dy), heights[1:], amplitudes[:, 1:])
 
 
-def contact_modulus(A: SurfaceResponse, B: SurfaceResponse, length: float) -> float:
+def contact_modulus(
+    A: SurfaceResponse, B: SurfaceResponse, length: float, speed: float = 0.0
+) -> float:
     """Return the contact modulus E* of two bodies for waves as long as a contact, MPa.
 
     The wave number is 2.2 / a: with its modulus, the Hertz contact of a sphere is as large as that
@@ -771,9 +773,13 @@ def contact_modulus(A: SurfaceResponse, B: SurfaceResponse, length: float) -> fl
         The bodies.
     length : float
         Half length of the contact, mm.
+    speed : float
+        Rolling speed, mm/s, which stiffens bodies that relax; by default they have relaxed.
     """
-    compliance = 0.0
+    compliance, k = 0.0, 2.2 / length
     for body in (A, B):
         heights, amplitudes = body.images
-        compliance += body.compliances[0] + amplitudes[0] @ np.exp(-2.2 / length * heights)
+        part = body.compliances[0] + amplitudes[0] @ np.exp(-k * heights)
+        relaxed = getattr(body, "factor", None)
+        compliance += part if relaxed is None else part * relaxed(k, speed).real
     return float(2.0 / compliance)

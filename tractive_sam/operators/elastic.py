@@ -37,7 +37,13 @@ from tractive_sam.compute import (
     padded_length,
 )
 from tractive_sam.kernels.linear_algebra import row_products
-from tractive_sam.mechanics import Elasticity, Frame, HalfSpaces, LinearHalfSpaces
+from tractive_sam.mechanics import (
+    Elasticity,
+    Frame,
+    HalfSpaces,
+    LinearHalfSpaces,
+    RelaxingHalfSpaces,
+)
 from tractive_sam.operators.zone_inverse import ZoneInverse
 
 Box = tuple[slice, slice]
@@ -234,7 +240,8 @@ def transform_displacement(
 
 def _may_be_stored(lattice: Lattice, elasticity: Elasticity, largest: int) -> bool:
     """Return whether other scenes may have the same bodies on this mesh of few padded elements."""
-    return prod(lattice.padded) <= largest and type(elasticity) in (HalfSpaces, LinearHalfSpaces)
+    laws = HalfSpaces, LinearHalfSpaces, RelaxingHalfSpaces
+    return prod(lattice.padded) <= largest and type(elasticity) in laws
 
 
 def _transform_table(
@@ -252,7 +259,12 @@ def _transform_table(
             return spectrum / (period[0] * period[1])
     offsets = padded[0] // 2 + 1 + difference, padded[1] // 2 + 1
     scaled = elasticity.coefficients(component, offsets, *sides) / (period[0] * period[1])
-    return transform_quadrant(scaled, _PARITY[component], period, difference)
+    spectrum = transform_quadrant(scaled, _PARITY[component], period, difference)
+    if elasticity.symmetric:
+        return spectrum
+    lag = elasticity.lag(component, offsets, *sides) / (period[0] * period[1])
+    odd, across = _PARITY[component]
+    return spectrum + transform_quadrant(lag, (-odd, across), period, difference)
 
 
 _stored_transform = lru_cache(64)(_transform_table)
@@ -321,9 +333,10 @@ class Operators:
         """Operators in which elements far from each other also act on their periodic images.
 
         A convolution takes about half the time. It differs for offsets above 0.7 of the sides
-        of the mesh, where kernels are small and smooth. A reach of 0.35 takes more iterations.
+        of the mesh, where kernels are small and smooth. A reach of 0.35 takes more iterations. The
+        memory of bodies that relax may be longer than the mesh: theirs are the operators.
         """
-        return self.on(replace(self.lattice, reach=0.4))
+        return self.on(replace(self.lattice, reach=0.4)) if self.elasticity.symmetric else self
 
     @cached_property
     def part(self) -> Callable[..., "Operators"]:
@@ -341,8 +354,9 @@ class Operators:
         return on_part
 
     def _normal_spectrum(self, period: tuple[int, int] | None = None) -> np.ndarray:
-        """Return the spectrum of A_nn, gap per pressure, dimensionless."""
-        return self._per_gap * self._displacement("zz", period).real
+        """Return the spectrum of A_nn, gap per pressure, dimensionless; real if symmetric."""
+        spectrum = self._per_gap * self._displacement("zz", period)
+        return spectrum.real if self.elasticity.symmetric else spectrum
 
     @cached_property
     def along_x(self) -> np.ndarray:
@@ -360,7 +374,7 @@ class Operators:
     ) -> np.ndarray:
         """Return the spectra (11, 12, 22) of A_tt / dx, or of its difference in x, D_tt."""
         entries = [self._displacement(k, period, difference) for k in ("xx", "xy", "yy")]
-        if not difference:  # even, and so real
+        if not difference and self.elasticity.symmetric:  # even, and so real
             entries = [entry.real for entry in entries]
         return self._per_dx * np.stack(self._tangential(*entries))
 
@@ -419,7 +433,10 @@ class Operators:
     def _entries_at(self, weights: np.ndarray) -> Entries:
         """Return entries (11, 12, 22) of A_tt / dx, a weighted sum of an element and the next."""
         sides = self.lattice.dx, self.lattice.dy
-        tables = (self.elasticity.coefficients(k, (2, 1), *sides) for k in ("xx", "xy", "yy"))
+        tables = [self.elasticity.coefficients(k, (2, 1), *sides) for k in ("xx", "xy", "yy")]
+        if not self.elasticity.symmetric:
+            lags = (self.elasticity.lag(k, (2, 1), *sides) for k in ("xx", "xy", "yy"))
+            tables = [table + lag for table, lag in zip(tables, lags, strict=True)]
         entries = self._tangential(*(weights @ table[:, 0] for table in tables))
         first, mixed, second = (float(self._per_dx * entry) for entry in entries)
         return first, mixed, second

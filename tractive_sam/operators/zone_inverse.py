@@ -57,7 +57,7 @@ class ZoneInverse:
         self._trace, self._smooth = trace, smooth
         px, half = spectra.shape[1:]
         size, damping = px * 2 * (half - 1), self.damping
-        first, mixed, second = spectra[:, max(2, px // 8), 0]  # a wave along x
+        first, mixed, second = spectra[:, max(2, px // 8), 0].real  # a wave along x
         self._edge = np.array((second, -mixed, first)) / (first + second)
         a, b, c = spectra * (1.0 - np.exp(2j * np.pi / px * np.arange(px))[:, None])
         determinant = (a + damping) * (c + damping) - b * b

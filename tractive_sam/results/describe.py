@@ -42,13 +42,16 @@ class SteadyBalance:
     def energy(self) -> np.ndarray:
         """Ratio of dissipated to supplied work in each record, shape (n,); nan without work.
 
-        It is 1 without numerical error, and nan without friction, or if no work is supplied.
+        It is 1 without numerical error, and nan without dissipation, or if no work is supplied.
         """
         history = self.history
         supplied = history["work_supplied"]
         rounding = self.rounding * history["P"] * np.abs(history["approach"])
         driven = np.abs(supplied) > rounding / history.grid.half_length[0]
-        return _ratio(history["dissipation"], supplied, driven & history.scene.has("friction"))
+        relaxes = history.scene.has("body.relaxes")
+        inside = history["bulk_dissipation"].sum(axis=1) if relaxes else 0.0
+        driven &= history.scene.has("friction") or relaxes
+        return _ratio(history["dissipation"] + inside, supplied, driven)
 
     @property
     def wear(self) -> np.ndarray:

@@ -362,7 +362,8 @@ def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray])
         residual=number["residual"],
         cost=_recorded_cost(number),
         revolution=int(number.get("revolution", 0)),
-        volumes=_volumes(history, row),
+        volumes=_per_body(history, "worn_volume", row),
+        bulk_dissipation=_per_body(history, "bulk_dissipation", row) or {},
         frame=history.frame,
         traction_bound=_complete_or_none(fields.get(BOUND.name)),
         laws=history.law_records,
@@ -384,10 +385,10 @@ def _recorded_cost(number: Mapping[str, float]) -> Cost:
     return Cost(number["operator_applications"], 0.0, convolutions, over_application)
 
 
-def _volumes(history: HistoryData, row: int) -> dict[str, float] | None:
-    """Return the worn volume of each body in a record; None if it was not recorded."""
-    volumes = history.values.get("worn_volume")
-    return None if volumes is None else dict(zip(BODIES, volumes[row].tolist(), strict=True))
+def _per_body(history: HistoryData, name: str, row: int) -> dict[str, float] | None:
+    """Return a quantity of each body in a record; None if it was not recorded."""
+    values = history.values.get(name)
+    return None if values is None else dict(zip(BODIES, values[row].tolist(), strict=True))
 
 
 def _complete_or_none(bound: np.ndarray | None) -> np.ndarray | None:

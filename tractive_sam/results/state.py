@@ -250,7 +250,7 @@ class State:
         Longitudinal and lateral creepage; spin in 1/mm.
     rolling_resistance : float
         Work of the pressure per distance rolled, the integral of p_n dh/dx over the gap h of the
-        undeformed, worn bodies, N; zero for bodies of equal material. Its differences make
+        undeformed, worn bodies, N; zero for elastic bodies of equal material. Its differences make
         `work_supplied` equal to the dissipation on any mesh (`contact.steady`).
     sliding : ndarray of bool
         Elements in contact with tractions that have reached the friction bound.
@@ -292,6 +292,8 @@ class State:
     traction_bound : ndarray or None
         Largest ||p_t||_mu that friction allows in each element under its slip, MPa; None if it is
         the pressure, as for Coulomb's law.
+    bulk_dissipation : mapping of str to float
+        Work per distance rolled that each body dissipates inside, N; empty if none relaxes.
     laws : Laws or mapping of str to LawRecord
         Laws of the solution; for a contact read from a file the laws that replaced laws of its
         scene (`History.law_records`).
@@ -339,6 +341,7 @@ class State:
     tilt: float = 0.0
     frame: Frame | None = None
     traction_bound: np.ndarray | None = field(default=None, repr=False)
+    bulk_dissipation: Mapping[str, float] = field(default_factory=dict)
     laws: Any = field(default_factory=dict, repr=False)
 
     def __repr__(self) -> str:
@@ -497,6 +500,11 @@ class State:
         """Moment of the pressure about the x axis, the integral of p y, N mm."""
         return self._integral(self.pressure.sum(axis=0) @ self.grid.y)
 
+    @cached_property
+    def My(self) -> float:
+        """Rolling resistance moment: of the pressure about y, the integral of p x, N mm."""
+        return self._integral(self.grid.x @ self.pressure.sum(axis=1))
+
     @property
     def p_max(self) -> float:
         """Peak contact pressure of an element, MPa."""
@@ -579,7 +587,8 @@ class State:
         """Work per unit distance rolled that drives the bodies, N; it equals the dissipation.
 
         -(Q_x xi_x + Q_y xi_y + M_z phi) and, for dissimilar bodies, the rolling resistance. The
-        elastic displacements do no work in a cycle: their operators are antisymmetric.
+        elastic displacements do no work in a cycle: their operators are antisymmetric. Bodies that
+        relax dissipate a part inside, `bulk_dissipation`.
         """
         return self.rolling_resistance + self.t_gamma
 

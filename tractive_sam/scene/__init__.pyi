@@ -26,6 +26,7 @@ from .inputs import hash_files as hash_files
 from .inputs import hashes_of as hashes_of
 from .inputs import use_contents as use_contents
 from .layers import BodyLayer as BodyLayer
+from .layers import Relaxation as Relaxation
 from .layers import Stiffness as Stiffness
 from .load_history import Binned as Binned
 from .load_history import LoadHistory as LoadHistory

@@ -14,6 +14,7 @@ from tractive_sam.mechanics import (
     HertzLine,
     LayeredBody,
     Material,
+    RelaxingBody,
     TransverseMaterial,
     combine,
     combined_radius,
@@ -43,11 +44,15 @@ from tractive_sam.schema import (
 
 from .layers import (
     BodyLayer,
+    Relaxation,
     Stiffness,
     check_constants,
     check_layers,
+    check_relaxation,
+    describe_parts,
     isotropic_material,
     layered_contact,
+    relaxing,
 )
 from .roller import RollerProfile
 from .steel import Strength, check_strength_of_bodies, find_surface_strength
@@ -268,7 +273,14 @@ class Body(Table):
         min_length=1,
         max_length=100,
     )
-    checks: ClassVar[tuple[Check, ...]] = (check_constants, check_layers)
+    relaxation: tuple[Relaxation, ...] = entry(
+        "terms by which the body with all its layers relaxes; young is the modulus at once",
+        "at least one term, [[body.A.relaxation]]",
+        (),
+        min_length=1,
+        max_length=100,
+    )
+    checks: ClassVar[tuple[Check, ...]] = (check_constants, check_layers, check_relaxation)
 
     @property
     def material(self) -> Material:
@@ -278,7 +290,12 @@ class Body(Table):
         return isotropic_material(self.young, self.shear, self.poisson)
 
     @property
-    def response(self) -> Material | LayeredBody | TransverseMaterial:
+    def response(self) -> Material | LayeredBody | TransverseMaterial | RelaxingBody:
+        """Elastic constants or layers, of a body that relaxes with its terms."""
+        return relaxing(self.elastic, self.relaxation)
+
+    @property
+    def elastic(self) -> Material | LayeredBody | TransverseMaterial:
         """Elastic constants of a homogeneous body, also of one with equal layers, or the layers."""
         if self.stiffness is not None:
             return self.stiffness.material
@@ -317,7 +334,7 @@ class Bodies(Table):
     def describe(self, scene: Any) -> Iterator[Row]:
         """Yield report rows: moduli and radii of each body, combined modulus and radii."""
         for name, body in (("A", self.A), ("B", self.B)):
-            material, other = body.material, body.response
+            material, other = body.material, body.elastic
             radii = f", R_x = {body.radius_x:g} mm, R_y = {body.radius_y:g} mm"
             text = f"E = {material.young:g} MPa, nu = {material.poisson:g}"
             if isinstance(other, TransverseMaterial):
@@ -325,20 +342,15 @@ class Bodies(Table):
                 tangential = f"G = {material.shear:.6g} MPa, nu = {material.poisson:.4g}"
                 text = f"E* = {modulus:.6g} MPa for pressure, {tangential} for traction"
             yield Row(f"body {name}", text if scene.wheelset else text + radii, brief=True)
-            for k, layer in enumerate(body.layer):
-                moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
-                moduli += ", graded" if layer.gradient != "none" else ""
-                if any(compliance := layer.layer.compliance):
-                    springs = " and ".join(f"{value:g}" for value in compliance)
-                    moduli += f", on springs with {springs} mm/MPa in shear and along the normal"
-                yield Row(f"layer {k} of {name}", f"{layer.thickness:g} mm, {moduli}", brief=True)
-        if self.is_layered:
+            for label, text in describe_parts(body.layer, body.response):
+                yield Row(f"{label} of {name}", text, brief=True)
+        if any(body.layer for body in (self.A, self.B)):
             text = "the wear and the heat change neither thickness nor moduli"
             yield Row("layers", f"{text}; heat flows as in the body below")
-            if (contact := scene.hertz) is not None:
-                modulus = self.contact_modulus(contact.mean_semi_axis)
-                text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
-                yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
+        if self.is_layered and (contact := scene.hertz) is not None:
+            modulus = self.contact_modulus(contact.mean_semi_axis, scene.creepage.speed)
+            text = f"E* = {modulus:.6g} MPa for waves as long as the contact"
+            yield Row("equivalent modulus", f"{text}; mesh, units and a follow from it")
         for name, body in (("A", self.A), ("B", self.B)):
             if body.profile is not None:
                 kept = {
@@ -372,7 +384,13 @@ class Bodies(Table):
     @property
     def is_layered(self) -> bool:
         """Whether the response of a body depends on the length of the contact."""
-        return any(isinstance(body, LayeredBody) for body in self.responses.values())
+        lengthy = LayeredBody, RelaxingBody
+        return any(isinstance(body, lengthy) for body in self.responses.values())
+
+    @property
+    def relaxes(self) -> bool:
+        """Whether a body relaxes."""
+        return any(isinstance(body, RelaxingBody) for body in self.responses.values())
 
     @property
     def is_isotropic(self) -> bool:
@@ -380,7 +398,7 @@ class Bodies(Table):
         return all(isinstance(body, Material) for body in self.responses.values())
 
     @property
-    def responses(self) -> dict[str, Material | LayeredBody | TransverseMaterial]:
+    def responses(self) -> dict[str, Material | LayeredBody | TransverseMaterial | RelaxingBody]:
         """Elastic constants or layers of each body."""
         return {"A": self.A.response, "B": self.B.response}
 
@@ -391,11 +409,14 @@ class Bodies(Table):
             return self.material.coupling != 0.0
         return len(set(self.responses.values())) == 2
 
-    def contact_modulus(self, length: float) -> float:
-        """Return the contact modulus E*, MPa; of layers for waves as long as a contact, mm."""
+    def contact_modulus(self, length: float, speed: float | None = None) -> float:
+        """Return the contact modulus E*, MPa; of layers for waves as long as a contact, mm.
+
+        Bodies that relax have that at the rolling speed, mm/s, or without it that at rest.
+        """
         if self.is_isotropic:
             return self.material.plane_strain_modulus
-        return contact_modulus(self.A.response, self.B.response, length)
+        return contact_modulus(self.A.response, self.B.response, length, speed or 0.0)
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -421,7 +442,7 @@ class Bodies(Table):
         """Whether both bodies have ``radius_y = inf``: a line contact without a gap over y."""
         return self.A.radius_y == self.B.radius_y == math.inf
 
-    def hertz(self, load: Load) -> HertzContact | HertzLine | None:
+    def hertz(self, load: Load, speed: float | None = None) -> HertzContact | HertzLine | None:
         """Return the Hertz contact under a load; None if radii or approach close no contact.
 
         Infinitely long bodies have a line contact under a load per length. The contact of bodies
@@ -438,7 +459,8 @@ class Bodies(Table):
         prescribed = {"load": load.normal, "approach": load.approach, "pressure": load.pressure}
         if self.is_layered:
             load_items = tuple(prescribed.items())
-            return layered_contact(self.A.response, self.B.response, self.radii, load_items)
+            each = self.A.response, self.B.response
+            return layered_contact(*each, self.radii, load_items, speed or 0.0)
         e_star = self.contact_modulus(1.0)  # of all lengths
         if is_line:
             return hertz_line(e_star, radius_x, load.normal, pressure=load.pressure)

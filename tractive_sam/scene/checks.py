@@ -8,6 +8,8 @@ from tractive_sam.mechanics import (
     HertzLine,
     LayeredBody,
     Material,
+    RelaxingBody,
+    TransverseMaterial,
     full_slip_force,
     load_to_carry,
 )
@@ -509,24 +511,32 @@ def _check_observers(entries: ValidEntries) -> Iterator[Fault]:
 
 
 def _check_responses_combine(entries: ValidEntries) -> Iterator[Fault]:
-    """Report layers and [stiffness] with keys and tables that hold for other bodies only."""
+    """Report materials other than Hooke's with keys and tables that hold for other bodies only."""
     responses = entries["body"].responses
     others = {b: body for b, body in responses.items() if not isinstance(body, Material)}
     if not others:
         return
-    kinds = {b: "layer" if isinstance(v, LayeredBody) else "stiffness" for b, v in others.items()}
+    names = {LayeredBody: "layer", RelaxingBody: "relaxation"}
+    kinds = {b: names.get(type(v), "stiffness") for b, v in others.items()}
     key = ", ".join(f"body.{body}.{kind}" for body, kind in kinds.items())
     elastic, pressure = entries["elasticity"], entries["load.pressure"]
     if elastic is not None and elastic.named_law:
         cure = "one of them: a user-defined law gives the response of both bodies"
         yield Fault(f"{key}, elasticity.law", f"{elastic.named_law}, with {key}", cure)
-    if pressure is not None and "layer" in kinds.values():
+    if "relaxation" in kinds.values() and entries["creepage.speed"] is None:
+        yield Fault("creepage.speed", "nothing", f"rolling speed V, mm/s, which {key} needs")
+    if "relaxation" in kinds.values() and entries["transient"] is not None:
+        cure = "no [transient]: the memory of the bodies is that of steady rolling"
+        yield Fault(key, "with [transient]", cure)
+    if pressure is not None and {"layer", "relaxation"} & set(kinds.values()):
         cure = "load.normal or load.approach: the Hertz pressure is that of homogeneous bodies"
         yield Fault("load.pressure", f"{shorten(pressure)}, with {key}", cure)
     if entries["wheel"] is not None:
         cure = "nothing: the contacts of a wheel are found for homogeneous, isotropic bodies"
         yield Fault(key, "with [wheel]", cure)
-    unknown = [body for body, kind in kinds.items() if kind == "stiffness"]
+    # Creep changes no stress that tractions cause.
+    inner = {body: getattr(other, "body", other) for body, other in others.items()}
+    unknown = [body for body, known in inner.items() if isinstance(known, TransverseMaterial)]
     for table in ("subsurface", "fatigue"):
         for body in unknown if entries[table] is not None else ():
             if body not in entries[f"{table}.bodies"]:

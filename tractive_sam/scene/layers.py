@@ -1,4 +1,4 @@
-"""Tables for elastic materials of a body: layers, and stiffness of transverse isotropy."""
+"""Tables for materials of a body: layers, stiffness of transverse isotropy, and relaxation."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from tractive_sam.mechanics import (
     Layer,
     LayeredBody,
     Material,
+    RelaxingBody,
     TransverseMaterial,
     contact_modulus,
+    creep_terms,
     hertz,
     hertz_line,
 )
@@ -171,6 +173,80 @@ def check_layers(
         yield Fault("layer", f"{len(layers)} layers", cure)
 
 
+class Relaxation(Table):
+    """Term of a Prony series: a part of the creep of a body, or of the relaxation of its modulus.
+
+    After the time t the compliance is that of young and poisson times 1 + sum of ratio (1 - exp(-t
+    / time)) over all terms, for `of` = "compliance"; for "modulus" it is the modulus times 1 - this
+    sum. Poisson's ratio does not change.
+
+    Examples
+    --------
+    >>> ts.Relaxation(ratio=1.0, time=0.01).of
+    'compliance'
+    """
+
+    key_advice: ClassVar[Mapping[str, str]] = {
+        "tau": "time, in s",
+        "modulus": 'ratio, of the body\'s modulus, with of = "modulus"',
+        "poisson": "poisson of the body: it does not change with the time",
+    }
+    ratio: NotNegative = entry(
+        "part of the compliance (of the modulus: part that is lost) over that at once", le=1e6
+    )
+    time: Positive = entry("retardation time of the compliance, or relaxation time, s")
+    of: Literal["compliance", "modulus"] = entry(
+        "what grows or falls with the time; the same in all terms of a body", default="compliance"
+    )
+
+
+def check_relaxation(entries: ValidEntries) -> Iterator[Fault]:
+    """Report terms of the compliance and of the modulus together, or nothing left of a modulus."""
+    terms = entries["relaxation"]
+    for k, term in enumerate(terms):
+        if term.of != terms[0].of:
+            cure = f'"{terms[0].of}", as in the first term: convert the measured values'
+            yield Fault(f"relaxation[{k}].of", f'"{term.of}"', cure)
+            return
+    lost = sum(term.ratio for term in terms)
+    if terms and terms[0].of == "modulus" and lost >= 1.0 - 1e-6:
+        cure = 'a sum of all terms below 1 with of = "modulus": a solid keeps a part of it'
+        yield Fault("relaxation[0].ratio", f"terms with the sum {lost:g}", cure)
+
+
+def relaxing(
+    body: Material | LayeredBody | TransverseMaterial, terms: tuple[Relaxation, ...]
+) -> Material | LayeredBody | TransverseMaterial | RelaxingBody:
+    """Return a body with terms of relaxation; the body itself if all their ratios are zero."""
+    pairs = tuple((term.ratio, term.time) for term in terms if term.ratio > 0.0)
+    if not pairs:
+        return body
+    if terms[0].of == "modulus":
+        pairs = creep_terms(pairs)
+    return RelaxingBody(body, pairs)
+
+
+def describe_parts(
+    layers: tuple[BodyLayer, ...],
+    body: Material | LayeredBody | TransverseMaterial | RelaxingBody,
+) -> Iterator[tuple[str, str]]:
+    """Yield a label and a text for each layer of a body, and for its relaxation."""
+    for k, layer in enumerate(layers):
+        moduli = f"E = {layer.material.young:g} MPa, nu = {layer.poisson:g}"
+        moduli += ", graded" if layer.gradient != "none" else ""
+        if any(compliance := layer.layer.compliance):
+            springs = " and ".join(f"{value:g}" for value in compliance)
+            moduli += f", on springs with {springs} mm/MPa in shear and along the normal"
+        yield f"layer {k}", f"{layer.thickness:g} mm, {moduli}"
+    if isinstance(body, RelaxingBody):
+        share, times = (
+            1.0 / body.factor(0.0, 0.0).real,
+            ", ".join(f"{time:.4g}" for _, time in body.terms),
+        )
+        text = f"creep in {times} s; long after loading {share:.4g} of the modulus"
+        yield "relaxation", f"{text}, in all layers; each pass begins at rest"
+
+
 def check_constants(entries: ValidEntries) -> Iterator[Fault]:
     """Report elastic constants that are missing, or given twice."""
     given = entries.given & {"young", "shear", "poisson"}
@@ -187,10 +263,11 @@ def check_constants(entries: ValidEntries) -> Iterator[Fault]:
 
 @lru_cache(64)
 def layered_contact(
-    A: Material | LayeredBody | TransverseMaterial,
-    B: Material | LayeredBody | TransverseMaterial,
+    A: Material | LayeredBody | TransverseMaterial | RelaxingBody,
+    B: Material | LayeredBody | TransverseMaterial | RelaxingBody,
     radii: tuple[float, float],
     prescribed: tuple[tuple[str, float | None], ...],
+    speed: float = 0.0,
 ) -> HertzContact | HertzLine:
     """Return the Hertz contact whose modulus is that of the bodies for waves of its length."""
     load = dict(prescribed)
@@ -203,14 +280,16 @@ def layered_contact(
 
     # With a larger modulus the contact is smaller and meets more of the layers; the moduli of all
     # lengths enclose the solution.
-    depth = sum(layer.thickness for body in (A, B) for layer in getattr(body, "layers", ()))
-    lengths = [depth * 10.0 ** (0.25 * k) for k in range(-24, 25)]
-    moduli = [math.log(contact_modulus(A, B, length)) for length in lengths]
+    inner = [getattr(body, "body", body) for body in (A, B)]
+    depth = sum(layer.thickness for body in inner for layer in getattr(body, "layers", ()))
+    depth += sum(speed * time for body in (A, B) for _, time in getattr(body, "terms", ()))
+    lengths = [(depth or 1.0) * 10.0 ** (0.25 * k) for k in range(-24, 25)]
+    moduli = [math.log(contact_modulus(A, B, length, speed)) for length in lengths]
     low, high = min(moduli), max(moduli)
     for _ in range(30):
         middle = 0.5 * (low + high)
         length = contact(middle).mean_semi_axis
-        if math.log(contact_modulus(A, B, length)) > middle:
+        if math.log(contact_modulus(A, B, length, speed)) > middle:
             low = middle
         else:
             high = middle

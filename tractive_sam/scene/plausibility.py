@@ -529,7 +529,8 @@ def _creepage_without_friction(scene: Any) -> Iterator[str]:
     """Yield a note for creepages without friction."""
     if scene.friction is not None:
         return
-    if nonzero := [key for key, value in scene.creepage.settings().items() if value]:
+    used = {"speed"} if scene.body.relaxes else set()
+    if nonzero := [k for k, value in scene.creepage.settings().items() if value and k not in used]:
         keys = ", ".join(f"creepage.{key}" for key in nonzero)
         yield f"{keys}: without [friction] there is no traction; add friction.mu"
 

@@ -564,7 +564,7 @@ class Scene(TomlTable):
         """
         if self.body.infinitely_long and not self.line:
             return None
-        return self.body.hertz(self.load)
+        return self.body.hertz(self.load, self.creepage.speed)
 
     @classmethod
     def resolve_files(cls, folder: Path, tables: dict[str, Any]) -> dict[str, Any]:

@@ -208,6 +208,8 @@ def conjugate_residuals(
 class ConjugateGradients:
     """Conjugate gradient solver for the normal problem without tractions, for load or approach.
 
+    The operator of bodies that relax is not symmetric: `ActiveSets` solves their problem.
+
     Attributes
     ----------
     iterations : int
@@ -230,6 +232,8 @@ class ConjugateGradients:
         start : Start or Outcome, optional
             Initial guess; elements with zero pressure are assumed out of contact at first.
         """
+        if not problem.operators.elasticity.symmetric:
+            return ActiveSets().solve(problem, tolerance, start)
         pressure = _first_guess(problem)
         if start is not None:
             pressure = needed(start.pressure, "start.pressure")
@@ -312,6 +316,53 @@ class _Iteration:
         self._last = _Search(direction, self.gap, product)
         return self._minimise_along(direction)
 
+    def close(self, active: np.ndarray, goal: float, steps: int) -> tuple[np.ndarray, np.ndarray]:
+        """Close the gap of active elements by GMRES; return pressure, also of tension, and gap.
+
+        The iteration then has this pressure without tension.
+
+        Parameters
+        ----------
+        active : ndarray of bool
+            Elements that may carry pressure; at least one under a load.
+        goal : float
+            Relative residual of their gap.
+        steps : int
+            Most iterations.
+        """
+        if self.under_load and not active.any():
+            active = self.gap == self.gap.min()
+        self._active = active
+        if np.any(self.pressure[~active]) or (self.under_load and not self.pressure.any()):
+            self._set_pressure(np.where(active, self.pressure, 0.0))
+        shape, total, count = self.gap.shape, self.lattice.sum, self.lattice.sum(1.0 * active)
+        if self.under_load:
+            self._response = self._precondition(np.ones(shape))
+
+        def rows(gap: np.ndarray) -> np.ndarray:
+            mean = total(np.where(active, gap, 0.0)) / count if self.under_load else 0.0
+            return np.where(active, gap - mean, 0.0).ravel()
+
+        def precondition(row: np.ndarray) -> np.ndarray:
+            step = self._precondition(row.reshape(shape))
+            return (self._without_load(step) if self.under_load else step).ravel()
+
+        missed = -rows(self._lift + self.problem.gap - self.approach)
+        step, _ = gmres(
+            lambda row: rows(self._apply(row.reshape(shape))), precondition, missed, goal, steps
+        )
+        raw = self.pressure + step.reshape(shape)
+        self.pressure = raw
+        self._set_lift(self._apply(raw))
+        gap = self.gap
+        if self.under_load:
+            mean = total(np.where(active, gap, 0.0)) / count
+            gap, self.approach = gap - mean, self.approach + mean
+            self.gap = gap
+        if raw.min() < 0.0:
+            self._set_pressure(np.maximum(raw, 0.0))
+        return raw, gap
+
     def _minimise_along(self, direction: np.ndarray) -> bool:
         """Minimise along a direction, without tension; return False if that has no curvature."""
         xp, dot, change = self.backend.xp, self.lattice.dot, self._apply(direction)
@@ -351,6 +402,68 @@ class _Search(NamedTuple):
     direction: np.ndarray
     gap: np.ndarray
     product: float
+
+
+@dataclass(frozen=True)
+class ActiveSets:
+    """Solver of the normal problem of operators that are not symmetric, but positive definite.
+
+    In each step the gap of the active elements is closed by GMRES, preconditioned by the circulant
+    inverse. Elements that pull then leave the contact, and those that overlap enter it (Newton's
+    method for the natural residual). If the number of both no longer falls, only those change that
+    are the worst; a single change at last always ends (Murty 1974, Linear Algebra Appl. 9, 65-108).
+
+    Attributes
+    ----------
+    steps : int
+        Most steps.
+    krylov : int
+        Most iterations of GMRES in a step.
+    patience : int
+        Steps without fewer wrong elements after which half as many as before may change.
+    """
+
+    steps: int = 200
+    krylov: int = 150
+    patience: int = 3
+
+    def solve(
+        self, problem: NormalProblem, tolerance: float, start: Start | Outcome | None = None
+    ) -> Outcome:
+        """Solve the normal problem; see `ConjugateGradients.solve`."""
+        pressure = _first_guess(problem)
+        if start is not None:
+            pressure = np.maximum(needed(start.pressure, "start.pressure"), 0.0)
+        at, status = _Iteration(problem, pressure), Status.OUT_OF_ITERATIONS
+        active, since, part = at.pressure > 0.0, 0, 1.0
+        fewest = active.size + 1
+        for taken in range(self.steps + 1):
+            residual = natural_residual(at.pressure, at.gap, at.lattice)
+            if residual <= tolerance:
+                status = Status.CONVERGED
+                break
+            if taken == self.steps:
+                break
+            raw, gap = at.close(active, max(min(0.03, residual), 0.1 * tolerance), self.krylov)
+            wrong = np.where(active, raw, gap)  # of active elements that pull, others that overlap
+            count = int(np.count_nonzero(wrong < 0.0))
+            since = 0 if count < fewest else since + 1
+            fewest = min(fewest, count)
+            if since >= self.patience:
+                since, part = 0, 0.5 * part
+            if count:
+                last = max(int(part * count), 1) - 1
+                active = active ^ (wrong <= np.partition(wrong[wrong < 0.0], last)[last])
+        return Outcome(
+            status,
+            residual,
+            taken,
+            Cost(at.applications, at.preconditionings),
+            pressure=_scale_to_load(problem, closed(at.pressure, at.gap)),
+            gap=at.gap,
+            approach=at.approach,
+            trace=(Note("active sets", status),),
+        )
 
 
 def natural_residual(pressure: np.ndarray, gap: np.ndarray, lattice: Lattice) -> float:

@@ -1,0 +1,348 @@
+"""Half-spaces that relax while they roll: linear viscoelastic bodies with Prony terms.
+
+The creep compliance of a body is that of its elastic constants times
+
+    1 + sum_j f_j (1 - exp(-t/tau_j)),
+
+for all components, so that Poisson's ratio does not depend on the time. In steady rolling material
+comes from ahead, +x, with the speed V: a particle at x was at x + V t before. With the displacement
+K(x) of the elastic body by the traction on an element, that of the relaxing one is therefore
+
+    K(x) + sum_j f_j M_j(x),    M(x) = integral of exp(-s/T) K(x + s) ds/T over s > 0, T = V tau,
+
+and M is the solution of M - T dM/dx = K that is bounded ahead. The integral is taken once, of the
+influence coefficients: the convolutions are those of elastic bodies, of as many elements, for any
+number of terms and any length of the memory. An equation for the displacement in place of it, as in
+finite differences, has a further error for the place, and needs the displacement far ahead.
+
+M is integrated from far ahead to the element and beyond, step by step, with the exponential exact
+and K by polynomials of fifth degree: near the element at ninths of its length, since K has bends at
+its edges; farther away at elements; and beyond the mesh at elements that double in length.
+
+M is neither even nor odd in x. Its part with the parity of K stores energy, the other one
+dissipates: of equal tractions it gives the work p . dM/dx.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from tractive_sam.mechanics.elasticity import Elasticity, Material
+from tractive_sam.mechanics.layers import LinearHalfSpaces, SurfaceResponse, contact_modulus
+
+
+@dataclass(frozen=True)
+class RelaxingBody:
+    """Body whose deformation under a constant load grows with the time.
+
+    Parameters
+    ----------
+    body : Material, LayeredBody or TransverseMaterial
+        The body at once after loading, in glassy state.
+    terms : tuple of (float, float)
+        Ratio f and retardation time tau, s, of each term of the creep compliance, which is the
+        elastic one times 1 + sum f (1 - exp(-t/tau)).
+
+    Examples
+    --------
+    >>> rubber = ts.RelaxingBody(ts.Material(2.0, 0.5), ((1.0, 0.01), (3.0, 0.1)))
+    >>> float(rubber.factor(0.0, 100.0).real)  # long after loading
+    5.0
+    """
+
+    body: SurfaceResponse
+    terms: tuple[tuple[float, float], ...]
+
+    @property
+    def compliances(self) -> np.ndarray:
+        """Response of the glassy body to short waves, see `SurfaceResponse`."""
+        return self.body.compliances
+
+    @property
+    def images(self) -> tuple[np.ndarray, np.ndarray]:
+        """Response of the glassy body to other waves, see `SurfaceResponse`."""
+        return self.body.images
+
+    def factor(self, k: np.ndarray | float, speed: float) -> np.ndarray:
+        """Return the complex compliance in rolling over the elastic one, for waves exp(i k x).
+
+        Parameters
+        ----------
+        k : ndarray or float
+            Wave numbers, 1/mm.
+        speed : float
+            Rolling speed V, mm/s.
+        """
+        each = (ratio / (1.0 - 1j * np.asarray(k) * speed * time) for ratio, time in self.terms)
+        return np.asarray(1.0 + sum(each))
+
+
+def creep_terms(terms: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Return the terms of the creep compliance of a modulus that relaxes.
+
+    The modulus is G (1 - sum g (1 - exp(-t/tau))). Both are related by J(s) G(s) = 1 of their
+    Laplace transforms times s. With 1/tau on the diagonal of D and v² = g/tau, G(s)/G is 1 - v^T (D
+    + s)^-1 v, and the inverse is 1 + v^T (D - v v^T + s)^-1 v: the terms follow from eigenvalues.
+
+    Parameters
+    ----------
+    terms : sequence of (float, float)
+        g and relaxation time tau, s, of each term; the sum of g is below 1.
+
+    Returns
+    -------
+    tuple of (float, float)
+        Ratio f and retardation time, s, of as many terms.
+
+    Examples
+    --------
+    >>> ((ratio, time),) = ts.creep_terms([(0.5, 0.01)])
+    >>> round(ratio, 12), round(time, 12)
+    (1.0, 0.02)
+    """
+    g, tau = np.array(terms, float).T
+    v = np.sqrt(g / tau)
+    rates, modes = np.linalg.eigh(np.diag(1.0 / tau) - np.outer(v, v))
+    return tuple(zip(((v @ modes) ** 2 / rates).tolist(), (1.0 / rates).tolist(), strict=True))
+
+
+@dataclass(frozen=True)
+class RelaxingHalfSpaces(LinearHalfSpaces):
+    """Elasticity of two half-spaces in steady rolling; at least one of them relaxes.
+
+    Its normal and tangential operators are not symmetric, and dissipate.
+
+    Parameters
+    ----------
+    A, B : Material, LayeredBody, TransverseMaterial or RelaxingBody
+        The upper and the lower body.
+    datum : float, optional
+        For line contacts, see `Strips`; None for contacts of finite width.
+    speed : float
+        Rolling speed V, mm/s.
+
+    Examples
+    --------
+    >>> bodies = ts.Laws.of(scene).elasticity
+    >>> tyre = ts.RelaxingBody(bodies.A, ((0.5, 0.01),))
+    >>> rolling = ts.RelaxingHalfSpaces(tyre, bodies.B, speed=100.0)
+    >>> table = rolling.coefficients("zz", (9, 9), 0.1, 0.1)
+    >>> bool((table > bodies.coefficients("zz", (9, 9), 0.1, 0.1)).all())
+    True
+    """
+
+    speed: float = 0.0
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether the operators of pressure and of tractions are symmetric: not with memory."""
+        return False
+
+    @property
+    def coupled(self) -> bool:
+        """Whether pressure causes tangential displacement: unless the bodies are alike."""
+        slips = (body.compliances[3] or body.images[1][3].any() for body in (self.A, self.B))
+        return self.A != self.B and any(slips)
+
+    def coefficients(
+        self, component: str, offsets: tuple[int, int], dx: float, dy: float
+    ) -> np.ndarray:
+        """Return the part of the influence coefficients with the parity of elastic bodies.
+
+        Parameters as in `Elasticity.coefficients`.
+        """
+        nx, ny = offsets
+        return _coefficients(self, component, dx, dy).at(nx, ny)[0]
+
+    def lag(self, component: str, offsets: tuple[int, int], dx: float, dy: float) -> np.ndarray:
+        """Return the other part of the influence coefficients, of the other parity in x.
+
+        Parameters as in `Elasticity.coefficients`.
+        """
+        nx, ny = offsets
+        return _coefficients(self, component, dx, dy).at(nx, ny)[1]
+
+    def periodic(
+        self, component: str, period: tuple[int, int], dx: float, dy: float
+    ) -> np.ndarray | None:
+        """Return the spectrum of displacements that repeat with a period, from the response.
+
+        Parameters as in `Elasticity.periodic`.
+        """
+        k = 2.0 * np.pi * np.fft.fftfreq(period[0])[:, None] / dx
+        total: np.ndarray | None = None
+        for law, body in _parts(self):
+            spectrum = law.periodic(component, period, dx, dy)
+            if spectrum is None:
+                return None
+            factor = body.factor(k, self.speed) if isinstance(body, RelaxingBody) else 1.0
+            total = spectrum * factor + (0.0 if total is None else total)
+        return total
+
+    def gap_per_pressure(self, length: float, dx: float, dy: float) -> float:
+        """Return length / E*, E* for waves that are as long as the contact, mm/MPa.
+
+        Parameters as in `Elasticity.gap_per_pressure`.
+        """
+        return length / contact_modulus(self.A, self.B, length, self.speed)
+
+    def single_body(self, body: str) -> Elasticity:
+        """Return the half-spaces for the stress in a body, which tractions give at any time.
+
+        The stress in a homogeneous half-space under given tractions depends on Poisson's ratio
+        alone, which does not change with the time.
+        """
+        A, B = (getattr(each, "body", each) for each in (self.A, self.B))
+        return LinearHalfSpaces(A, B, self.datum).single_body(body)
+
+
+def _parts(law: RelaxingHalfSpaces) -> list[tuple[LinearHalfSpaces, SurfaceResponse]]:
+    """Return elastic laws of groups of bodies that relax alike, and one body of each."""
+    A, B = law.A, law.B
+    plain_A, plain_B = (getattr(body, "body", body) for body in (A, B))
+    if getattr(A, "terms", ()) == getattr(B, "terms", ()):
+        return [(LinearHalfSpaces(plain_A, plain_B, law.datum), A)]
+    rigid = Material(np.inf, 0.5)
+    of_A = LinearHalfSpaces(plain_A, rigid, law.datum), A
+    return [of_A, (LinearHalfSpaces(rigid, plain_B, law.datum), B)]
+
+
+class _Coefficients:
+    """Influence coefficients of both parities of a component, stored and extended on demand."""
+
+    def __init__(self, law: RelaxingHalfSpaces, component: str, dx: float, dy: float) -> None:
+        self._law, self._component, self._sides = law, component, (dx, dy)
+        self._table = np.empty((2, 0, 0))
+
+    def at(self, nx: int, ny: int) -> np.ndarray:
+        """Return those at offsets below (nx, ny) elements, mm/MPa, (2, nx, ny)."""
+        stored = self._table.shape[1:]
+        if nx > stored[0] or ny > stored[1]:
+            offsets, component = (max(nx, stored[0]), max(ny, stored[1])), self._component
+            self._table = np.zeros((2, *offsets))
+            for elastic, body in _parts(self._law):
+                self._table[0] += elastic.coefficients(component, offsets, *self._sides)
+                for ratio, time in getattr(body, "terms", ()):
+                    reach = self._law.speed * time
+                    lagging = _remember(elastic, component, offsets, self._sides, reach)
+                    self._table += ratio * lagging
+        return self._table[:, :nx, :ny]
+
+
+_coefficients = lru_cache(32)(_Coefficients)
+"""The coefficients of a law by component and sides of the elements."""
+
+
+def _remember(
+    law: LinearHalfSpaces,
+    component: str,
+    offsets: tuple[int, int],
+    sides: tuple[float, float],
+    reach: float,
+    near: int = 6,
+    parts: int = 9,
+) -> np.ndarray:
+    """Return the memory M of elastic influence coefficients: its parts with and without parity.
+
+    Parameters
+    ----------
+    law : LinearHalfSpaces
+        Elastic bodies, K.
+    component, offsets, sides
+        See `Elasticity.coefficients`.
+    reach : float
+        T = V tau, mm.
+    near : int
+        Elements from the loaded one up to which K is taken at parts of elements.
+    parts : int
+        These parts, odd.
+
+    Returns
+    -------
+    ndarray, shape (2, n_x, n_y)
+        mm/MPa.
+    """
+    (dx, dy), (nx, ny) = sides, (max(offsets[0], 24), offsets[1])
+    parity = -1.0 if component in ("xz", "xy") else 1.0
+    doublings = int(np.log2(nx / 24))
+    first = -(-nx // 2**doublings)  # elements of the doubled length up to the mesh's end
+
+    def table(rows: int, step: float) -> np.ndarray:
+        """Return K at offsets of a step, of elements as long as it, per their length."""
+        return law.coefficients(component, (rows, ny), step, dy) * (dx / step)
+
+    # Beyond the mesh, from the farthest steps to the nearest.
+    lengths = [dx * 2**doublings]
+    while 2 * first * lengths[-1] < 40.0 * reach:
+        lengths.append(2.0 * lengths[-1])
+    rise = table(2 * first + 1, lengths[-1])
+    value = rise[-1:]
+    for step in reversed(lengths):
+        beyond = table(2 * first + 4, step)
+        value = _sweep(value[0], beyond[first - 2 :], step / reach)
+    whole = table(first * 2**doublings + 4, dx)
+    ahead = _sweep(value[0], whole[near - 2 :], dx / reach)
+    # Sums of parts of elements: K at parts.
+    count = near * parts + 4 + parts // 2
+    fine = table(count, dx / parts) / parts
+    fine = np.concatenate((parity * fine[:0:-1], fine)).cumsum(axis=0)
+    fine = np.concatenate((np.zeros((1, ny)), fine))
+    fine = fine[parts:] - fine[:-parts]
+    middle = _sweep(ahead[0], fine[1:], dx / parts / reach)[::parts]
+    behind = _sweep(middle[0], parity * whole[nx + 1 : near - 4 : -1], dx / reach)
+    line = np.concatenate((behind[:-1], middle[:-1], ahead))  # from -(nx - 1) on
+    if law.datum is not None and parity > 0.0:
+        line -= _memory_at_datum(law.datum, reach) / np.log(2.0) * (rise[first] - rise[2 * first])
+    front, rear = line[nx - 1 :][: offsets[0]], line[nx - 1 :: -1][: offsets[0]]
+    return 0.5 * np.stack((front + parity * rear, front - parity * rear))
+
+
+def _memory_at_datum(datum: float, reach: float) -> float:
+    """Return the mean memory of -ln(|x|/datum) at both points at the distance of the datum."""
+    # Scenes and results are read without these functions.
+    from scipy.special import exp1, expi  # noqa: PLC0415
+
+    r = datum / reach
+    if r > 50.0:  # asymptotic
+        return 1.0 / r**2
+    return float(0.5 * (np.exp(-r) * expi(r) - np.exp(r) * exp1(r)))
+
+
+def _sweep(start: np.ndarray, values: np.ndarray, rate: float) -> np.ndarray:
+    """Return M at equal steps from M at the last node, for values K at the nodes.
+
+    Parameters
+    ----------
+    start : ndarray, shape (n_y,)
+        M at the last node.
+    values : ndarray, shape (n + 6, n_y)
+        K at the nodes 0 ... n, with two more before and three after.
+    rate : float
+        Step over T.
+
+    Returns
+    -------
+    ndarray, shape (n + 1, n_y)
+    """
+    count, ahead = len(values) - 6, 1
+    added = sum(w * values[i : i + count] for i, w in enumerate(_step_weights(rate)))
+    out = np.concatenate((added, start[None]))
+    # Sums of exp(-rate k) times the k-th value ahead: of 1, 2, 4, ... values.
+    while ahead <= count:
+        out[:-ahead] += np.exp(-rate * ahead) * out[ahead:]
+        ahead *= 2
+    return out
+
+
+@lru_cache(256)
+def _step_weights(rate: float) -> np.ndarray:
+    """Return the weights of K at six nodes in the integral of its polynomial over a step."""
+    # Of the step only the part within reach of the exponential counts.
+    end, nodes = min(1.0, 40.0 / rate), np.arange(-2, 4)
+    points, shares = np.polynomial.legendre.leggauss(24)
+    points = 0.5 * end * (1.0 + points)
+    shares = 0.5 * end * shares * rate * np.exp(-rate * points)
+    factors = [[(points - j) / (i - j) for j in nodes if j != i] for i in nodes]
+    return np.array([shares @ np.prod(factor, axis=0) for factor in factors])
