@@ -1,10 +1,14 @@
 """Wear is what the work of friction wears."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
+import tractive_sam as ts
 from tests.scenes import steady
 from tractive_sam.contact import Model, equilibrium
+from tractive_sam.mechanics.falling import Exponential
 from tractive_sam.mechanics.wear import Archard, ArchardByWork
 from tractive_sam.scene import Scene
 
@@ -140,3 +144,40 @@ def test_the_papers_slip_wears_by_its_law():
         )
         assert isinstance(by_work, ArchardByWork)
         assert letter == Archard(scene.wear.intensity, np.deg2rad(scene.friction.angle))
+
+
+@dataclass(frozen=True)
+class Stripe(ts.Coulomb):
+    """Half of the friction for y > 0."""
+
+    def bound(self, pressure, x, y):
+        return ts.Bound(np.where(y > 0.0, 0.5, 1.0) * pressure, np.where(y > 0.0, 0.5, 1.0))
+
+
+FALLING = ts.FallingCoulomb((0.3, 0.3), 0.0, Exponential(0.4, 100.0), 1e3, strength=150.0)
+
+
+@pytest.mark.parametrize(
+    "friction",
+    [ts.Coulomb((0.1, 0.1)), ts.ScaledFriction(ts.Coulomb((0.3, 0.3)), 0.4), Stripe(), FALLING],
+)
+@pytest.mark.parametrize("law", ["archard", {"A": "jendel", "B": "archard"}])
+def test_laws_in_place_of_the_scenes_friction_wear_as_they_slip(law, friction):
+    """In full slip the depth follows from pressure and slip, whatever the friction is."""
+    coefficient = 1e-3 if law == "archard" else {"B": 1e-3}
+    scene = Scene.builtin("spheres").replace(
+        friction={"mu": 0.3},
+        creepage={"longitudinal": -10.0, "speed": 1e3},
+        wear={"law": law, "revolutions": 1, "coefficient": coefficient},
+        subsurface=None,
+        **{"grid.elements": (21, 21), "body.A.hardness": 2e3, "body.B.hardness": 2e3},
+    )
+    model = Model(scene, laws=ts.Laws.of(scene).replace(friction=friction))
+    contact = equilibrium(model)
+    fields = contact.pressure, contact.traction, contact.slip
+    given = ts.Laws.of(scene).wear.with_friction(ts.Coulomb((0.3, 0.3)), None, None)
+    # As if the traction were that of the scene's friction.
+    opposed = np.stack((-0.3 * contact.pressure * np.sign(contact.slip[0]), 0.0 * contact.pressure))
+    expected = given.rate(contact.pressure, opposed, contact.slip)
+    # The slip at the centre and the mean of the faces differ by a ten thousandth.
+    np.testing.assert_allclose(model.wear_law.rate(*fields), expected, rtol=1e-3)

@@ -16,7 +16,6 @@ import numpy as np
 
 from tractive_sam.contact.model import Model
 from tractive_sam.mechanics import (
-    ArchardByWork,
     FallingCoulomb,
     PerBody,
     TemperatureFactor,
@@ -185,26 +184,21 @@ def wear_conditions(
 
 def wear_law_at(model: Model, contact: State) -> WearLaw | None:
     """Return the wear law at the depth, revolution and temperature of a contact, or None."""
-    law, scene = model.wear_law, model.scene
-    if law is None:
+    if model.laws.wear is None:
+        return None
+    scene, conditions = model.scene, wear_conditions(model, contact)
+    temperature = conditions.temperature
+    if scene.friction is not None and scene.friction.temperature is not None:
+        friction = friction_at_temperature(model, required(temperature, "heat"))
+        model = model.with_friction(friction)
+    law = required(model.wear_law, "wear").under(conditions)
+    if scene.wear is None or not scene.wear.temperature:
         return law
-    conditions = wear_conditions(model, contact)
-    law, temperature = law.under(conditions), conditions.temperature
-
-    def complete(part: WearLaw) -> WearLaw:
-        if isinstance(part, ArchardByWork) and part.friction:
-            friction = part.friction
-            if required(scene.friction, "friction").temperature is not None:
-                friction = friction_at_temperature(model, required(temperature, "heat"))
-            friction = friction.on_rows(model.grid.y, model.lateral_positions)
-            part = replace(part, friction=friction, length=model.grid.dx)
-        if scene.wear is not None and scene.wear.temperature:
-            degrees, factors = np.array(scene.wear.temperature).T
-            local = np.interp(required(temperature, "heat"), degrees, factors)
-            part = TemperatureScaledWear(part, local)
-        return part
-
-    return law.map_laws(complete) if isinstance(law, PerBody) else complete(law)
+    degrees, factors = np.array(scene.wear.temperature).T
+    local = np.interp(required(temperature, "heat"), degrees, factors)
+    if isinstance(law, PerBody):
+        return law.map_laws(lambda part: TemperatureScaledWear(part, local))
+    return TemperatureScaledWear(law, local)
 
 
 def friction_at_temperature(model: Model, temperature: np.ndarray) -> FallingCoulomb:

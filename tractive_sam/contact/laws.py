@@ -287,14 +287,12 @@ def _wear(scene: Scene) -> WearLaw | None:
 
 def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) -> WearLaw:
     """Return Energy, Archard (for upwind slip) or ArchardByWork with intensities of both axes."""
-    friction, frame = _friction(scene), required(scene.friction, "friction").frame
-    mu, angle = frame.mu, frame.angle
+    frame = required(scene.friction, "friction").frame
     if law == "energy":
-        return Energy(intensities, angle)
+        return Energy(intensities, frame.angle)
     if scene.solver.slip == "upwind":
-        return Archard(intensities, angle)
-    falling = friction if isinstance(friction, FallingCoulomb) else None
-    return ArchardByWork(intensities, mu, angle, falling)
+        return Archard(intensities, frame.angle)
+    return ArchardByWork(intensities, frame.mu, frame.angle)
 
 
 def _of_body(scene: Scene, name: str) -> WearLaw | None:

@@ -365,9 +365,12 @@ class Model:
 
     @property
     def wear_law(self) -> WearLaw | None:
-        """Wear law on this mesh; None without wear."""
-        law = self.laws.wear
-        return None if law is None else law.on(self.grid.element_area)
+        """Wear law on this mesh and for its friction; None without wear."""
+        law, grid = self.laws.wear, self.grid
+        if law is None:
+            return None
+        law = law.on(grid.element_area)
+        return law.with_friction(self.friction_law, grid.x[:, None], grid.y[None, :])
 
     @cached_property
     def units(self) -> Units:

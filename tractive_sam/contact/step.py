@@ -321,7 +321,9 @@ class StepWear:
             The particles with tractions that do work.
         """
         gained, deep = np.zeros_like(result.worn), 0.0
-        law = self.law.with_friction(friction).weakened(inputs.mean_friction)
+        grid = self.model.grid
+        law = self.law.with_friction(friction, grid.x[:, None], grid.y[None, :])
+        law = law.weakened(inputs.mean_friction)
         law = law.under(WearConditions(result.contact.wear, math.nan))
         if not advection.length:
             groups = tuple(self._with_last_traction(result, group) for group in groups)

@@ -350,15 +350,12 @@ class FallingCoulomb(Coulomb):
         capped = (bound.radius > 0.0) & (bound.by_pressure == 0.0)
         return np.where(capped, -self.frame.largest_by(change) * bound.radius, 0.0)
 
-    def friction_factor(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
+    def friction_factor(
+        self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray
+    ) -> np.ndarray:
         """Return the friction coefficients under a slip over their values at rest, (n_x, n_y).
 
-        Parameters
-        ----------
-        pressure, slip : ndarray
-            See `bound_sliding`.
-        length : float
-            Length of an element along x, mm, over which a memory fades; 0: without memory.
+        Parameters as in `FrictionLaw.friction_factor`.
         """
         share = np.ones_like(pressure)
         factor = 1.0 if self.warmth is None else self.warmth.factor
@@ -367,8 +364,7 @@ class FallingCoulomb(Coulomb):
         if self.sliding is not None:
             size = np.hypot(*slip)
             share, by_speed = self.sliding.at(self.speed * size)
-            if self.memory > 0.0 and length > 0.0:
-                x, y = np.array([[0.0], [length]]), np.zeros((1, 1))
+            if self.memory > 0.0:
                 if self.warmth is not None:
                     remembered = self.warmth.factor / self.warmth.entering
                     share, by_speed = remembered * share, remembered * by_speed
@@ -450,17 +446,6 @@ class FallingCoulombInStep(FallingCoulomb):
     def with_previous(self, past: PreviousShare) -> "FallingCoulombInStep":
         """Return the law for a step of a transient, with a memory of the friction before it."""
         return replace(self, past=past)
-
-    def friction_factor(self, pressure: np.ndarray, slip: np.ndarray, length: float) -> np.ndarray:
-        """Return the friction coefficients under a slip over their values at rest, (n_x, n_y).
-
-        The distance of the step replaces the length.
-
-        Parameters as in `FallingCoulomb.friction_factor`.
-        """
-        return super().friction_factor(
-            pressure, slip, length if self.past is None else self.past.distance
-        )
 
     def _with_memory(
         self,

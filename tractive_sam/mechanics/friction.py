@@ -199,6 +199,26 @@ class FrictionLaw(Law, ABC):
         """Return the law for a step of a transient, with its past friction; default: this law."""
         return self
 
+    def friction_factor(
+        self, pressure: np.ndarray, slip: np.ndarray, x: np.ndarray, y: np.ndarray
+    ) -> np.ndarray:
+        """Return friction under a slip over that by the coefficients of the frame, (n_x, n_y).
+
+        Wear laws by the work of friction need it: with less friction, an equal work is a longer
+        distance of sliding.
+
+        Parameters
+        ----------
+        pressure, slip, x, y : ndarray
+            See `bound_sliding`.
+        """
+        if self.falls:
+            radius = self.bound_sliding(pressure, slip, x, y, second=True).radius
+        else:
+            radius = self.bound(pressure, x, y).radius
+        factor = np.ones_like(pressure)
+        return np.divide(radius, pressure, out=factor, where=(pressure > 0.0) & (radius > 0.0))
+
     def project(
         self, traction: np.ndarray, radius: np.ndarray, physical: bool = False
     ) -> np.ndarray:

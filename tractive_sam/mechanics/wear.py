@@ -6,14 +6,13 @@ The measured laws use published coefficients, each set with its source, the publ
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from tractive_sam.description import ShortArrays
-from tractive_sam.mechanics.falling import FallingCoulomb
 from tractive_sam.mechanics.frame import Frame
-from tractive_sam.mechanics.friction import FrictionLaw
+from tractive_sam.mechanics.friction import Coulomb, FrictionLaw
 from tractive_sam.mechanics.law import Law
 from tractive_sam.mechanics.wear_sets import Regimes
 
@@ -165,8 +164,16 @@ class WearLaw(Law, ABC):
         """Return the law for friction multiplied by a factor; by default this law."""
         return self
 
-    def with_friction(self, friction: FrictionLaw) -> "WearLaw":
-        """Return the law that uses another friction law; by default this law."""
+    def with_friction(self, friction: FrictionLaw, x: np.ndarray, y: np.ndarray) -> "WearLaw":
+        """Return the law for a contact with this friction; by default this law.
+
+        Parameters
+        ----------
+        friction : FrictionLaw
+            The law on the rows of the mesh.
+        x, y : ndarray, shapes (n_x, 1) and (1, n_y)
+            Centres of the elements, mm.
+        """
         return self
 
     def under(self, conditions: WearConditions) -> "WearLaw":
@@ -338,17 +345,19 @@ class ArchardByWork(WearLaw):
         tribological axes.
     angle : float
         Angle beta of the first axis, counter-clockwise from x, radians.
-    friction : FallingCoulomb, optional
-        Falling friction: with lower friction an equal work needs a longer sliding distance.
-    length : float
-        Length of an element along x, mm, over which a memory of friction fades; 0: without memory.
+    friction : FrictionLaw, optional
+        Law whose `friction_factor` multiplies mu: with lower friction an equal work needs a longer
+        sliding distance. Constant friction by default.
+    x, y : ndarray, optional
+        Centres of the elements, mm; see `with_friction`.
     """
 
     intensity: tuple[float, float]
     mu: tuple[float, float]
     angle: float
-    friction: FallingCoulomb | None = None
-    length: float = 0.0
+    friction: FrictionLaw | None = None
+    x: np.ndarray | None = field(default=None, compare=False)
+    y: np.ndarray | None = field(default=None, compare=False)
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return the wear depth per rolling distance of both bodies; negative work counts as 0."""
@@ -359,9 +368,9 @@ class ArchardByWork(WearLaw):
         # Negative work along one axis must not leave the bounds of positive work along both.
         lower, upper = sorted((first, second))
         rate = np.sqrt(np.clip(squared, (lower * work) ** 2, (upper * work) ** 2))
-        if self.friction is None:
+        if self.friction is None or self.x is None or self.y is None:
             return rate
-        return rate / self.friction.friction_factor(pressure, slip, self.length)
+        return rate / self.friction.friction_factor(pressure, slip, self.x, self.y)
 
     def weakened(self, factor: float) -> "ArchardByWork":
         """Return the law for friction times a factor: less friction, longer sliding per work."""
@@ -369,11 +378,11 @@ class ArchardByWork(WearLaw):
             return replace(self, friction=self.friction.weakened(factor))
         return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
 
-    def with_friction(self, friction: FrictionLaw) -> "ArchardByWork":
-        """Return the law with another falling friction law; this law if it does not use one."""
-        if self.friction is None or not isinstance(friction, FallingCoulomb):
-            return self
-        return replace(self, friction=friction)
+    def with_friction(self, friction: FrictionLaw, x: np.ndarray, y: np.ndarray) -> "ArchardByWork":
+        """Return the law with the coefficients of this friction (`WearLaw.with_friction`)."""
+        frame, varies = friction.frame, type(friction) is not Coulomb
+        law = replace(self, mu=frame.mu, angle=frame.angle)
+        return replace(law, friction=friction, x=x, y=y) if varies else law
 
 
 JENDEL_BORDERS, JENDEL_LIMIT = (200.0, 700.0), 0.8
@@ -506,6 +515,8 @@ class WearMap(WearLaw):
         Rolling speed, mm/s.
     mu, angle : tuple of float and float
         See `ArchardByWork`.
+    unit : ArchardByWork, optional
+        Law with k = 1; by default with constant friction.
     """
 
     coefficients: tuple[float, float, float, float]
@@ -513,6 +524,7 @@ class WearMap(WearLaw):
     speed: float
     mu: tuple[float, float] = (1.0, 1.0)
     angle: float = 0.0
+    unit: ArchardByWork | None = field(default=None, metadata={"added": True})
     recorded_name = "tractive_sam.mechanics.wear_maps.ByChart"
 
     def rate(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
@@ -520,12 +532,16 @@ class WearMap(WearLaw):
 
         Parameters as in `WearLaw.rate`.
         """
-        unit = ArchardByWork((1.0 / self.hardness,) * 2, self.mu, self.angle)
         sliding = self.speed * np.hypot(*slip)
         k = chart(
             sliding, pressure / self.hardness, JENDEL_BORDERS, JENDEL_LIMIT, self.coefficients
         )
-        return k * unit.rate(pressure, traction, slip)
+        return k * self._unit.rate(pressure, traction, slip)
+
+    @property
+    def _unit(self) -> ArchardByWork:
+        """Law with k = 1."""
+        return self.unit or ArchardByWork((1.0 / self.hardness,) * 2, self.mu, self.angle)
 
     def per_load(self, pressure: np.ndarray, traction: np.ndarray, slip: np.ndarray) -> np.ndarray:
         """Return rate/pressure, the derivative in unchanged regimes, 1/MPa; 0 outside contact.
@@ -539,7 +555,11 @@ class WearMap(WearLaw):
 
     def weakened(self, factor: float) -> "WearMap":
         """Return the law for friction multiplied by a factor (`WearLaw.weakened`)."""
-        return replace(self, mu=(factor * self.mu[0], factor * self.mu[1]))
+        return replace(self, unit=self._unit.weakened(factor))
+
+    def with_friction(self, friction: FrictionLaw, x: np.ndarray, y: np.ndarray) -> "WearMap":
+        """Return the law with the coefficients of this friction (`WearLaw.with_friction`)."""
+        return replace(self, unit=self._unit.with_friction(friction, x, y))
 
 
 @dataclass(frozen=True)
@@ -626,9 +646,9 @@ class PerBody(WearLaw):
         """Return the laws for friction multiplied by a factor (`WearLaw.weakened`)."""
         return self.map_laws(lambda law: law.weakened(factor))
 
-    def with_friction(self, friction: FrictionLaw) -> "PerBody":
-        """Return the laws of both bodies with another friction law."""
-        return self.map_laws(lambda law: law.with_friction(friction))
+    def with_friction(self, friction: FrictionLaw, x: np.ndarray, y: np.ndarray) -> "PerBody":
+        """Return the laws of both bodies for this friction (`WearLaw.with_friction`)."""
+        return self.map_laws(lambda law: law.with_friction(friction, x, y))
 
     def under(self, conditions: WearConditions) -> "PerBody":
         """Return the laws of both bodies at a wear depth, a revolution and a temperature."""
