@@ -20,7 +20,7 @@ from numbers_of_benchmarks import TABLES
 from tables import format_table
 
 from tractive_sam.cli.program import app
-from tractive_sam.results import COLUMNS, FIELDS, STRESS
+from tractive_sam.results import COLUMNS, PACKAGE_FIELDS, STRESS
 from tractive_sam.rolling.wheel_rail import WHEEL_COLUMNS
 from tractive_sam.scene.scene import Scene
 from tractive_sam.schema import Key, KeyGroup, key_groups
@@ -85,7 +85,7 @@ def columns() -> str:
     for title, quantities in (
         ("Columns of the history", COLUMNS),
         ("Columns of a wheel on a rail", WHEEL_COLUMNS),
-        ("Fields", FIELDS.values()),
+        ("Fields", PACKAGE_FIELDS.values()),
         ("Stress", STRESS.values()),
     ):
         rows = ((f"`{q.name}`", q.unit, q.long_name, ", ".join(q.dims)) for q in quantities)

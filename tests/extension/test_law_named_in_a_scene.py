@@ -81,7 +81,8 @@ HOSTILE = (
     *("numpy.conftest:x", "scipy.conftest:x", "numpy:testing", "scipy:datasets", "six:moves"),
     *("ctypes:CDLL", "importlib:import_module", "runpy:run_path", "code:interact", "pdb:run"),
     *("pip._vendor.distlib.t64:x", "lib2to3.tests:x", "turtledemo.__main__:x", "webbrowser:open"),
-    *("tractive_sam.mechanics.friction:Coulomb", "tractive_sam:FallingCoulomb", "received:Film"),
+    *("tractive_sam.mechanics.friction:np", "tractive_sam:FallingCoulomb", "received:Film"),
+    *("tractive_sam.cli.program:app", "tractive_sam.compute.fftw:pyfftw", "tractive_sam.tests:x"),
     *("received:Drive", "received.__main__:Film", "xml.sax.expatreader:x", "film_laws.other:Film"),
 )
 """Names of modules that run a program, of functions, and of a module `received` on the path."""
@@ -429,3 +430,11 @@ class TestImports:
         modules = {name.partition(":")[0] for name in HOSTILE}
         assert not modules & (set(sys.modules) - before)
         assert not received.exists()
+
+
+def test_laws_of_the_package_need_no_permission():
+    key, wear = "tractive_sam.mechanics.wear:Energy", {"revolutions": 1, "per_work": [5e-6, 2e-6]}
+    named = DISCS.replace(wear={"law": key, **wear})
+    assert ts.Laws.of(named).wear == ts.Energy((5e-6, 2e-6), named.friction.frame.angle)
+    with pytest.raises(ts.SceneError, match=r"friction\.law.*FrictionLaw"):
+        ts.Laws.of(DISCS.replace(friction={"mu": 0.3, "law": key}))

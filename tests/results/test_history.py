@@ -9,7 +9,7 @@ import pytest
 import tractive_sam as ts
 from tests.store.sample_records import SCENE, STRESSED, make_record, mesh, with_stress
 from tractive_sam.results import caveats
-from tractive_sam.results.column_table import COLUMNS, FIELDS, HEAT_FIELDS, columns
+from tractive_sam.results.column_table import COLUMNS, FIELDS, PACKAGE_FIELDS, columns
 from tractive_sam.results.record import restart_fields
 from tractive_sam.results.stress import STRESS
 from tractive_sam.schema import PlausibilityWarning
@@ -226,7 +226,7 @@ def test_error_bars_are_of_scenes_that_ask_for_them(discs):
 
 
 def test_every_quantity_has_a_unit_and_a_name():
-    for one in (*COLUMNS, *FIELDS.values(), *STRESS.values()):
+    for one in (*COLUMNS, *PACKAGE_FIELDS.values(), *STRESS.values()):
         assert one.unit, one.name
         assert one.long_name, one.name
 
@@ -237,9 +237,7 @@ def test_forces_of_a_line_contact_are_per_length():
     assert area["p_max"] == line["p_max"]
 
 
-@pytest.mark.parametrize(
-    "one", [*COLUMNS, *FIELDS.values(), *HEAT_FIELDS.values()], ids=lambda q: q.name
-)
+@pytest.mark.parametrize("one", [*COLUMNS, *PACKAGE_FIELDS.values()], ids=lambda q: q.name)
 def test_quantities_can_be_sent_to_another_process(one):
     assert pickle.loads(pickle.dumps(one)) == one
 

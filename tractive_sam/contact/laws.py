@@ -1,7 +1,7 @@
 """The laws of mechanics of a scene: the one place that makes laws from its tables."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -263,9 +263,10 @@ def _friction(scene: Scene) -> Coulomb | None:
     sliding: SlidingShare | None = None
     speed, memory = 0.0, 0.0
     if table.falls:
-        sliding = (Rational if table.law == "rational" else Exponential)(
-            *required(table.share, "friction.kinetic")
-        )
+        shapes: dict[str, Callable[..., SlidingShare]] = {
+            "exponential": Exponential, "rational": Rational, "polach": Exponential
+        }  # fmt: skip
+        sliding = shapes[str(table.law)](*required(table.share, "friction.kinetic"))
     elif table.memory and table.temperature is not None:
         sliding = ConstantShare()
     if sliding is not None:
@@ -290,6 +291,7 @@ def _by_coefficient(scene: Scene, law: str, intensities: tuple[float, float]) ->
     frame = required(scene.friction, "friction").frame
     if law == "energy":
         return Energy(intensities, frame.angle)
+    assert law == "archard"
     if scene.solver.slip == "upwind":
         return Archard(intensities, frame.angle)
     return ArchardByWork(intensities, frame.mu, frame.angle)

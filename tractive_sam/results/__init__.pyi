@@ -4,7 +4,6 @@ from .column_table import BEFORE as BEFORE
 from .column_table import BOUND as BOUND
 from .column_table import COLUMNS as COLUMNS
 from .column_table import FIELDS as FIELDS
-from .column_table import HEAT_FIELDS as HEAT_FIELDS
 from .column_table import PACKAGE_FIELDS as PACKAGE_FIELDS
 from .column_table import PARTS as PARTS
 from .column_table import REVOLUTION as REVOLUTION

@@ -1,7 +1,8 @@
 """The columns and fields of records: names, units, descriptions, and how each is computed.
 
 This table defines the columns of the results file, of the JSON and the tables of `tractive-sam
-show`, and the labels of figures. A new column or stored field needs one line here.
+show`, and the labels of figures. A new column needs a line in `COLUMNS`, a new stored field a line
+in `MORE_FIELDS`.
 """
 
 import math
@@ -85,7 +86,7 @@ BEFORE = index_by_name(
 
 _warm = partial(Quantity, needs=("heat",), outside=math.nan)
 
-HEAT_FIELDS = index_by_name(
+MORE_FIELDS = index_by_name(
     (
         _warm("temperature_A", "degC", "temperature of the surface of body A",
               partial(read_heat, "temperature_A")),
@@ -94,11 +95,9 @@ HEAT_FIELDS = index_by_name(
         _warm("heat_into_A", "mW/mm2", "heat flux into body A", partial(read_heat, "into_A")),
     )
 )  # fmt: skip
-"""Fields stored for scenes with [heat]; resuming does not need them. They are not computed outside
-the mesh."""
+"""Fields stored for scenes that have what they need; resuming does not need them."""
 
-
-PACKAGE_FIELDS = {**FIELDS, **HEAT_FIELDS, BOUND.name: BOUND}
+PACKAGE_FIELDS = {**FIELDS, **MORE_FIELDS, BOUND.name: BOUND}
 """All fields that the package defines; other fields are user-defined."""
 
 
@@ -111,8 +110,8 @@ def storable_fields(scene: Scene) -> dict[str, Quantity]:
     elif scene.schedule.shifting:
         mixed = "slip of A relative to B, divided by the rolling speed; of a step that shifts, mm"
         shifted = vectors("slip", "1", mixed)
-    warm = {name: quantity for name, quantity in HEAT_FIELDS.items() if quantity.applies(scene)}
-    return FIELDS | index_by_name(shifted) | warm | {BOUND.name: BOUND}
+    more = {name: quantity for name, quantity in MORE_FIELDS.items() if quantity.applies(scene)}
+    return FIELDS | index_by_name(shifted) | more | {BOUND.name: BOUND}
 
 
 def _bars_of_damage(contact: State) -> Any:

@@ -10,7 +10,7 @@ from typing import Self
 import numpy as np
 
 from tractive_sam.mechanics import Frame
-from tractive_sam.results.column_table import BOUND, HEAT_FIELDS, PACKAGE_FIELDS
+from tractive_sam.results.column_table import BOUND, PACKAGE_FIELDS
 from tractive_sam.results.grid import Grid
 from tractive_sam.results.quantity import BODIES, COORDINATE, PREFIX, Quantity, find_by_role
 from tractive_sam.results.state import Cost, FlashTemperature, State, Status
@@ -368,7 +368,7 @@ def contact_of(history: HistoryData, row: int, fields: Mapping[str, np.ndarray])
         traction_bound=_complete_or_none(fields.get(BOUND.name)),
         laws=history.law_records,
     )
-    if all(name in fields for name in HEAT_FIELDS):
+    if {"heat_into_A", "temperature_A", "temperature_B"} <= fields.keys():
         into_A = fields["heat_into_A"]
         speed = required(history.scene.creepage.speed, "creepage.speed")
         heat = -speed * (contact.traction * contact.slip).sum(axis=0)

@@ -14,7 +14,7 @@ import numpy as np
 from tractive_sam.results.column_table import (
     BOUND,
     FIELDS,
-    HEAT_FIELDS,
+    MORE_FIELDS,
     PACKAGE_FIELDS,
     columns,
     storable_fields,
@@ -95,8 +95,9 @@ class Record:
         if not with_fields:
             return cls(values, names)
         fields, quantities = restart_fields(contact), storable_fields(contact.scene)
-        if contact.heat is not None:
-            fields |= {name: quantity.read(contact) for name, quantity in HEAT_FIELDS.items()}
+        for name in MORE_FIELDS:
+            if name in quantities and (array := quantities[name].read(contact)) is not None:
+                fields[name] = array
         for quantity, array in (user_fields or {}).items():
             fields[quantity.name] = array
             quantities[quantity.name] = quantity.with_units_of(contact.scene)

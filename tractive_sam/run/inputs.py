@@ -26,9 +26,8 @@ from tractive_sam.results import (
     COLUMNS,
     DERIVED,
     DIMS,
-    FIELDS,
-    HEAT_FIELDS,
     LABELS,
+    PACKAGE_FIELDS,
     Grid,
     Quantity,
     State,
@@ -113,7 +112,7 @@ def _reserved_names(laws: Laws | None) -> set[str]:
     stress = () if laws is None else stress_columns(laws.criterion)
     taken = {"status", "message", "record", "saved", "x", "y"}
     columns = {column.name for column in (*COLUMNS, *stress)}
-    return taken.union(columns, FIELDS, HEAT_FIELDS, LABELS, DERIVED)
+    return taken.union(columns, PACKAGE_FIELDS, LABELS, DERIVED)
 
 
 def _check_name(where: str, quantity: Quantity, taken: set[str]) -> None:

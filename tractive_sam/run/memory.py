@@ -11,7 +11,7 @@ from tractive_sam.contact import Model
 from tractive_sam.kernels.stress import COMPONENTS
 from tractive_sam.mechanics import HertzContact
 from tractive_sam.operators import layer_cache
-from tractive_sam.results import FIELDS
+from tractive_sam.results import storable_fields
 from tractive_sam.rolling import process_of, process_type
 from tractive_sam.schema import Fault, SceneError, required
 from tractive_sam.solvers import COUPLED, FIXED_PRESSURE, NEARBY
@@ -203,7 +203,8 @@ def records_bytes(model: Model) -> float:
     """Return the estimated memory of the records of a roll without a results file, bytes."""
     saved = len(model.scene.schedule.save)
     blocks = max(1, len(model.scene.duty))
-    return 8.0 * saved * blocks * len(FIELDS) * math.prod(model.grid.elements)
+    fields = len(storable_fields(model.scene))
+    return 8.0 * saved * blocks * fields * math.prod(model.grid.elements)
 
 
 def scene_bytes(model: Model) -> float:

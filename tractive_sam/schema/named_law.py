@@ -4,7 +4,8 @@ A table names a law as ``module:name``, or by an entry point of the group "tract
 further keys of the table are its parameters. Reading a scene imports nothing: only the form of the
 name is checked, and `build_law` imports the module when the law is needed. It imports only modules
 of registered laws and modules that the user allows (`allow_laws`), because importing a module runs
-its code. It calls only subclasses of the class that the table needs.
+its code. The modules of this package need no permission. It calls only subclasses of the class that
+the table needs.
 """
 
 import inspect
@@ -236,11 +237,15 @@ def load_law_class(key: str, law: NamedLaw, base: type[Any]) -> type[Any]:
     kind: Any
     module, _, name = law.name.partition(":")
     registered = (full for _, full in _registered_laws())
+    if module.startswith("tractive_sam.") and "__main__" not in module:
+        with suppress(ImportError):
+            import_module(module)
     if _ALLOWED.isdisjoint((module, law.name)) and law.name not in registered:
         # A lookup in the module itself: its `__getattr__` could import other modules.
         loaded = sys.modules.get(module)
         kind = object.__getattribute__(loaded, "__dict__").get(name) if loaded else None
-        if not issubclass(type(kind), type) or str(kind.__module__).startswith("tractive_sam."):
+        passed_on = str(getattr(kind, "__module__", "")).startswith("tractive_sam.")
+        if not issubclass(type(kind), type) or (passed_on and kind.__module__ != module):
             cure = f"--allow {law.name} or ts.allow_laws({law.name!r}) if you trust this code"
             cure = "a module __main__ is never imported" if "__main__" in module else cure
             allowed = f"a law that an installed package registers; {cure}"
